@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "cli/suggestion.h"
+#include "cli/try.h"
 #include "ctl/ask.h"
 #include "ctl/status_view.h"
 
@@ -29,28 +30,24 @@ Result<Target> target(const Arguments& arguments) {
   const char* const environment = client::process_environment("DTSD_KEY");
   const std::string file = !arguments.key_file.empty() || environment == nullptr ? arguments.key_file : environment;
   if (!file.empty()) {
-    auto key = client::read_key(file);
-    if (!key) return tl::make_unexpected(key.error());
+    DTS_TRY_ASSIGN(auto key, client::read_key(file));
     if (wishes.control.empty() && wishes.data.empty()) {
-      if (key->control.empty()) {
+      if (key.control.empty()) {
         return client::fail(client::ErrorCode::InvalidArgument,
                             file + " contains no address: the daemon accepted no other machines when the key was made",
                             "give --endpoint tcp://HOST:PORT, or add [network] to the daemon's configuration and make a new key");
       }
-      wishes = {.control = key->control, .data = key->data};
+      wishes = {.control = key.control, .data = key.data};
     }
-    found.key = std::move(*key);
+    found.key = std::move(key);
   }
-  auto endpoints = client::find_endpoints(wishes);
-  if (!endpoints) return tl::make_unexpected(endpoints.error());
-  found.endpoints = std::move(*endpoints);
+  DTS_TRY_ASSIGN(found.endpoints, client::find_endpoints(wishes));
   return found;
 }
 
 Result<ControlClient> connect(const Arguments& arguments) {
-  const auto where = target(arguments);
-  if (!where) return tl::make_unexpected(where.error());
-  client::ControlOptions options{.endpoint = where->endpoints.control, .key = where->key};
+  DTS_TRY_ASSIGN(const auto where, target(arguments));
+  client::ControlOptions options{.endpoint = where.endpoints.control, .key = where.key};
   if (arguments.timeout_s) options.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0));
   return ControlClient::open(options);
 }

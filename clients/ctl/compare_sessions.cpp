@@ -11,6 +11,7 @@
 
 #include "cli/json.h"
 #include "cli/table.h"
+#include "cli/try.h"
 #include "ctl/ask.h"
 #include "ctl/recording_view.h"
 
@@ -59,15 +60,13 @@ client::Result<std::vector<v1::SessionRecord>> ask_sessions(client::ControlClien
     request.set_subject(wishes.subject);
     request.set_protocol(wishes.protocol);
     request.set_limit(kMostCompared);
-    const auto listed = dts.list_sessions(request);
-    if (!listed) return tl::make_unexpected(listed.error());
-    for (const v1::SessionRecord& session : listed->sessions()) ids.push_back(session.session_id());
+    DTS_TRY_ASSIGN(const auto listed, dts.list_sessions(request));
+    for (const v1::SessionRecord& session : listed.sessions()) ids.push_back(session.session_id());
   }
   std::vector<v1::SessionRecord> sessions;
   for (const std::string& id : ids) {
-    auto session = dts.show_session(id);
-    if (!session) return tl::make_unexpected(session.error());
-    sessions.push_back(std::move(*session));
+    DTS_TRY_ASSIGN(auto session, dts.show_session(id));
+    sessions.push_back(std::move(session));
   }
   if (wishes.ids.empty()) left_out = keep_comparable(sessions);
   std::ranges::stable_sort(sessions, {}, [](const v1::SessionRecord& session) { return session.started_utc_ns(); });

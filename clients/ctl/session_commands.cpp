@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/suggestion.h"
+#include "cli/try.h"
 #include "ctl/ask.h"
 #include "ctl/recording_view.h"
 #include "ctl/session_view.h"
@@ -128,9 +129,7 @@ int run_session_list(const Arguments& arguments, cli::Console& console) {
     auto sessions = dts.list_sessions(request);
     if (!sessions || sessions->sessions_size() > 0 || arguments.rig.empty()) return sessions;
     // A rig that was removed may still have sessions. A name without a rig and without sessions is a typing error.
-    if (const auto rig = dts.status().and_then([&](const auto& status) { return find_rig(status, arguments.rig); }); !rig) {
-      return tl::make_unexpected(rig.error());
-    }
+    DTS_TRY(dts.status().and_then([&](const auto& status) { return find_rig(status, arguments.rig); }));
     return sessions;
   };
   return ask_and_print(arguments, console, ask, [&](const v1::ListSessionsResponse& sessions) {

@@ -23,6 +23,7 @@
 #include <utility>
 
 #include "cli/exit_status.h"
+#include "cli/try.h"
 #include "dts/endpoints.h"
 #include "gateway/archive/work_folder.h"
 #include "gateway/bus/hub.h"
@@ -182,23 +183,14 @@ client::Result<std::filesystem::path> Gateway::cache_directory() {
 }
 
 client::Result<void> Gateway::open_parts() {
-  auto root = web_root(options_);
-  if (!root) return tl::make_unexpected(root.error());
-  auto files = StaticFiles::load(*root);
-  if (!files) return tl::make_unexpected(files.error());
-  files_ = std::move(*files);
-  auto access_wanted = access_options(options_);
-  if (!access_wanted) return tl::make_unexpected(access_wanted.error());
-  access_wanted->log = log_;
-  access_wanted->note = [this](const LoginNote& note) { enter(note); };
-  auto access = AccessControl::open(io_, *access_wanted);
-  if (!access) return tl::make_unexpected(access.error());
-  access_ = std::move(*access);
-  const auto cache = cache_directory();
-  if (!cache) return tl::make_unexpected(cache.error());
-  auto archive = Archive::open(io_, {.cache_directory = *cache}, find_session_through(commands_));
-  if (!archive) return tl::make_unexpected(archive.error());
-  archive_ = std::move(*archive);
+  DTS_TRY_ASSIGN(auto root, web_root(options_));
+  DTS_TRY_ASSIGN(files_, StaticFiles::load(root));
+  DTS_TRY_ASSIGN(auto access_wanted, access_options(options_));
+  access_wanted.log = log_;
+  access_wanted.note = [this](const LoginNote& note) { enter(note); };
+  DTS_TRY_ASSIGN(access_, AccessControl::open(io_, access_wanted));
+  DTS_TRY_ASSIGN(const auto cache, cache_directory());
+  DTS_TRY_ASSIGN(archive_, Archive::open(io_, {.cache_directory = cache}, find_session_through(commands_)));
   std::function<std::string()> metrics;
   if (options_.has_metrics) metrics = [this] { return metrics_text(hub_.status(), counts()); };
   routes_ = std::make_unique<Routes>(*access_, *archive_, files_, std::move(metrics));
@@ -206,19 +198,14 @@ client::Result<void> Gateway::open_parts() {
 }
 
 client::Result<void> Gateway::start_reader() {
-  auto reader = BusReader::start(endpoints_.data, [this](BusItem item) { pass(std::move(item)); });
-  if (!reader) return tl::make_unexpected(reader.error());
-  reader_ = std::move(*reader);
+  DTS_TRY_ASSIGN(reader_, BusReader::start(endpoints_.data, [this](BusItem item) { pass(std::move(item)); }));
   return {};
 }
 
 client::Result<void> Gateway::open() {
-  const auto wanted = server_options(options_);
-  if (!wanted) return tl::make_unexpected(wanted.error());
-  if (auto opened = open_parts(); !opened) return opened;
-  auto server = Server::open(io_, *wanted, hooks());
-  if (!server) return tl::make_unexpected(server.error());
-  server_ = std::move(*server);
+  DTS_TRY_ASSIGN(const auto wanted, server_options(options_));
+  DTS_TRY(open_parts());
+  DTS_TRY_ASSIGN(server_, Server::open(io_, wanted, hooks()));
   return start_reader();
 }
 

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "cli/try.h"
 #include "gateway/access/user_file.h"
 
 namespace dts::gateway {
@@ -43,18 +44,17 @@ client::Result<v1::Role> parse_role(const std::string& name) {
 }  // namespace
 
 client::Result<ServerOptions> server_options(const Options& options) {
-  auto listen = parse_listen(options.listen);
-  if (!listen) return tl::make_unexpected(listen.error());
+  DTS_TRY_ASSIGN(auto listen, parse_listen(options.listen));
   if (options.certificate_file.empty() != options.key_file.empty()) {
     return client::fail(ErrorCode::InvalidArgument, "TLS requires a certificate and its key", "give --tls-certificate and --tls-key");
   }
-  if (!is_loopback(listen->first) && (options.certificate_file.empty() || options.users_file.empty())) {
+  if (!is_loopback(listen.first) && (options.certificate_file.empty() || options.users_file.empty())) {
     return client::fail(ErrorCode::InvalidArgument,
                         "'" + options.listen + "' can be reached from other machines: this requires TLS and users",
                         "give --tls-certificate, --tls-key and --users, or listen on 127.0.0.1");
   }
-  return ServerOptions{.address = listen->first,
-                       .port = listen->second,
+  return ServerOptions{.address = listen.first,
+                       .port = listen.second,
                        .certificate_file = options.certificate_file,
                        .key_file = options.key_file,
                        .host_names = options.host_names};
@@ -62,13 +62,12 @@ client::Result<ServerOptions> server_options(const Options& options) {
 
 client::Result<AccessOptions> access_options(const Options& options) {
   const std::string fallback = options.users_file.empty() ? "operator" : "none";
-  const auto role = parse_role(options.local_role.empty() ? fallback : options.local_role);
-  if (!role) return tl::make_unexpected(role.error());
-  if (*role == v1::ROLE_UNSPECIFIED && options.users_file.empty()) {
+  DTS_TRY_ASSIGN(const auto role, parse_role(options.local_role.empty() ? fallback : options.local_role));
+  if (role == v1::ROLE_UNSPECIFIED && options.users_file.empty()) {
     return client::fail(ErrorCode::InvalidArgument, "no user could log in: no users file and no local role",
                         "give --users or --local-role");
   }
-  return AccessOptions{.users_file = options.users_file, .local_role = *role};
+  return AccessOptions{.users_file = options.users_file, .local_role = role};
 }
 
 client::Result<std::string> web_root(const Options& options) {

@@ -15,6 +15,7 @@
 #include "curve.h"
 #include "dts/endpoints.h"
 #include "dts/wire/options.h"
+#include "try.h"
 #include "wire_check.h"
 
 namespace dts::client {
@@ -110,14 +111,13 @@ Result<v1::Response> ControlClient::Implementation::answer(v1::Request&& request
     return fail(ErrorCode::InvalidArgument, "the request has no command that this version knows");
   }
   try {
-    auto response = exchange(std::move(request), stop);
-    if (!response) return response;
-    if (response->has_error()) return tl::make_unexpected(to_error(response->error()));
-    if (static_cast<int>(response->result_case()) != wanted->number()) {
+    DTS_TRY_ASSIGN(auto response, exchange(std::move(request), stop));
+    if (response.has_error()) return tl::make_unexpected(to_error(response.error()));
+    if (static_cast<int>(response.result_case()) != wanted->number()) {
       return fail(ErrorCode::DataDamaged, "the answer of the daemon does not match the command",
                   "check that dtsd and this program have the same version");
     }
-    if (auto valid = check(*response); !valid) return tl::make_unexpected(valid.error());
+    DTS_TRY(check(response));
     return response;
   } catch (const zmq::error_t& error) {
     const bool is_address = error.num() == EINVAL || error.num() == EPROTONOSUPPORT || error.num() == ENODEV;
@@ -131,7 +131,7 @@ milliseconds ControlClient::Implementation::timeout_of(const v1::Request& reques
 }
 
 Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& request, const std::stop_token& stop) {
-  if (auto somebody = probe(options_.endpoint); !somebody) return tl::make_unexpected(somebody.error());
+  DTS_TRY(probe(options_.endpoint));
   if (request.request_id().empty()) request.set_request_id(new_request_id());
   const std::string bytes = bytes_of(request);
   // protobuf serialises invalid UTF-8 without an error, but the daemon cannot parse it, so such a request would never be answered.
@@ -212,7 +212,7 @@ tl::unexpected<Error> ControlClient::Implementation::unreachable(milliseconds ti
 }
 
 Result<ControlClient> ControlClient::open(const ControlOptions& options) {
-  if (auto valid = check_options(options); !valid) return tl::make_unexpected(valid.error());
+  DTS_TRY(check_options(options));
   return ControlClient(std::make_unique<Implementation>(options));
 }
 
@@ -238,9 +238,8 @@ Result<std::unique_ptr<google::protobuf::Message>> ControlClient::answer_to(cons
   if (field == nullptr || field->message_type() != &answer) {
     return fail(ErrorCode::InvalidArgument, command.GetTypeName() + " is not a command with the answer " + std::string(answer.full_name()));
   }
-  auto response = forward(request);
-  if (!response) return tl::make_unexpected(response.error());
-  return std::unique_ptr<google::protobuf::Message>(response->GetReflection()->ReleaseMessage(&*response, field));
+  DTS_TRY_ASSIGN(auto response, forward(request));
+  return std::unique_ptr<google::protobuf::Message>(response.GetReflection()->ReleaseMessage(&response, field));
 }
 
 Result<v1::StatusSnapshot> ControlClient::status() { return call<v1::StatusSnapshot>(v1::StatusRequest()); }

@@ -2,15 +2,15 @@
 #include "data_source.h"
 
 #include "ipc_source.h"
+#include "try.h"
 #include "zmq_source.h"
 
 namespace dts::client {
 
 Result<std::unique_ptr<DataSource>> open_source(const SourceOptions& options) {
   if (options.endpoint.starts_with("ipc://")) {
-    auto source = IpcSource::open(options);
-    if (!source) return tl::make_unexpected(source.error());
-    return std::move(*source);
+    DTS_TRY_ASSIGN(auto source, IpcSource::open(options));
+    return source;
   }
   try {
     return std::make_unique<ZmqSource>(options);

@@ -14,6 +14,8 @@
 #include <string_view>
 #include <system_error>
 
+#include "try.h"
+
 namespace dts::client {
 namespace {
 
@@ -112,7 +114,7 @@ Result<Endpoints> find_endpoints(const EndpointWishes& wishes, const Environment
   if (found->data.empty()) found->data = data;
   for (const std::string& address : {found->control, found->data}) {
     if (address.empty()) continue;
-    if (auto valid = check_address(address, found->origin); !valid) return tl::make_unexpected(valid.error());
+    DTS_TRY(check_address(address, found->origin));
   }
   return found;
 }

@@ -15,6 +15,8 @@
 #include <system_error>
 #include <utility>
 
+#include "try.h"
+
 namespace dts::client {
 namespace {
 
@@ -85,10 +87,9 @@ Result<Key> new_key(const std::string& name) {
 }
 
 Result<Key> read_key(const std::string& file) {
-  if (auto closed = check_mode(file); !closed) return tl::make_unexpected(closed.error());
-  const auto text = read_text(file);
-  if (!text) return tl::make_unexpected(text.error());
-  return parse(*text, file);
+  DTS_TRY(check_mode(file));
+  DTS_TRY_ASSIGN(const auto text, read_text(file));
+  return parse(text, file);
 }
 
 std::string key_text(const Key& key) {

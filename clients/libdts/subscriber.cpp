@@ -10,6 +10,7 @@
 
 #include "data_source.h"
 #include "inbox.h"
+#include "try.h"
 #include "wire_check.h"
 
 namespace dts::client {
@@ -58,7 +59,7 @@ Result<void> check_options(const SubscriberOptions& options) {
   if (options.endpoint.empty()) {
     return fail(ErrorCode::InvalidArgument, "the data address of the daemon is not known", "give it with --data URI or DTSD_DATA");
   }
-  if (auto valid = check_topics(options.topics); !valid) return valid;
+  DTS_TRY(check_topics(options.topics));
   if (options.queue_messages < 1 || options.queue_messages > kMaxQueue) {
     return fail(ErrorCode::InvalidArgument, "queue_messages must be from 1 to " + std::to_string(kMaxQueue));
   }
@@ -104,12 +105,13 @@ class Subscriber::Implementation {
 };
 
 Result<void> Subscriber::Implementation::connect() {
-  auto source = open_source(
-      {.endpoint = options_.endpoint, .queue_messages = options_.queue_messages, .largest_message = kDataSocketBytes, .key = options_.key});
-  if (!source) return tl::make_unexpected(source.error());
-  (*source)->subscribe(std::string(kStatusTopic));
-  for (const std::string& prefix : options_.topics) (*source)->subscribe(prefix);
-  source_ = std::move(*source);
+  DTS_TRY_ASSIGN(auto source, open_source({.endpoint = options_.endpoint,
+                                           .queue_messages = options_.queue_messages,
+                                           .largest_message = kDataSocketBytes,
+                                           .key = options_.key}));
+  source->subscribe(std::string(kStatusTopic));
+  for (const std::string& prefix : options_.topics) source->subscribe(prefix);
+  source_ = std::move(source);
   note_life();
   return {};
 }
@@ -183,9 +185,9 @@ bool Subscriber::Implementation::wait(Clock::time_point deadline) {
 }
 
 Result<Subscriber> Subscriber::open(const SubscriberOptions& options) {
-  if (auto valid = check_options(options); !valid) return tl::make_unexpected(valid.error());
+  DTS_TRY(check_options(options));
   auto implementation = std::make_unique<Implementation>(options);
-  if (auto connected = implementation->connect(); !connected) return tl::make_unexpected(connected.error());
+  DTS_TRY(implementation->connect());
   return Subscriber(std::move(implementation));
 }
 
@@ -204,7 +206,7 @@ Result<std::optional<Message>> Subscriber::receive(milliseconds timeout) {
 }
 
 Result<void> Subscriber::set_topics(const std::vector<std::string>& topics) {
-  if (auto valid = check_topics(topics); !valid) return valid;
+  DTS_TRY(check_topics(topics));
   try {
     implementation_->set_topics(topics);
     return {};

@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "try.h"
+
 namespace dts::client {
 namespace {
 
@@ -67,44 +69,44 @@ bool is_well_formed(const v1::StreamBlock& block) noexcept {
 
 Result<void> check(const v1::RigInfo& rig) {
   if (!is_name(rig.name())) return damaged("a rig has no valid name");
-  if (auto few = check_count(rig.sensors_size(), kMaxChannels, "sensors"); !few) return few;
-  if (auto few = check_count(rig.streams_size(), kMaxStreams, "streams"); !few) return few;
+  DTS_TRY(check_count(rig.sensors_size(), kMaxChannels, "sensors"));
+  DTS_TRY(check_count(rig.streams_size(), kMaxStreams, "streams"));
   for (const v1::StreamFormat& stream : rig.streams()) {
-    if (auto valid = check_stream(stream); !valid) return valid;
+    DTS_TRY(check_stream(stream));
   }
   return {};
 }
 
 Result<void> check(const v1::StatusSnapshot& status) {
   if (status.instance_id() == 0) return damaged("the instance ID is missing");
-  if (auto few = check_count(status.rigs_size(), kMaxRigs, "rigs"); !few) return few;
-  if (auto few = check_count(status.notices_size(), kMaxTexts, "notices"); !few) return few;
+  DTS_TRY(check_count(status.rigs_size(), kMaxRigs, "rigs"));
+  DTS_TRY(check_count(status.notices_size(), kMaxTexts, "notices"));
   for (const v1::RigStatus& rig : status.rigs()) {
-    if (auto valid = check(rig.rig()); !valid) return valid;
-    if (auto few = check_count(rig.losses_size(), kMaxTexts, "causes of losses"); !few) return few;
-    if (auto few = check_count(rig.latency().buckets_size(), kMaxTexts, "latency buckets"); !few) return few;
+    DTS_TRY(check(rig.rig()));
+    DTS_TRY(check_count(rig.losses_size(), kMaxTexts, "causes of losses"));
+    DTS_TRY(check_count(rig.latency().buckets_size(), kMaxTexts, "latency buckets"));
     if (!rig.session().has_trial()) continue;
-    if (auto valid = check(rig.session().trial()); !valid) return valid;
+    DTS_TRY(check(rig.session().trial()));
   }
   if (!v1::DiskState_IsValid(status.disk().state())) return damaged("the state of the disk is unknown");
   return check_amount(status.disk().recordable_s(), "the recordable time");
 }
 
 Result<void> check(const v1::ListRigsResponse& rigs) {
-  if (auto few = check_count(rigs.rigs_size(), kMaxRigs, "rigs"); !few) return few;
+  DTS_TRY(check_count(rigs.rigs_size(), kMaxRigs, "rigs"));
   for (const v1::RigInfo& rig : rigs.rigs()) {
-    if (auto valid = check(rig); !valid) return valid;
+    DTS_TRY(check(rig));
   }
   return {};
 }
 
 Result<void> check(const v1::GetDevicesResponse& devices) {
-  if (auto few = check_count(devices.devices_size(), kMaxTexts, "devices"); !few) return few;
+  DTS_TRY(check_count(devices.devices_size(), kMaxTexts, "devices"));
   return check_count(devices.kinds_size(), kMaxTexts, "kinds of device");
 }
 
 Result<void> check(const v1::TestDeviceResponse& test) {
-  if (auto few = check_count(test.checks_size(), kMaxTexts, "checks"); !few) return few;
+  DTS_TRY(check_count(test.checks_size(), kMaxTexts, "checks"));
   return check_count(test.channels_size(), kMaxChannels, "channels");
 }
 

@@ -74,17 +74,15 @@ std::optional<std::int64_t> utc_of(const std::optional<std::int64_t>& host_ns, c
 }
 
 core::Status read_part(const std::string& path, Waiting& waiting, const Share& share, SessionData& session) {
-  auto opened = record::Recording::open(path);
-  if (!opened) return tl::make_unexpected(opened.error());
+  DTS_TRY_ASSIGN(auto opened, record::Recording::open(path));
   const double middle = share.begin + (share.end - share.begin) / 3.0;
-  if (session.parts.empty()) session.facts = (*opened)->session();
-  if (!(*opened)->find_stream("cop")) {
+  if (session.parts.empty()) session.facts = opened->session();
+  if (!opened->find_stream("cop")) {
     return core::fail(core::ErrorCode::NotFound, "'" + path + "' has no centre of pressure: reports exist only for the floor platform",
                       "for a session of the chair, show the results: dtsctl session show ID");
   }
-  auto part = check_part(path, **opened, waiting, {.begin = share.begin, .end = middle});
-  if (!part) return tl::make_unexpected(part.error());
-  WatchedRecording recording(**opened, [&waiting] { return waiting.is_wanted(); });
+  DTS_TRY_ASSIGN(auto part, check_part(path, *opened, waiting, {.begin = share.begin, .end = middle}));
+  WatchedRecording recording(*opened, [&waiting] { return waiting.is_wanted(); });
   auto standing =
       session::read_recorded_standing(recording, [&](double fraction) { waiting.report({.begin = middle, .end = share.end}, fraction); });
   if (!waiting.is_wanted()) return interrupted();
@@ -99,7 +97,7 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
   }
   // A resumed session has figures for its parts; only figures for the whole session are comparable with those computed here.
   for (session::SessionFigure& figure : standing->told_figures) session.summary.push_back(std::move(figure));
-  session.parts.push_back(std::move(*part));
+  session.parts.push_back(std::move(part));
   return {};
 }
 
@@ -195,9 +193,7 @@ core::Result<SessionData> read_session(const ReportSource& source, const ReportP
   const double share = kReadingShare / static_cast<double>(source.files.size());
   for (std::size_t part = 0; part < source.files.size(); ++part) {
     const double begin = share * static_cast<double>(part);
-    if (auto read = read_part(source.files[part], waiting, {.begin = begin, .end = begin + share}, session); !read) {
-      return tl::make_unexpected(read.error());
-    }
+    DTS_TRY(read_part(source.files[part], waiting, {.begin = begin, .end = begin + share}, session));
   }
   if (session.facts) {
     session.plate = recorded_plate(*session.facts);

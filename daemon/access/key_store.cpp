@@ -61,12 +61,10 @@ std::optional<ClientKey> found(const std::vector<ClientKey>& keys, const std::st
 }  // namespace
 
 core::Result<std::unique_ptr<KeyStore>> KeyStore::open(const std::string& directory) {
-  if (auto prepared = prepare_folder(directory); !prepared) return tl::make_unexpected(prepared.error());
+  DTS_TRY(prepare_folder(directory));
   std::unique_ptr<KeyStore> store(new KeyStore(directory));
-  if (auto loaded = store->load_server(); !loaded) return tl::make_unexpected(loaded.error());
-  auto keys = store->read();
-  if (!keys) return tl::make_unexpected(keys.error());
-  store->keys_ = std::move(*keys);
+  DTS_TRY(store->load_server());
+  DTS_TRY_ASSIGN(store->keys_, store->read());
   return store;
 }
 
@@ -96,7 +94,7 @@ core::Result<std::vector<ClientKey>> KeyStore::read() const {
 }
 
 core::Status KeyStore::write(std::vector<ClientKey> keys) {
-  if (auto written = files::write_whole_file(client_file(), client_keys_text(keys), kFileMode); !written) return written;
+  DTS_TRY(files::write_whole_file(client_file(), client_keys_text(keys), kFileMode));
   replace(std::move(keys));
   return {};
 }
@@ -121,9 +119,7 @@ core::Status KeyStore::add(const ClientKey& key) {
   if (role_word(key.role) == "none")
     return core::fail(core::ErrorCode::InvalidArgument, "the key has no role", "choose a role: viewer, operator or engineer");
   const std::lock_guard change(change_mutex_);
-  auto known = read();
-  if (!known) return tl::make_unexpected(known.error());
-  std::vector<ClientKey>& all = *known;
+  DTS_TRY_ASSIGN(auto all, read());
   if (found(all, key.name, &ClientKey::name)) {
     return core::fail(core::ErrorCode::WrongState, "a key named '" + key.name + "' exists already",
                       "revoke it first: dtsctl key revoke " + key.name);
@@ -139,19 +135,17 @@ core::Status KeyStore::add(const ClientKey& key) {
 
 core::Status KeyStore::revoke(const std::string& name) {
   const std::lock_guard change(change_mutex_);
-  auto all = read();
-  if (!all) return tl::make_unexpected(all.error());
-  if (std::erase_if(*all, [&](const ClientKey& key) { return key.name == name; }) == 0) {
+  DTS_TRY_ASSIGN(auto all, read());
+  if (std::erase_if(all, [&](const ClientKey& key) { return key.name == name; }) == 0) {
     return core::fail(core::ErrorCode::NotFound, "there is no key '" + name + "'", "list the keys: dtsctl key list");
   }
-  return write(std::move(*all));
+  return write(std::move(all));
 }
 
 core::Status KeyStore::reload() {
   const std::lock_guard change(change_mutex_);
-  auto fresh = read();
-  if (!fresh) return tl::make_unexpected(fresh.error());
-  replace(std::move(*fresh));
+  DTS_TRY_ASSIGN(auto fresh, read());
+  replace(std::move(fresh));
   return {};
 }
 

@@ -182,13 +182,11 @@ struct Folders {
 };
 
 core::Result<Folders> take_folders(const DaemonConfig& config) {
-  if (auto made = prepare_directory(config.runtime_directory); !made) return tl::make_unexpected(made.error());
-  auto runtime = DirectoryLock::take(config.runtime_directory);
-  if (!runtime) return tl::make_unexpected(runtime.error());
-  if (auto made = prepare_directory(config.storage.directory, "DTSD_STATE_DIR"); !made) return tl::make_unexpected(made.error());
-  auto state = DirectoryLock::take(config.storage.directory, "DTSD_STATE_DIR");
-  if (!state) return tl::make_unexpected(state.error());
-  return Folders{std::move(*runtime), std::move(*state)};
+  DTS_TRY(prepare_directory(config.runtime_directory));
+  DTS_TRY_ASSIGN(auto runtime, DirectoryLock::take(config.runtime_directory));
+  DTS_TRY(prepare_directory(config.storage.directory, "DTSD_STATE_DIR"));
+  DTS_TRY_ASSIGN(auto state, DirectoryLock::take(config.storage.directory, "DTSD_STATE_DIR"));
+  return Folders{std::move(runtime), std::move(state)};
 }
 
 /// Returns notices for the log and the status: what the configuration asks for and this machine cannot do.
@@ -211,20 +209,19 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   if (!folders) return tl::make_unexpected(folders.error());
   std::vector<std::string> notices = first_notices(config, !rigs.empty());
   ::umask(0007);  // sockets, catalogue and recordings: only for owner and group
-  auto recordings = session::Recordings::open(config.storage, clock, log);
-  if (!recordings) return tl::make_unexpected(recordings.error());
-  if (!(*recordings)->notice().empty()) notices.push_back((*recordings)->notice());
+  DTS_TRY_ASSIGN(auto recordings, session::Recordings::open(config.storage, clock, log));
+  if (!recordings->notice().empty()) notices.push_back(recordings->notice());
   const std::string boot = boot_id();
   core::Worker worker("analyse");
   session::Supervisor supervisor(clock, log, &usb,
-                                 {.recordings = **recordings,
+                                 {.recordings = *recordings,
                                   .worker = worker,
                                   .protocols = config.protocols,
                                   .software = "dtsd " + std::string(version()),
                                   .boot_id = boot,
                                   .planned_trials = files::planned_trials});
   for (auto& rig : rigs) {
-    if (auto added = supervisor.add(std::move(rig)); !added) return added;
+    DTS_TRY(supervisor.add(std::move(rig)));
   }
   const ipc::Identity identity{
       .instance_id = random_id(), .version = std::string(version()), .boot_id = boot, .started_ns = clock.now_ns()};
@@ -236,15 +233,14 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   zmq::context_t context(config.network ? 2 : 1);  // network threads: the second one serves other machines (ipc::bind_remote)
   // Not with [network]: the policy applies to all threads of libzmq, and work caused by remote clients must not delay the recorder.
   if (!config.network) schedule_zmq(context, config.realtime.policy(3));
-  auto sockets = Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()), log);
-  if (!sockets) return tl::make_unexpected(sockets.error());
-  ipc::PublishThread publisher(std::move(sockets->data), bell, supervisor.rigs(), clock, identity.instance_id);
+  DTS_TRY_ASSIGN(auto sockets, Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()), log));
+  ipc::PublishThread publisher(std::move(sockets.data), bell, supervisor.rigs(), clock, identity.instance_id);
   for (std::string& refused : publisher.start(config.realtime.policy(2))) notices.push_back(std::move(refused));
   for (const std::string& notice : notices) log.warning(notice);
   ipc::CommandHandler handler(supervisor, clock, identity, notices,
                               {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},
-                              sockets->authenticator.get());
-  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, log);
+                              sockets.authenticator.get());
+  ipc::ControlServer server(std::move(sockets.control), access::Gate(keys), supervisor, handler, publisher, clock, log);
 
   supervisor.start();
   supervisor.resume_interrupted();

@@ -17,16 +17,13 @@ core::Result<std::unique_ptr<ipc::DataSocket>> bind_data(zmq::context_t& context
                                                          const std::optional<ipc::RemoteEndpoint>& remote, const core::Clock& clock,
                                                          int queue_messages, const core::Log& log) {
   if (!endpoint.starts_with("ipc://")) {
-    auto socket = ipc::XpubSocket::bind(context, endpoint, queue_messages, remote);
-    if (!socket) return tl::make_unexpected(socket.error());
-    return std::move(*socket);
+    DTS_TRY_ASSIGN(auto socket, ipc::XpubSocket::bind(context, endpoint, queue_messages, remote));
+    return socket;
   }
-  auto local = ipc::LocalPublisher::bind(endpoint, clock, log);
-  if (!local) return tl::make_unexpected(local.error());
-  if (!remote) return std::move(*local);
-  auto socket = ipc::XpubSocket::bind(context, "", queue_messages, remote);
-  if (!socket) return tl::make_unexpected(socket.error());
-  return std::make_unique<ipc::SplitSocket>(std::move(*local), std::move(*socket));
+  DTS_TRY_ASSIGN(auto local, ipc::LocalPublisher::bind(endpoint, clock, log));
+  if (!remote) return local;
+  DTS_TRY_ASSIGN(auto socket, ipc::XpubSocket::bind(context, "", queue_messages, remote));
+  return std::make_unique<ipc::SplitSocket>(std::move(local), std::move(socket));
 }
 
 }  // namespace
@@ -36,21 +33,15 @@ core::Result<Sockets> Sockets::bind(zmq::context_t& context, const DaemonConfig&
   Sockets sockets;
   std::optional<ipc::RemoteEndpoint> remote_data;
   if (config.network) {
-    auto authenticator = access::Authenticator::start(context, *keys, clock);  // before any client can connect
-    if (!authenticator) return tl::make_unexpected(authenticator.error());
-    sockets.authenticator = std::move(*authenticator);
+    DTS_TRY_ASSIGN(sockets.authenticator, access::Authenticator::start(context, *keys, clock));  // before any client can connect
     remote_data = ipc::RemoteEndpoint{config.network->data_endpoint, keys->server()};
   }
-  auto data = bind_data(context, config.data_endpoint, remote_data, clock, queue_messages, log);
-  if (!data) return tl::make_unexpected(data.error());
-  sockets.data = std::move(*data);
-  auto local = ipc::ControlSocket::bind(context, config.control_endpoint);
-  if (!local) return tl::make_unexpected(local.error());
-  sockets.control.push_back(std::move(*local));
+  DTS_TRY_ASSIGN(sockets.data, bind_data(context, config.data_endpoint, remote_data, clock, queue_messages, log));
+  DTS_TRY_ASSIGN(auto local, ipc::ControlSocket::bind(context, config.control_endpoint));
+  sockets.control.push_back(std::move(local));
   if (!config.network) return sockets;
-  auto remote = ipc::ControlSocket::bind(context, ipc::RemoteEndpoint{config.network->control_endpoint, keys->server()});
-  if (!remote) return tl::make_unexpected(remote.error());
-  sockets.control.push_back(std::move(*remote));
+  DTS_TRY_ASSIGN(auto remote, ipc::ControlSocket::bind(context, ipc::RemoteEndpoint{config.network->control_endpoint, keys->server()}));
+  sockets.control.push_back(std::move(remote));
   return sockets;
 }
 

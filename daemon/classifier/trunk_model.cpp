@@ -145,7 +145,7 @@ Judgement judge(const TrunkModel& model, const core::ReachFeatures& features, st
 }  // namespace
 
 core::Result<TrunkModel> TrunkModel::create(TrunkModelForm form) {
-  if (const auto status = check(form); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check(form));
   return TrunkModel(std::move(form));
 }
 

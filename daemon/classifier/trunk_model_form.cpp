@@ -30,7 +30,7 @@ core::Status check_inputs(const std::string& part, const std::vector<FeatureRang
 }
 
 core::Status check_ensemble(const std::string& part, const Ensemble& ensemble, bool is_of_own) {
-  if (auto status = check_inputs(part, ensemble.inputs, is_of_own); !status) return status;
+  DTS_TRY(check_inputs(part, ensemble.inputs, is_of_own));
   if (ensemble.networks.empty() || ensemble.networks.size() > Ensemble::kMaxNetworks) {
     return wrong(part + " has " + std::to_string(ensemble.networks.size()) + " networks");
   }
@@ -44,14 +44,14 @@ core::Status check_ensemble(const std::string& part, const Ensemble& ensemble, b
 }
 
 core::Status check_quadratic(const std::string& part, const Quadratic& quadratic, bool is_of_own) {
-  if (auto status = check_inputs(part, quadratic.inputs, is_of_own); !status) return status;
+  DTS_TRY(check_inputs(part, quadratic.inputs, is_of_own));
   if (quadratic.coefficients.size() != Quadratic::term_count(quadratic.inputs.size()))
     return wrong(part + " has a wrong number of coefficients");
   return are_finite(quadratic.coefficients) ? core::Status{} : wrong(part + ": a coefficient is not finite");
 }
 
 core::Status check_angle(const std::string& part, const AngleModel& angle, bool is_of_own) {
-  if (auto status = check_quadratic(part, angle.sine, is_of_own); !status) return status;
+  DTS_TRY(check_quadratic(part, angle.sine, is_of_own));
   for (const double residual_deg : angle.residual_deg) {
     if (!(residual_deg > 0.0 && residual_deg <= 90.0)) return wrong(part + ": a residual is outside 0 to 90 degrees");
   }
@@ -59,7 +59,7 @@ core::Status check_angle(const std::string& part, const AngleModel& angle, bool 
 }
 
 core::Status check_arm_alone(const ArmAloneRule& rule) {
-  if (auto status = check_quadratic("arm_alone", rule.logit, false); !status) return status;
+  DTS_TRY(check_quadratic("arm_alone", rule.logit, false));
   if (!(rule.none_from >= TrunkModelForm::kLowestNoneFrom && rule.none_from <= 1.0))
     return wrong("arm_alone: none_from is outside 0.5 to 1");
   return {};
@@ -85,21 +85,21 @@ core::Status check(const TrunkModelForm& form) {
   if (!(form.p1_minimum_mm >= TrunkModelForm::kSmallestP1Mm && form.p1_minimum_mm < form.p1_maximum_mm &&
         form.p1_maximum_mm <= TrunkModelForm::kLargestP1Mm))
     return wrong("the range of P1 is empty");
-  if (auto status = check_ensemble("general", form.general, false); !status) return status;
+  DTS_TRY(check_ensemble("general", form.general, false));
   if (form.own) {
-    if (auto status = check_ensemble("own", *form.own, true); !status) return status;
+    DTS_TRY(check_ensemble("own", *form.own, true));
   }
   if (form.angle) {
-    if (auto status = check_angle("angle", *form.angle, false); !status) return status;
+    DTS_TRY(check_angle("angle", *form.angle, false));
   }
   if (form.own_angle) {
-    if (auto status = check_angle("own_angle", *form.own_angle, true); !status) return status;
+    DTS_TRY(check_angle("own_angle", *form.own_angle, true));
   }
   if (form.arm_alone) {
-    if (auto status = check_arm_alone(*form.arm_alone); !status) return status;
+    DTS_TRY(check_arm_alone(*form.arm_alone));
   }
   if (form.kind == ModelKind::Raw5) {
-    if (auto status = check_raw5(form); !status) return status;
+    DTS_TRY(check_raw5(form));
   }
   if (!(form.figures.validation_accuracy >= TrunkModelForm::kLowestValidationAccuracy && form.figures.validation_accuracy <= 1.0)) {
     return wrong("its validation accuracy is below " + std::to_string(TrunkModelForm::kLowestValidationAccuracy).substr(0, 3) +

@@ -19,7 +19,7 @@ core::Result<core::Rate> check_rate(const DeviceDescription& description, core::
 }
 
 core::Status check_start(const DeviceDescription& description, const StartOptions& options) {
-  if (auto rate = check_rate(description, options.rate); !rate) return tl::make_unexpected(rate.error());
+  DTS_TRY(check_rate(description, options.rate));
   if (options.max_block_scans >= 1 && options.max_block_scans <= core::kMaxBlockScans) return {};
   return core::fail(ErrorCode::InvalidArgument,
                     "cannot start " + description.uri + ": blocks of " + std::to_string(options.max_block_scans) + " scans",

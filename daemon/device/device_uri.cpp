@@ -58,7 +58,7 @@ core::Result<DeviceUri> DeviceUri::parse(std::string_view text) {
   std::string_view options = rest.substr(question + 1);
   while (true) {
     const std::size_t end = options.find('&');
-    if (auto added = add_option(uri, options.substr(0, end)); !added) return tl::make_unexpected(added.error());
+    DTS_TRY(add_option(uri, options.substr(0, end)));
     if (end == std::string_view::npos) return uri;
     options.remove_prefix(end + 1);
   }

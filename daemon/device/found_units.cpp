@@ -24,10 +24,9 @@ std::vector<usb::UsbModel> known_models() {
 
 core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus) {
   const std::vector<usb::UsbModel> models = known_models();
-  auto units = bus.units(models);
-  if (!units) return tl::make_unexpected(units.error());
+  DTS_TRY_ASSIGN(auto units, bus.units(models));
   std::vector<FoundUnit> found;
-  for (usb::UsbUnit& unit : *units) {
+  for (usb::UsbUnit& unit : units) {
     const auto model = std::ranges::find_if(
         models, [&](const usb::UsbModel& known) { return known.vendor == unit.vendor && known.product == unit.product; });
     if (model == models.end()) continue;

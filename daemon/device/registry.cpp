@@ -61,12 +61,11 @@ bool compete(std::string_view one_uri, std::string_view other_uri) {
 }
 
 core::Result<std::unique_ptr<Device>> create_device(std::string_view uri, const DeviceContext& context) {
-  const auto parsed = DeviceUri::parse(uri);
-  if (!parsed) return tl::make_unexpected(parsed.error());
+  DTS_TRY_ASSIGN(const auto parsed, DeviceUri::parse(uri));
   const auto& entries = registry();
-  const auto entry = std::find_if(entries.begin(), entries.end(), [&](const RegistryEntry& known) { return is_meant(known, *parsed); });
-  if (entry == entries.end()) return tl::make_unexpected(unknown_kind(*parsed));
-  return entry->create(*parsed, context);
+  const auto entry = std::find_if(entries.begin(), entries.end(), [&](const RegistryEntry& known) { return is_meant(known, parsed); });
+  if (entry == entries.end()) return tl::make_unexpected(unknown_kind(parsed));
+  return entry->create(parsed, context);
 }
 
 }  // namespace dts::device

@@ -25,8 +25,8 @@ zmq::socket_t router(zmq::context_t& context) {
 }  // namespace
 
 core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const std::string& endpoint) {
-  if (auto valid = check_endpoint(endpoint); !valid) return tl::make_unexpected(valid.error());
-  if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
+  DTS_TRY(check_endpoint(endpoint));
+  DTS_TRY(check_not_in_use(endpoint));
   try {
     zmq::socket_t socket = router(context);
     use_local_thread(socket);
@@ -38,7 +38,7 @@ core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const s
 }
 
 core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const RemoteEndpoint& remote) {
-  if (auto valid = check_remote_endpoint(remote.endpoint); !valid) return tl::make_unexpected(valid.error());
+  DTS_TRY(check_remote_endpoint(remote.endpoint));
   try {
     zmq::socket_t socket = router(context);
     std::string bound = bind_remote(socket, remote);

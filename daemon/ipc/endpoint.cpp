@@ -71,7 +71,7 @@ core::Status check_remote_endpoint(const std::string& endpoint) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is not tcp://",
                       "write tcp://*:5555, or one address of this machine");
   }
-  if (auto checked = check_tcp(endpoint); !checked) return checked;
+  DTS_TRY(check_tcp(endpoint));
   const std::string_view host = host_of(endpoint);
   const bool is_host = host == "*" || (!host.empty() && host.find_first_not_of("0123456789.") == std::string_view::npos);
   if (is_host) return {};

@@ -55,8 +55,8 @@ int listen_at(const std::string& path) noexcept {
 }  // namespace
 
 core::Result<std::unique_ptr<LocalPublisher>> LocalPublisher::bind(const std::string& endpoint, const core::Clock& clock, core::Log log) {
-  if (auto valid = check_endpoint(endpoint); !valid) return tl::make_unexpected(valid.error());
-  if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
+  DTS_TRY(check_endpoint(endpoint));
+  DTS_TRY(check_not_in_use(endpoint));
   const int listener = listen_at(endpoint.substr(kScheme.size()));
   if (listener < 0) return core::fail_errno(errno, "data socket " + endpoint + " cannot be bound", bind_hint(errno));
   const int epoll = ::epoll_create1(EPOLL_CLOEXEC);
@@ -230,7 +230,8 @@ LocalPublisher::Outcome LocalPublisher::shake_hands(Peer& peer, std::span<const 
 LocalPublisher::Outcome LocalPublisher::obey(Peer& peer, std::span<const std::byte> body) {
   const auto command = zmtp::command_of(body);
   if (!command || command->name == "ERROR") return Outcome::Leave;
-  if (command->name == "SUBSCRIBE" || command->name == "CANCEL") return change_subscription(peer, command->name == "SUBSCRIBE", command->data);
+  if (command->name == "SUBSCRIBE" || command->name == "CANCEL")
+    return change_subscription(peer, command->name == "SUBSCRIBE", command->data);
   if (command->name == "PING" && peer.out.size() - peer.written < kQueueBytes) {
     zmtp::append_pong(peer.out, command->data);
     if (!peer.is_blocked) write(peer);

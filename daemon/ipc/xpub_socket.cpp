@@ -20,11 +20,11 @@ constexpr int kSubscriptionsPerTurn = 64;
 core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& context, const std::string& endpoint, int queue_messages,
                                                            const std::optional<RemoteEndpoint>& remote) {
   if (!endpoint.empty()) {
-    if (auto valid = check_endpoint(endpoint); !valid) return tl::make_unexpected(valid.error());
-    if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
+    DTS_TRY(check_endpoint(endpoint));
+    DTS_TRY(check_not_in_use(endpoint));
   }
   if (remote) {
-    if (auto valid = check_remote_endpoint(remote->endpoint); !valid) return tl::make_unexpected(valid.error());
+    DTS_TRY(check_remote_endpoint(remote->endpoint));
   }
   std::string trying = endpoint;
   try {

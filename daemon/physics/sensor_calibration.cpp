@@ -175,21 +175,20 @@ core::Status check_monotony(const std::vector<Level>& levels) {
 }  // namespace
 
 core::Result<SensorCalibration> calibrate_sensor(std::span<const GapReading> readings) {
-  const auto levels = sort_into_levels(readings);
-  if (!levels) return tl::make_unexpected(levels.error());
+  DTS_TRY_ASSIGN(const auto levels, sort_into_levels(readings));
   for (const auto& check : {check_repeats, check_smoothness, check_monotony}) {
-    if (auto status = check(*levels); !status) return tl::make_unexpected(status.error());
+    DTS_TRY(check(levels));
   }
   SensorCalibration calibration;
-  calibration.least_readings = levels->front().readings.size();
-  calibration.residual_v = fit_without(*levels, levels->size(), degree_for(*levels)).scatter_v;
+  calibration.least_readings = levels.front().readings.size();
+  calibration.residual_v = fit_without(levels, levels.size(), degree_for(levels)).scatter_v;
   double squares = 0.0;
-  for (const Level& level : *levels) {
+  for (const Level& level : levels) {
     calibration.points.push_back({.gap = {level.gap_mm}, .volts = {level.mean_v}});
     calibration.least_readings = std::min(calibration.least_readings, level.readings.size());
     for (const GapReading& reading : level.readings) squares += std::pow(reading.volts.value - level.mean_v, 2);
   }
-  const std::size_t freedom = readings.size() - levels->size();
+  const std::size_t freedom = readings.size() - levels.size();
   if (freedom > 0) calibration.repeat_v = std::sqrt(squares / static_cast<double>(freedom));
   return calibration;
 }

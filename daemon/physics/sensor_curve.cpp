@@ -142,7 +142,7 @@ double look_up(const std::vector<double>& table, double lowest, double highest, 
 }  // namespace
 
 core::Result<SensorCurve> SensorCurve::create(std::string name, std::vector<CurvePoint> points) {
-  if (const auto status = check_points(name, points); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check_points(name, points));
   SensorCurve curve;
   curve.name_ = std::move(name);
   curve.points_ = std::move(points);

@@ -59,7 +59,7 @@ StancePatches point(const Stance& stance, const Plate& plate) {
 }  // namespace
 
 core::Result<StancePatches> place_stance(const Stance& stance, const Plate& plate) {
-  if (auto checked = check_values(stance); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_values(stance));
   const StancePatches placed = stance.kind == ContactKind::Feet ? feet(stance, plate) : point(stance, plate);
   for (const Patch& patch : placed.used()) {
     if (is_on_plate(patch, plate)) continue;

@@ -55,7 +55,7 @@ void copy_column(const core::Block& from, std::size_t from_channel, core::Block&
 core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageConfig> stages, const PipelineInput& input,
                                                          const StageContext& context) {
   if (stages.empty()) return refuse("no stages; the first is usually 'guard'");
-  if (auto checked = check_channels(input, context.rig); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_channels(input, context.rig));
 
   std::unique_ptr<Pipeline> pipeline(new Pipeline);
   pipeline->max_block_scans_ = input.max_block_scans;
@@ -64,9 +64,7 @@ core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageCo
   StageContext full_context = context;
   full_context.raw_rate = input.rate;
   for (const StageConfig& config : stages) {
-    auto output = pipeline->append(config, format, full_context);
-    if (!output) return tl::make_unexpected(output.error());
-    format = std::move(*output);
+    DTS_TRY_ASSIGN(format, pipeline->append(config, format, full_context));
   }
   if (!input.aux_channels.empty()) {
     pipeline->has_aux_ = true;
@@ -76,14 +74,14 @@ core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageCo
   pipeline->channels_ = input.sensor_channels;
   pipeline->channels_.insert(pipeline->channels_.end(), input.aux_channels.begin(), input.aux_channels.end());
   pipeline->sensor_count_ = input.sensor_channels.size();
-  if (auto watched = pipeline->watch_trigger(input); !watched) return tl::make_unexpected(watched.error());
+  DTS_TRY(pipeline->watch_trigger(input));
   pipeline->device_ = core::Block(columns, input.max_block_scans);
   return pipeline;
 }
 
 core::Status Pipeline::watch_trigger(const PipelineInput& input) {
   if (!input.trigger) return {};
-  if (auto checked = check(*input.trigger); !checked) return checked;
+  DTS_TRY(check(*input.trigger));
   const auto found = std::ranges::find(input.aux_channels, input.trigger->channel);
   if (found == input.aux_channels.end()) {
     return refuse("trigger channel " + std::to_string(input.trigger->channel) + " is not one of the device's channels beside the sensors");
@@ -95,9 +93,8 @@ core::Status Pipeline::watch_trigger(const PipelineInput& input) {
 }
 
 core::Result<core::StreamFormat> Pipeline::append(const StageConfig& config, const core::StreamFormat& input, const StageContext& context) {
-  auto stage = create_stage(config, context);
-  if (!stage) return tl::make_unexpected(stage.error());
-  const std::string_view stream = (*stage)->describe().output_stream;
+  DTS_TRY_ASSIGN(auto stage, create_stage(config, context));
+  const std::string_view stream = stage->describe().output_stream;
   const bool has_stream = !stream.empty();
   if (formats_.empty() && stream != kFirstStream) {
     return refuse("the first stage is '" + config.id + "', which makes stream '" + std::string(stream) +
@@ -106,14 +103,13 @@ core::Result<core::StreamFormat> Pipeline::append(const StageConfig& config, con
   if (has_stream && (stream == kAuxStream || std::ranges::find(formats_, stream, &core::StreamFormat::name) != formats_.end())) {
     return refuse("stage '" + config.id + "' makes stream '" + std::string(stream) + "', which exists already");
   }
-  auto output = (*stage)->prepare(input, max_block_scans_);
-  if (!output) return tl::make_unexpected(output.error());
-  stages_.push_back({.stage = std::move(*stage), .stream = std::nullopt});
+  DTS_TRY_ASSIGN(auto output, stage->prepare(input, max_block_scans_));
+  stages_.push_back({.stage = std::move(stage), .stream = std::nullopt});
   stage_texts_.push_back(stage_text(config));
   if (!has_stream) return input;
-  output->name = stream;
+  output.name = stream;
   stages_.back().stream = formats_.size();
-  formats_.push_back(*output);
+  formats_.push_back(output);
   return output;
 }
 

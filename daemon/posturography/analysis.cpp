@@ -109,9 +109,8 @@ Analysis analyse(const Prepared& prepared, std::optional<double> foot_length_mm)
 }
 
 core::Result<Analysis> analyse(const CopSeries& series, const AnalysisOptions& options) {
-  const auto prepared = prepare(series, options.preparation);
-  if (!prepared) return tl::make_unexpected(prepared.error());
-  return analyse(*prepared, options.foot_length_mm);
+  DTS_TRY_ASSIGN(const auto prepared, prepare(series, options.preparation));
+  return analyse(prepared, options.foot_length_mm);
 }
 
 }  // namespace dts::posturography

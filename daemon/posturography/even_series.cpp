@@ -215,7 +215,7 @@ core::Status check(std::span<const double> t_s, std::span<const double> ml_mm, s
 
 core::Result<CopSeries> even_series(std::span<const double> t_s, std::span<const double> ml_mm, std::span<const double> ap_mm,
                                     std::span<const double> load_n) {
-  if (const auto status = check(t_s, ml_mm, ap_mm, load_n); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check(t_s, ml_mm, ap_mm, load_n));
   const double unit_s = written_unit_s(t_s);
   Grid grid = likeliest_grid(t_s, unit_s);
   CopSeries series;

@@ -185,7 +185,7 @@ std::optional<Profile> profile_named(std::string_view name_of_profile) noexcept 
 }
 
 core::Result<Prepared> prepare(const CopSeries& series, const Preparation& preparation) {
-  if (const auto status = check(series, preparation); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check(series, preparation));
   const CleanStretch clean = clean_stretch(series);
   const bool is_filtered = preparation.profile == Profile::Lp10;
   const std::size_t needed = is_filtered ? kZeroPhasePadding + 1 : 2;

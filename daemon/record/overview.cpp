@@ -165,12 +165,11 @@ Overview Looker::finish(const std::string& torn) {
 }  // namespace
 
 core::Result<Overview> look_through(const std::string& file) {
-  const auto reader = XdfReader::open(file);
-  if (!reader) return tl::make_unexpected(reader.error());
+  DTS_TRY_ASSIGN(const auto reader, XdfReader::open(file));
   Looker looker;
   bool has_header = false;
   while (true) {
-    const auto chunk = (*reader)->next();
+    const auto chunk = reader->next();
     if (!chunk && !has_header) return tl::make_unexpected(chunk.error());
     if (!chunk) return looker.finish(chunk.error().what);
     if (!*chunk && !has_header) return core::fail(core::ErrorCode::DataDamaged, file + " ends before its file header");

@@ -62,9 +62,8 @@ core::Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& file
   if (!std::ranges::all_of(streams, [](const RecordedStream& stream) { return stream.info.rate.has_value(); })) {
     return core::fail(core::ErrorCode::InvalidArgument, "recording " + file + ": one of its streams has no rate");
   }
-  auto writer = XdfWriter::create(file, to_facts(facts));
-  if (!writer) return tl::make_unexpected(writer.error());
-  std::unique_ptr<Recorder> recorder(new Recorder(std::move(*writer)));
+  DTS_TRY_ASSIGN(auto writer, XdfWriter::create(file, to_facts(facts)));
+  std::unique_ptr<Recorder> recorder(new Recorder(std::move(writer)));
   recorder->rate_ = *streams.front().info.rate;
   recorder->created_at_s_ = seconds(facts.started_utc_ns - facts.utc_minus_monotonic_ns);
   recorder->events_number_ = recorder->writer_->add_stream(events_info(facts.rig));
@@ -97,7 +96,7 @@ core::Status Recorder::take(const core::Frame& frame, std::span<const core::Even
   const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
   if (raw.count() == 0) return {};
   if (!origins_ns_.contains(raw.segment)) {
-    if (auto begun = begin_segment(frame); !begun) return begun;
+    DTS_TRY(begin_segment(frame));
   } else {
     note_jump(raw);
   }
@@ -109,7 +108,7 @@ core::Status Recorder::take(const core::Frame& frame, std::span<const core::Even
   }
   next_raw_ = raw.first_scan + raw.count();
   for (Column& column : columns_) {
-    if (auto taken = take_block(column, frame.streams[column.recorded.frame_index], raw); !taken) return taken;
+    DTS_TRY(take_block(column, frame.streams[column.recorded.frame_index], raw));
   }
   return write_offsets(raw);
 }
@@ -117,7 +116,7 @@ core::Status Recorder::take(const core::Frame& frame, std::span<const core::Even
 /// Writes the rest of the previous segment first, then the event with the start of the new segment. Readers need this event to place the
 /// samples that follow.
 core::Status Recorder::begin_segment(const core::Frame& frame) {
-  if (auto flushed = flush(); !flushed) return flushed;
+  DTS_TRY(flush());
   const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
   segment_ = raw.segment;
   origins_ns_[segment_] = raw.host_time_ns - offset_ns_ - rate_.time_ns(raw.first_scan);
@@ -134,13 +133,13 @@ core::Status Recorder::begin_segment(const core::Frame& frame) {
   losses_.take(event);
   gap_ = {};
   next_raw_ = raw.first_scan;
-  if (auto taken = take(event); !taken) return taken;
+  DTS_TRY(take(event));
   for (v1::Event& waiting : std::exchange(waiting_events_, {})) {
     if (waiting.segment() < segment_) {  // its segment was never recorded
       waiting.set_segment(segment_);
       waiting.set_scan(raw.first_scan.value);
     }
-    if (auto taken = take(waiting); !taken) return taken;
+    DTS_TRY(take(waiting));
   }
   return write_events();
 }
@@ -172,7 +171,7 @@ core::Status Recorder::take_block(Column& column, const core::Block& block, cons
     column.has_origin = true;
   }
   if (!column.pending.empty() && block.first_scan != column.next) {
-    if (auto written = write_pending(column); !written) return written;
+    DTS_TRY(write_pending(column));
   }
   const std::size_t channels = std::min(block.channel_count(), column.recorded.info.channels.size());
   for (std::size_t scan = 0; scan < block.count(); ++scan) {
@@ -180,7 +179,7 @@ core::Status Recorder::take_block(Column& column, const core::Block& block, cons
     for (std::size_t channel = 0; channel < channels; ++channel) column.pending.push_back(block.column(channel)[scan]);
     column.next = block.first_scan + (scan + 1);
     if (column.pending.size() < column.chunk_scans * channels) continue;
-    if (auto written = write_pending(column); !written) return written;
+    DTS_TRY(write_pending(column));
   }
   return {};
 }
@@ -225,7 +224,7 @@ core::Status Recorder::write_pending(Column& column) {
   if (!written || &column != &columns_.front()) return written;
   if (end_s_ == 0.0) begin_s_ = first_s;
   end_s_ = seconds(column.origin_ns + rate_.time_ns(column.next));
-  if (auto events = write_events(); !events) return events;
+  DTS_TRY(write_events());
   return write_quality();
 }
 
@@ -248,7 +247,7 @@ core::Status Recorder::write_quality() {
 core::Status Recorder::write_offsets(const core::Block& raw) {
   const std::int64_t stream_ns = origins_ns_[segment_] + rate_.time_ns(raw.first_scan);
   if (stream_ns >= next_boundary_ns_) {
-    if (auto written = writer_->write_boundary(); !written) return written;
+    DTS_TRY(writer_->write_boundary());
     next_boundary_ns_ = stream_ns + kBoundaryEveryNs;
   }
   if (stream_ns < next_offset_ns_ || writer_->sample_count(columns_.front().number) == 0) return {};
@@ -258,19 +257,19 @@ core::Status Recorder::write_offsets(const core::Block& raw) {
     return writer_->write_clock_offset(number, seconds(stream_ns), seconds(offset_ns_));
   };
   for (const Column& column : columns_) {
-    if (auto written = write(column.number); !written) return written;
+    DTS_TRY(write(column.number));
   }
   for (const std::uint32_t number : {events_number_, quality_number_}) {
-    if (auto written = write(number); !written) return written;
+    DTS_TRY(write(number));
   }
   return {};
 }
 
 core::Status Recorder::flush() {
   for (Column& column : columns_) {
-    if (auto written = write_pending(column); !written) return written;
+    DTS_TRY(write_pending(column));
   }
-  if (auto written = write_events(); !written) return written;
+  DTS_TRY(write_events());
   return write_quality();
 }
 

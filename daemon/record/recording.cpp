@@ -59,9 +59,7 @@ std::optional<std::size_t> FileRecording::find_stream(const std::string& name) c
 }
 
 core::Status FileRecording::rewind() {
-  auto reader = XdfReader::open(file_);
-  if (!reader) return tl::make_unexpected(reader.error());
-  reader_ = std::move(*reader);
+  DTS_TRY_ASSIGN(reader_, XdfReader::open(file_));
   samples_ = {};
   taken_ = 0;
   grids_.clear();
@@ -76,10 +74,9 @@ core::Result<std::optional<RecordedItem>> FileRecording::next() {
   while (true) {
     if (taken_ < std::max(samples_.texts.size(), samples_.times_s.size())) return std::optional(next_of_samples());
     if (reader_->offset() >= overview_.end) return std::optional<RecordedItem>();  // the rest is torn, or was written after `open`
-    auto chunk = reader_->next();
-    if (!chunk) return tl::make_unexpected(chunk.error());
-    if (!*chunk) return std::optional<RecordedItem>();
-    if (auto item = take_chunk(**chunk)) return item;
+    DTS_TRY_ASSIGN(auto chunk, reader_->next());
+    if (!chunk) return std::optional<RecordedItem>();
+    if (auto item = take_chunk(*chunk)) return item;
   }
 }
 
@@ -161,19 +158,16 @@ TimedEvent FileRecording::next_event(std::size_t channels) {
 }  // namespace
 
 core::Result<std::unique_ptr<Recording>> Recording::open(const std::string& file) {
-  auto overview = look_through(file);
-  if (!overview) return tl::make_unexpected(overview.error());
-  auto recording = std::make_unique<FileRecording>(file, std::move(*overview));
-  if (auto status = recording->rewind(); !status) return tl::make_unexpected(status.error());
+  DTS_TRY_ASSIGN(auto overview, look_through(file));
+  auto recording = std::make_unique<FileRecording>(file, std::move(overview));
+  DTS_TRY(recording->rewind());
   return recording;
 }
 
 core::Result<SessionFacts> read_session_facts(const std::string& file) {
-  const auto reader = XdfReader::open(file);
-  if (!reader) return tl::make_unexpected(reader.error());
-  const auto chunk = (*reader)->next();
-  if (!chunk) return tl::make_unexpected(chunk.error());
-  const auto* header = *chunk ? std::get_if<FileHeader>(&(*chunk)->content) : nullptr;
+  DTS_TRY_ASSIGN(const auto reader, XdfReader::open(file));
+  DTS_TRY_ASSIGN(const auto chunk, reader->next());
+  const auto* header = chunk ? std::get_if<FileHeader>(&chunk->content) : nullptr;
   if (header == nullptr) return core::fail(core::ErrorCode::DataDamaged, "it has no file header");
   if (fact(header->facts, "session_id").empty()) return core::fail(core::ErrorCode::Unsupported, "it is not a recording of dtsd");
   return session_facts(header->facts);

@@ -55,7 +55,7 @@ std::string shortest(double value) {
 
 core::Status read_version(const Facts& facts) {
   int version = 0;
-  if (auto status = read_number(facts, kVersion, version); !status) return status;
+  DTS_TRY(read_number(facts, kVersion, version));
   if (version == kFormatVersion) return {};
   return core::fail(core::ErrorCode::DataDamaged, std::string("the fact ") + kVersion + " is '" + fact(facts, kVersion).substr(0, 40) +
                                                       "', only " + std::to_string(kFormatVersion) + " is supported");
@@ -63,7 +63,7 @@ core::Status read_version(const Facts& facts) {
 
 core::Status read_stages(const Facts& facts, SessionFacts& session) {
   std::uint64_t count = 0;
-  if (auto status = read_number(facts, "stages", count); !status) return status;
+  DTS_TRY(read_number(facts, "stages", count));
   if (count > kMaxListed) return core::fail(core::ErrorCode::DataDamaged, "the fact stages is " + std::to_string(count) + ", at most 256");
   for (std::uint64_t stage = 1; stage <= count; ++stage) session.stages.push_back(fact(facts, "stage." + std::to_string(stage)));
   return {};

@@ -132,7 +132,7 @@ core::Status check_fields(const Protocol& protocol, const Fields& fields) {
   if (!errors.empty()) return all_of(errors);
   if (!protocol.trials) return {};
   for (const Condition& condition : protocol.trials->conditions) {
-    if (auto good = check_target(condition, fields); !good) return good;
+    DTS_TRY(check_target(condition, fields));
   }
   return {};
 }

@@ -57,7 +57,7 @@ void RecordSync::stop() noexcept {
 core::Status RecordSync::add(const std::string& rig, const std::string& name) {
   auto files = std::make_shared<Files>();
   files->names = {name + ".part", name + ".idx"};
-  if (auto opened = files->open(); !opened) return opened;
+  DTS_TRY(files->open());
   const std::lock_guard lock(mutex_);
   files_[rig] = std::move(files);
   return {};

@@ -59,11 +59,10 @@ core::Result<CopColumns> find_cop(const record::Recording& recording) {
 core::Status for_each(record::Recording& recording, double from, const std::function<void(double)>& progress,
                       const std::function<core::Status(const record::RecordedItem&)>& take) {
   while (true) {
-    const auto item = recording.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) return {};
+    DTS_TRY_ASSIGN(const auto item, recording.next());
+    if (!item) return {};
     if (recording.size() > 0) progress(from + 0.5 * static_cast<double>(recording.offset()) / static_cast<double>(recording.size()));
-    if (auto taken = take(**item); !taken) return taken;
+    DTS_TRY(take(*item));
   }
 }
 
@@ -95,36 +94,34 @@ class TrialSteps {
 
  private:
   core::Status take_step(const v1::Event& event, double time_s) {
-    const auto step = trial_of(event);
-    if (!step) return tl::make_unexpected(step.error());
-    const Key key{step->trial, step->attempt};
-    if (step->trial == 0 || (trials_.size() >= SwayResults::kMostAttempts && !trials_.contains(key))) return {};
+    DTS_TRY_ASSIGN(const auto step, trial_of(event));
+    const Key key{step.trial, step.attempt};
+    if (step.trial == 0 || (trials_.size() >= SwayResults::kMostAttempts && !trials_.contains(key))) return {};
     StandingTrial& trial = trials_[key];
     using enum TrialEventKind;
-    if (step->kind == Measure) {
-      trial = {.trial = step->trial,
-               .attempt = step->attempt,
-               .block = step->block,
-               .condition = step->condition,
-               .labels = step->labels,
+    if (step.kind == Measure) {
+      trial = {.trial = step.trial,
+               .attempt = step.attempt,
+               .block = step.block,
+               .condition = step.condition,
+               .labels = step.labels,
                .segment = event.segment(),
                .first_scan = {event.scan()},
                .end_scan = {event.scan()},
                .end_segment = event.segment(),
                .begin_s = time_s};
-    } else if (step->kind == Done || step->kind == Redone || step->kind == Rejected || step->kind == Aborted) {
+    } else if (step.kind == Done || step.kind == Redone || step.kind == Rejected || step.kind == Aborted) {
       if (trial.outcome.empty()) {
         trial.end_scan = {event.scan()};
         trial.end_segment = event.segment();
       }
-      trial.outcome = name(step->kind);
+      trial.outcome = name(step.kind);
     }
     return {};
   }
   core::Status take_told(const v1::Event& event) {
-    auto told = sway_of(event);
-    if (!told) return tl::make_unexpected(told.error());
-    if (const auto trial = trials_.find({told->trial, told->attempt}); trial != trials_.end()) trial->second.told = std::move(*told);
+    DTS_TRY_ASSIGN(auto told, sway_of(event));
+    if (const auto trial = trials_.find({told.trial, told.attempt}); trial != trials_.end()) trial->second.told = std::move(told);
     return {};
   }
   void take_figure(const v1::SessionResult& figure) {
@@ -276,8 +273,7 @@ core::Status read_samples(record::Recording& recording, const CopColumns& cop, R
 }  // namespace
 
 core::Result<RecordedStanding> read_recorded_standing(record::Recording& recording, const std::function<void(double)>& progress) {
-  const auto cop = find_cop(recording);
-  if (!cop) return tl::make_unexpected(cop.error());
+  DTS_TRY_ASSIGN(const auto cop, find_cop(recording));
   TrialSteps steps;
   const auto told = for_each(recording, 0.0, progress, [&steps](const record::RecordedItem& item) -> core::Status {
     const auto* timed = std::get_if<record::TimedEvent>(&item);
@@ -285,15 +281,15 @@ core::Result<RecordedStanding> read_recorded_standing(record::Recording& recordi
   });
   if (!told) return tl::make_unexpected(told.error());
   RecordedStanding standing = steps.result();
-  standing.raw_rate_hz = cop->raw_rate.hz();
-  if (auto rewound = recording.rewind(); !rewound) return tl::make_unexpected(rewound.error());
+  standing.raw_rate_hz = cop.raw_rate.hz();
+  DTS_TRY(recording.rewind());
   if (steps.empty()) {
-    FreeStanding reader(standing.trials, *cop);
-    if (auto read = read_samples(recording, *cop, reader, progress); !read) return tl::make_unexpected(read.error());
+    FreeStanding reader(standing.trials, cop);
+    DTS_TRY(read_samples(recording, cop, reader, progress));
     reader.finish();
   } else {
-    TrialSamples reader(standing.trials, *cop);
-    if (auto read = read_samples(recording, *cop, reader, progress); !read) return tl::make_unexpected(read.error());
+    TrialSamples reader(standing.trials, cop);
+    DTS_TRY(read_samples(recording, cop, reader, progress));
   }
   return standing;
 }

@@ -60,27 +60,25 @@ std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock,
                                                                      const core::Log& log) {
-  auto catalogue = record::Catalogue::open(catalogue_of(config));
-  if (!catalogue) return tl::make_unexpected(catalogue.error());
-  std::unique_ptr<Recordings> recordings(new Recordings(config, clock, log, std::move(*catalogue)));
-  if (auto entered = recordings->enter_interrupted(); !entered) return tl::make_unexpected(entered.error());
+  DTS_TRY_ASSIGN(auto catalogue, record::Catalogue::open(catalogue_of(config)));
+  std::unique_ptr<Recordings> recordings(new Recordings(config, clock, log, std::move(catalogue)));
+  DTS_TRY(recordings->enter_interrupted());
   return recordings;
 }
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& config, core::Clock& clock, core::Log log) {
-  if (auto prepared = prepare_storage(config); !prepared) return tl::make_unexpected(prepared.error());
+  DTS_TRY(prepare_storage(config));
   const std::string file = catalogue_of(config);
   std::string damage = is_half_set_aside(file) ? file + " is missing, but files that belong to it exist" : "";
   core::Result<std::unique_ptr<Recordings>> opened;
   if (damage.empty()) opened = open_catalogue(config, clock, log);
   if (!opened && opened.error().code == core::ErrorCode::DataDamaged) damage = opened.error().what;
   if (!damage.empty()) {
-    const auto aside = set_aside(file, clock.now_ns() + clock.utc_minus_monotonic_ns());
-    if (!aside) return tl::make_unexpected(aside.error());
+    DTS_TRY_ASSIGN(const auto aside, set_aside(file, clock.now_ns() + clock.utc_minus_monotonic_ns()));
     opened = open_catalogue(config, clock, log);
     if (!opened) return opened;
-    (*opened)->notice_ = damage + "; dtsd kept it as " + *aside + " and rebuilt the catalogue from the recordings, except the audit trail";
-    (*opened)->audit("catalogue_rebuilt", *aside, "ok");
+    (*opened)->notice_ = damage + "; dtsd kept it as " + aside + " and rebuilt the catalogue from the recordings, except the audit trail";
+    (*opened)->audit("catalogue_rebuilt", aside, "ok");
   }
   if (!opened) return opened;
   std::unique_ptr<Recordings> recordings = std::move(*opened);
@@ -91,26 +89,22 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& 
 
 /// Enters parts that were being written when the last daemon ended, and unknown files in the folder.
 core::Status Recordings::enter_interrupted() {
-  auto unfinished = catalogue_->unfinished_parts();
-  if (!unfinished) return tl::make_unexpected(unfinished.error());
-  for (record::PartRow& part : *unfinished) {
+  DTS_TRY_ASSIGN(auto unfinished, catalogue_->unfinished_parts());
+  for (record::PartRow& part : unfinished) {
     if (const auto closed = closed_already(part); closed && enter(*closed)) continue;
     part.state = record::PartState::Interrupted;
     part.reason = "the daemon or the power failed during the recording";
-    if (auto updated = catalogue_->update_part(part); !updated) return updated;
+    DTS_TRY(catalogue_->update_part(part));
   }
-  const auto rebuilt = record::rebuild(*catalogue_, sessions_directory(config_));
-  if (!rebuilt) return tl::make_unexpected(rebuilt.error());
-  for (const std::string& problem : rebuilt->unreadable) log_.warning("cannot enter a recording into the catalogue: " + problem);
-  if (rebuilt->added > 0) log_.info(std::to_string(rebuilt->added) + " recordings entered into the catalogue");
-  if (rebuilt->read_again > 0) log_.info(std::to_string(rebuilt->read_again) + " recordings read again for their lost scans");
-  auto sessions = catalogue_->sessions({.limit = 10'000});
-  if (!sessions) return tl::make_unexpected(sessions.error());
-  for (record::SessionRow& session : *sessions) end_left_running(session);
-  find_resumable(*sessions);
-  auto parts = catalogue_->parts();
-  if (!parts) return tl::make_unexpected(parts.error());
-  std::ranges::copy_if(*parts, std::back_inserter(interrupted_),
+  DTS_TRY_ASSIGN(const auto rebuilt, record::rebuild(*catalogue_, sessions_directory(config_)));
+  for (const std::string& problem : rebuilt.unreadable) log_.warning("cannot enter a recording into the catalogue: " + problem);
+  if (rebuilt.added > 0) log_.info(std::to_string(rebuilt.added) + " recordings entered into the catalogue");
+  if (rebuilt.read_again > 0) log_.info(std::to_string(rebuilt.read_again) + " recordings read again for their lost scans");
+  DTS_TRY_ASSIGN(auto sessions, catalogue_->sessions({.limit = 10'000}));
+  for (record::SessionRow& session : sessions) end_left_running(session);
+  find_resumable(sessions);
+  DTS_TRY_ASSIGN(auto parts, catalogue_->parts());
+  std::ranges::copy_if(parts, std::back_inserter(interrupted_),
                        [](const record::PartRow& part) { return part.state == record::PartState::Interrupted; });
   return {};
 }
@@ -118,11 +112,10 @@ core::Status Recordings::enter_interrupted() {
 /// Enters a part as its file describes it. If the session ended with this part, enters the session's end too.
 core::Status Recordings::enter(const record::FoundRecording& found) {
   const record::PartRow& part = found.part;
-  if (auto entered = catalogue_->enter(found); !entered) return entered;
-  const auto session = catalogue_->session(part.session_id);
-  if (!session) return tl::make_unexpected(session.error());
-  const bool is_open = session->state == "interrupted" || (session->state == "running" && !under_way_.contains(session->rig));
-  if (!is_open || session->parts.back().part != part.part) return {};
+  DTS_TRY(catalogue_->enter(found));
+  DTS_TRY_ASSIGN(const auto session, catalogue_->session(part.session_id));
+  const bool is_open = session.state == "interrupted" || (session.state == "running" && !under_way_.contains(session.rig));
+  if (!is_open || session.parts.back().part != part.part) return {};
   return catalogue_->end_session(part.session_id, found.session_state, part.reason, found.ended_utc_ns);
 }
 
@@ -293,16 +286,15 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   if (view.state == DiskState::Unusable) return core::fail(core::ErrorCode::Failed, "no session can start: " + view.problem);
   if (view.state == DiskState::Low) log_.warning(view.problem);
   const std::string file = file_of(config_, facts);
-  auto recorder = record::Recorder::create(file, facts, streams_of(rig));
-  if (!recorder) return tl::make_unexpected(recorder.error());
+  DTS_TRY_ASSIGN(auto recorder, record::Recorder::create(file, facts, streams_of(rig)));
   if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
-    recorder->reset();  // the file is empty, and the next start would enter it as a session
+    recorder.reset();  // the file is empty, and the next start would enter it as a session
     for (const char* ending : {".part", ".idx"}) ::unlink((file + ending).c_str());
     return entered;
   }
   under_way_[facts.rig] = {
       .session_id = facts.session_id, .part = facts.part, .file = file + ".part", .started_utc_ns = facts.started_utc_ns};
-  thread_.begin(facts.rig, std::move(*recorder), file, rig.tap().next_take());
+  thread_.begin(facts.rig, std::move(recorder), file, rig.tap().next_take());
   rig.tap().open();
   return {};
 }

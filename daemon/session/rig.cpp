@@ -82,9 +82,8 @@ core::Status check_sync(const pipeline::RigConfig& config, const device::DeviceD
 core::Result<std::unique_ptr<Rig>> Rig::create(pipeline::RigConfig given, core::Clock& clock, core::Doorbell& publish_bell,
                                                device::usb::UsbBus* usb) {
   auto config = std::make_unique<pipeline::RigConfig>(std::move(given));
-  auto device = device::create_device(config->device_uri, {.clock = clock, .rig = config->model, .usb = usb});
-  if (!device) return tl::make_unexpected(device.error());
-  return assemble(std::move(config), std::move(*device), clock, publish_bell);
+  DTS_TRY_ASSIGN(auto device, device::create_device(config->device_uri, {.clock = clock, .rig = config->model, .usb = usb}));
+  return assemble(std::move(config), std::move(device), clock, publish_bell);
 }
 
 core::Result<std::unique_ptr<Rig>> Rig::create(pipeline::RigConfig config, std::unique_ptr<device::Device> device, core::Clock& clock,
@@ -95,8 +94,8 @@ core::Result<std::unique_ptr<Rig>> Rig::create(pipeline::RigConfig config, std::
 core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<pipeline::RigConfig> config, std::unique_ptr<device::Device> device,
                                                  core::Clock& clock, core::Doorbell& publish_bell) {
   const device::DeviceDescription& described = device->describe();
-  if (auto checked = check_device(*config, described); !checked) return tl::make_unexpected(checked.error());
-  if (auto checked = check_sync(*config, described); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_device(*config, described));
+  DTS_TRY(check_sync(*config, described));
   const auto exact_rate = device->exact_rate(config->rate);
   if (!exact_rate) {
     core::Error error = exact_rate.error();
@@ -104,16 +103,15 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<pipeline::RigCo
     return tl::make_unexpected(error);
   }
   config->rate = *exact_rate;  // all formats, windows and times depend on the exact rate
-  auto made = make_rig_pipeline(*config, described);
-  if (!made) return tl::make_unexpected(made.error());
-  if (auto restored = restore_recorded(*made->pipeline, described); !restored) return tl::make_unexpected(restored.error());
+  DTS_TRY_ASSIGN(auto made, make_rig_pipeline(*config, described));
+  DTS_TRY(restore_recorded(*made.pipeline, described));
   for (const auto& [streams, verb] : {std::pair{&config->published, "publish"}, std::pair{&config->recorded, "record"}}) {
-    if (auto checked = check_streams(*config, *made->pipeline, *streams, verb); !checked) return tl::make_unexpected(checked.error());
+    DTS_TRY(check_streams(*config, *made.pipeline, *streams, verb));
   }
   if (config->published.empty()) {
-    for (const core::StreamFormat& format : made->pipeline->formats()) config->published.push_back(format.name);
+    for (const core::StreamFormat& format : made.pipeline->formats()) config->published.push_back(format.name);
   }
-  return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(*made)));
+  return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(made)));
 }
 
 Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell,

@@ -104,19 +104,17 @@ std::vector<record::RecordedStream> recorded_streams(const pipeline::RigConfig& 
 }
 
 core::Result<RigPipeline> make_rig_pipeline(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
-  const auto input = describe_input(config, device);
-  if (!input) return tl::make_unexpected(input.error());
+  DTS_TRY_ASSIGN(const auto input, describe_input(config, device));
   auto tare = std::make_unique<pipeline::Tare>();
   auto windows = std::make_unique<pipeline::SteadinessWindows>();
-  auto pipeline = pipeline::Pipeline::create(config.stages, *input,
-                                             {.rig = config.model,
-                                              .input_ranges = input_ranges(config, device),
-                                              .tare = *tare,
-                                              .windows = *windows,
-                                              .cop_calibration = config.cop_calibration ? &*config.cop_calibration : nullptr,
-                                              .trunk_model = config.trunk_model ? &*config.trunk_model : nullptr});
-  if (!pipeline) return tl::make_unexpected(pipeline.error());
-  return RigPipeline{.tare = std::move(tare), .windows = std::move(windows), .pipeline = std::move(*pipeline)};
+  DTS_TRY_ASSIGN(auto pipeline, pipeline::Pipeline::create(config.stages, input,
+                                                           {.rig = config.model,
+                                                            .input_ranges = input_ranges(config, device),
+                                                            .tare = *tare,
+                                                            .windows = *windows,
+                                                            .cop_calibration = config.cop_calibration ? &*config.cop_calibration : nullptr,
+                                                            .trunk_model = config.trunk_model ? &*config.trunk_model : nullptr}));
+  return RigPipeline{.tare = std::move(tare), .windows = std::move(windows), .pipeline = std::move(pipeline)};
 }
 
 core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device, std::uint32_t segment,

@@ -118,35 +118,32 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
 }
 
 core::Status RigSession::start(std::string id, const SessionRequest& request, const Moment& moment) {
-  if (auto checked = check(request); !checked) return checked;
-  const auto protocol = find_protocol(request.protocol);
-  if (!protocol) return tl::make_unexpected(protocol.error());
-  if (const std::string& kind = (*protocol)->rig_kind; !kind.empty() && kind != rig_.config().kind) {
-    return core::fail(ErrorCode::InvalidArgument, "protocol '" + (*protocol)->name + "' is for a " + kind + ", and rig '" +
+  DTS_TRY(check(request));
+  DTS_TRY_ASSIGN(const auto protocol, find_protocol(request.protocol));
+  if (const std::string& kind = protocol->rig_kind; !kind.empty() && kind != rig_.config().kind) {
+    return core::fail(ErrorCode::InvalidArgument, "protocol '" + protocol->name + "' is for a " + kind + ", and rig '" +
                                                       rig_.config().name + "' is a " + rig_.config().kind);
   }
-  if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
-  return begin(facts(id, request, **protocol, moment), request, **protocol, {}, moment);
+  DTS_TRY(check_fields(*protocol, request.fields));
+  return begin(facts(id, request, *protocol, moment), request, *protocol, {}, moment);
 }
 
 core::Status RigSession::resume(const record::SessionRow& row, const Moment& moment) {
-  const auto earlier = facts_of(row);
-  if (!earlier) return tl::make_unexpected(earlier.error());
-  const auto protocol = find_protocol(earlier->protocol);
-  if (!protocol) return tl::make_unexpected(protocol.error());
-  if ((*protocol)->definition != earlier->protocol_definition) {
-    return core::fail(ErrorCode::WrongState, "protocol '" + earlier->protocol + "' has changed since session " + row.id + " began",
+  DTS_TRY_ASSIGN(const auto earlier, facts_of(row));
+  DTS_TRY_ASSIGN(const auto protocol, find_protocol(earlier.protocol));
+  if (protocol->definition != earlier.protocol_definition) {
+    return core::fail(ErrorCode::WrongState, "protocol '" + earlier.protocol + "' has changed since session " + row.id + " began",
                       "start a new session");
   }
-  SessionRequest request{.protocol = earlier->protocol,
-                         .subject = earlier->subject,
-                         .label = earlier->label,
-                         .settle_s = earlier->settle_s,
-                         .fields = earlier->fields};
-  if (auto checked = check(request); !checked) return checked;
-  if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
+  SessionRequest request{.protocol = earlier.protocol,
+                         .subject = earlier.subject,
+                         .label = earlier.label,
+                         .settle_s = earlier.settle_s,
+                         .fields = earlier.fields};
+  DTS_TRY(check(request));
+  DTS_TRY(check_fields(*protocol, request.fields));
   const std::vector<std::uint32_t> done = places_done(row);
-  const std::size_t planned = (*protocol)->trials ? make_plan(*(*protocol)->trials, earlier->plan_seed).size() : 0;
+  const std::size_t planned = protocol->trials ? make_plan(*protocol->trials, earlier.plan_seed).size() : 0;
   // Without trials, only a message shows a session that ended early.
   if (row.state == "complete" && done.size() >= planned && (planned > 0 || row.message.empty())) {
     const std::string trials = planned > 0 ? "all " + std::to_string(planned) + " trials are done, " : "";
@@ -154,26 +151,26 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
                       "start a new session: dtsctl session start --rig " + row.rig);
   }
   // The requested duration, or the protocol's, less what is already recorded.
-  if (const double whole_s = earlier->duration_s > 0.0 ? earlier->duration_s : (*protocol)->duration_s; whole_s > 0.0) {
-    request.duration_s = whole_s - recorded_s(row, earlier->settle_s > 0.0 ? earlier->settle_s : (*protocol)->settle_s);
+  if (const double whole_s = earlier.duration_s > 0.0 ? earlier.duration_s : protocol->duration_s; whole_s > 0.0) {
+    request.duration_s = whole_s - recorded_s(row, earlier.settle_s > 0.0 ? earlier.settle_s : protocol->settle_s);
     if (request.duration_s < 1.0) {
       return core::fail(ErrorCode::WrongState, "session " + row.id + " has less than 1 s left: there is nothing to resume",
                         "start a new one");
     }
   }
-  record::SessionFacts next = facts(row.id, request, **protocol, moment);
-  next.duration_s = earlier->duration_s;
-  next.plan_seed = earlier->plan_seed;
+  record::SessionFacts next = facts(row.id, request, *protocol, moment);
+  next.duration_s = earlier.duration_s;
+  next.plan_seed = earlier.plan_seed;
   next.part = row.parts.back().part + 1;
-  return begin(next, request, **protocol, done, moment);
+  return begin(next, request, *protocol, done, moment);
 }
 
 core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
                                const std::vector<std::uint32_t>& done, const Moment& moment) {
   if (request.settle_s == 0.0) request.settle_s = protocol.settle_s;
   if (request.duration_s == 0.0) request.duration_s = protocol.duration_s;
-  if (auto free = session_.check_free(); !free) return free;
-  if (auto begun = services_.recordings.begin(rig_, facts); !begun) return begun;
+  DTS_TRY(session_.check_free());
+  DTS_TRY(services_.recordings.begin(rig_, facts));
   is_recording_ = true;
   is_aborted_ = false;
   is_next_wanted_ = false;
@@ -189,7 +186,7 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
 }
 
 core::Status RigSession::stop(bool is_abort, const std::string& reason, const Moment& moment) {
-  if (auto stopped = session_.stop(moment.now_ns); !stopped) return stopped;
+  DTS_TRY(session_.stop(moment.now_ns));
   is_aborted_ = is_abort;
   end_reason_ = reason.substr(0, kLongestReason);
   end_trials(moment);

@@ -56,7 +56,7 @@ core::Status Session::check_free() const {
 }
 
 core::Status Session::start(std::string id, const SessionRequest& request, std::int64_t now_ns) {
-  if (auto free = check_free(); !free) return free;
+  DTS_TRY(check_free());
   id_ = std::move(id);
   request_ = request;
   has_scan_count_ = false;

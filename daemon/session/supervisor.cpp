@@ -127,23 +127,19 @@ core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& st
 }
 
 core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request) {
-  auto entry = find(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  if (auto startable = check_startable(**entry); !startable) return tl::make_unexpected(startable.error());
-  auto started = (*entry)->session.start(new_session_id(rig), request, moment(**entry));
+  DTS_TRY_ASSIGN(auto entry, find(rig));
+  DTS_TRY(check_startable(*entry));
+  auto started = entry->session.start(new_session_id(rig), request, moment(*entry));
   if (started) ++sessions_started_;
-  return begun(**entry, started);
+  return begun(*entry, started);
 }
 
 core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(const std::string& id) {
-  const auto row = services_.recordings.catalogue().session(id);
-  if (!row) return tl::make_unexpected(row.error());
-  auto entry = find(row->rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  if (auto startable = check_startable(**entry); !startable) return tl::make_unexpected(startable.error());
-  auto view = begun(**entry, (*entry)->session.resume(*row, moment(**entry)));
-  if (!view) return tl::make_unexpected(view.error());
-  return std::pair{row->rig, *view};
+  DTS_TRY_ASSIGN(const auto row, services_.recordings.catalogue().session(id));
+  DTS_TRY_ASSIGN(auto entry, find(row.rig));
+  DTS_TRY(check_startable(*entry));
+  DTS_TRY_ASSIGN(auto view, begun(*entry, entry->session.resume(row, moment(*entry))));
+  return std::pair{row.rig, view};
 }
 
 core::Result<Supervisor::Entry*> Supervisor::find_with_session(const std::string& name) {
@@ -161,28 +157,25 @@ core::Result<Supervisor::Entry*> Supervisor::find_with_session(const std::string
 
 core::Result<std::pair<std::string, SessionView>> Supervisor::stop_session(const std::string& rig, bool is_abort,
                                                                            const std::string& reason) {
-  auto entry = find_with_session(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  if (auto stopped = (*entry)->session.stop(is_abort, reason, moment(**entry)); !stopped) return tl::make_unexpected(stopped.error());
-  const SessionView view = (*entry)->session.view(clock_.now_ns());
+  DTS_TRY_ASSIGN(auto entry, find_with_session(rig));
+  DTS_TRY(entry->session.stop(is_abort, reason, moment(*entry)));
+  const SessionView view = entry->session.view(clock_.now_ns());
   log_.info("session " + view.id + (is_abort ? " is aborted" : " stops"));
-  collect_session_changes(**entry);
-  return std::pair{(*entry)->rig->config().name, view};
+  collect_session_changes(*entry);
+  return std::pair{entry->rig->config().name, view};
 }
 
 core::Result<SessionView> Supervisor::session(const std::string& rig) {
-  auto entry = find(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  return (*entry)->session.view(clock_.now_ns());
+  DTS_TRY_ASSIGN(auto entry, find(rig));
+  return entry->session.view(clock_.now_ns());
 }
 
 core::Result<TrialView> Supervisor::trial(const std::string& rig, TrialAction action) {
-  auto entry = find_with_session(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  auto done = (*entry)->session.trial(action, moment(**entry));
-  collect_session_changes(**entry);
+  DTS_TRY_ASSIGN(auto entry, find_with_session(rig));
+  auto done = entry->session.trial(action, moment(*entry));
+  collect_session_changes(*entry);
   if (!done) return tl::make_unexpected(done.error());
-  return (*entry)->session.trial_view(clock_.now_ns()).value_or(TrialView{});
+  return entry->session.trial_view(clock_.now_ns()).value_or(TrialView{});
 }
 
 /// Ends the sessions whose recordings have ended.
@@ -205,14 +198,13 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
   }
   std::vector<std::pair<std::string, DataPosition>> marks;
   for (const std::string& rig_name : chosen) {
-    auto entry = find(rig_name);
-    if (!entry) return tl::make_unexpected(entry.error());
-    const AcquisitionReport& report = (*entry)->rig->acquisition();
+    DTS_TRY_ASSIGN(auto entry, find(rig_name));
+    const AcquisitionReport& report = entry->rig->acquisition();
     if (report.device != device::DeviceState::Streaming || report.scans_total == 0) {
       if (rig.empty()) continue;
       return core::fail(core::ErrorCode::WrongState, "rig '" + rig_name + "' delivers no scans to mark", "see dtsctl status");
     }
-    marks.emplace_back(rig_name, position(**entry));
+    marks.emplace_back(rig_name, position(*entry));
   }
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {
@@ -223,21 +215,20 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
 }
 
 core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
-  auto entry = find(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  if ((*entry)->rig->acquisition().device != device::DeviceState::Streaming) {
+  DTS_TRY_ASSIGN(auto entry, find(rig));
+  if (entry->rig->acquisition().device != device::DeviceState::Streaming) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' is not streaming", "see dtsctl status");
   }
-  if ((*entry)->session.is_under_way()) {
+  if (entry->session.is_under_way()) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has a session: a tare would change the meaning of its results",
                       "tare before the next session, or stop this one first: dtsctl session stop --rig " + rig);
   }
-  const auto formats = (*entry)->rig->formats();
+  const auto formats = entry->rig->formats();
   if (std::ranges::find(formats, "deflection", &core::StreamFormat::name) == formats.end()) {
     return core::fail(core::ErrorCode::Unsupported, "rig '" + rig + "' has no stage that tares",
                       "add [[stage]] id = \"linearise\" to its file");
   }
-  return (*entry)->tare_request = (*entry)->rig->tare().request();
+  return entry->tare_request = entry->rig->tare().request();
 }
 
 void Supervisor::cancel_tare(const std::string& rig, std::uint64_t request) {
@@ -248,9 +239,8 @@ void Supervisor::cancel_tare(const std::string& rig, std::uint64_t request) {
 }
 
 core::Result<pipeline::TareReport> Supervisor::tare_report(const std::string& rig) {
-  auto entry = find(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  return (*entry)->rig->tare().latest();
+  DTS_TRY_ASSIGN(auto entry, find(rig));
+  return entry->rig->tare().latest();
 }
 
 void Supervisor::tick() {

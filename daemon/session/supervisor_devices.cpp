@@ -21,16 +21,15 @@ bool uses(const Rig& rig, const device::FoundUnit& unit) {
 }  // namespace
 
 core::Result<DeviceTest> Supervisor::test_device(const std::string& rig) {
-  auto entry = find(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  const AcquisitionReport& acquisition = (*entry)->rig->acquisition();
-  DeviceTest test{.rig = (*entry)->rig.get(), .statistics = {}, .report = (*entry)->rig->device_report(), .problem = {}};
+  DTS_TRY_ASSIGN(auto entry, find(rig));
+  const AcquisitionReport& acquisition = entry->rig->acquisition();
+  DeviceTest test{.rig = entry->rig.get(), .statistics = {}, .report = entry->rig->device_report(), .problem = {}};
   if (acquisition.device != device::DeviceState::Streaming || acquisition.is_armed) {
     test.problem = acquisition.text();
     if (!test.report.checks.empty()) return test;  // the checks show what failed
     return core::fail(core::ErrorCode::DeviceGone, "rig '" + rig + "' is not streaming: " + test.problem);
   }
-  test.statistics = (*entry)->rig->statistics();
+  test.statistics = entry->rig->statistics();
   if (test.statistics.scans > 0) return test;
   return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has not streamed for a second yet", "try again");
 }
@@ -72,9 +71,8 @@ void Supervisor::end_sync_pulse(Entry& entry, std::int64_t now_ns) {
 
 core::Result<std::vector<device::FoundUnit>> Supervisor::unused_units() {
   if (usb_ == nullptr) return std::vector<device::FoundUnit>{};
-  auto found = device::find_units(*usb_);
-  if (!found) return found;
-  std::erase_if(*found, [&](const device::FoundUnit& candidate) {
+  DTS_TRY_ASSIGN(auto found, device::find_units(*usb_));
+  std::erase_if(found, [&](const device::FoundUnit& candidate) {
     return std::ranges::any_of(entries_, [&](const auto& entry) { return uses(*entry.second.rig, candidate); });
   });
   return found;

@@ -155,7 +155,7 @@ core::Status TrialRun::next(std::int64_t now_ns) {
 
 core::Status TrialRun::redo(std::int64_t now_ns) {
   tick(now_ns);
-  if (auto voidable = check_voidable(); !voidable) return voidable;
+  DTS_TRY(check_voidable());
   tell(TrialEventKind::Redone, now_ns);
   start(*current_, attempt_ + 1, now_ns);
   return {};
@@ -163,7 +163,7 @@ core::Status TrialRun::redo(std::int64_t now_ns) {
 
 core::Status TrialRun::reject(std::int64_t now_ns) {
   tick(now_ns);
-  if (auto voidable = check_voidable(); !voidable) return voidable;
+  DTS_TRY(check_voidable());
   tell(TrialEventKind::Rejected, now_ns);
   is_void_ = true;
   if (is_under_way()) go_on(now_ns);

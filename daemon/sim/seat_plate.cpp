@@ -48,8 +48,7 @@ core::Result<SeatPlate> SeatPlate::create(const physics::Plate& plate, const phy
     if (!status) return tl::make_unexpected(status.error());
   }
   for (std::size_t k = 0; k < probes.size(); ++k) {
-    const auto status = check_on_plate(plate, probes[k], "probe " + std::to_string(k));
-    if (!status) return tl::make_unexpected(status.error());
+    DTS_TRY(check_on_plate(plate, probes[k], "probe " + std::to_string(k)));
   }
   SeatPlate seat;
   seat.first_mm_ = -contact.depth_mm / 2.0;
@@ -59,7 +58,7 @@ core::Result<SeatPlate> SeatPlate::create(const physics::Plate& plate, const phy
     seat.tabulate_series(plate, probes, contact);
     return seat;
   }
-  if (auto status = seat.tabulate_grid(plate, support, probes, contact); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(seat.tabulate_grid(plate, support, probes, contact));
   return seat;
 }
 
@@ -79,17 +78,16 @@ void SeatPlate::tabulate_series(const physics::Plate& plate, std::span<const phy
 
 core::Status SeatPlate::tabulate_grid(const physics::Plate& plate, const physics::Support& support, std::span<const physics::Point> probes,
                                       const SeatContact& contact) {
-  const auto table = physics::InfluenceTable::create(plate, support, probes);
-  if (!table) return tl::make_unexpected(table.error());
+  DTS_TRY_ASSIGN(const auto table, physics::InfluenceTable::create(plate, support, probes));
   const double across = part_within(plate.a.value / 2.0 + contact.off_centre_mm, contact.width_mm, plate.a.value);
   for (std::size_t row = 0; row < rows_; ++row) {
     const double y_mm = first_mm_ + static_cast<double>(row) * kStepMm;
     const double part = across * part_within(y_mm, contact.depth_mm, plate.b.value);
     for (std::size_t k = 0; k < probes.size() && part > 0.0; ++k) {
-      mm_per_n_[row * probes.size() + k] = part * table->under_patch_mm_per_n(k, patch_at(plate, contact, y_mm));
+      mm_per_n_[row * probes.size() + k] = part * table.under_patch_mm_per_n(k, patch_at(plate, contact, y_mm));
     }
   }
-  for (std::size_t k = 0; k < probes.size(); ++k) uniform_mm_per_n_.push_back(table->under_patch_mm_per_n(k, whole(plate)));
+  for (std::size_t k = 0; k < probes.size(); ++k) uniform_mm_per_n_.push_back(table.under_patch_mm_per_n(k, whole(plate)));
   return {};
 }
 

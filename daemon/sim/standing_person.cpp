@@ -33,10 +33,9 @@ core::Status check_times(const physics::Stance& stance) {
 }  // namespace
 
 core::Result<StandingPerson> StandingPerson::create(const physics::Stance& stance, const physics::Plate& plate) {
-  const auto patches = physics::place_stance(stance, plate);
-  if (!patches) return tl::make_unexpected(patches.error());
-  if (auto checked = check_times(stance); !checked) return tl::make_unexpected(checked.error());
-  return StandingPerson(stance, *patches);
+  DTS_TRY_ASSIGN(const auto patches, physics::place_stance(stance, plate));
+  DTS_TRY(check_times(stance));
+  return StandingPerson(stance, patches);
 }
 
 StandingPerson::StandingPerson(const physics::Stance& stance, const physics::StancePatches& patches) : stance_(stance), patches_(patches) {

@@ -6,6 +6,7 @@
 
 #include "cli/exit_status.h"
 #include "cli/table.h"
+#include "cli/try.h"
 #include "ctl/calibrate/cop_guide.h"
 #include "ctl/calibrate/cop_report.h"
 #include "ctl/calibrate/interrupt_note.h"
@@ -47,9 +48,8 @@ struct Job {
 bool is_guided(const Arguments& arguments) { return !arguments.calibrate.is_auto && is_input_terminal(); }
 
 Result<std::filesystem::path> progress_path(const std::string& rig) {
-  const auto folder = state_folder();
-  if (!folder) return tl::make_unexpected(folder.error());
-  return *folder / ("calibrate-cop-" + rig + ".jsonl");
+  DTS_TRY_ASSIGN(const auto folder, state_folder());
+  return folder / ("calibrate-cop-" + rig + ".jsonl");
 }
 
 /// Fills in missing options for --resume from the interrupted calibration. Numbers of a damaged file count as missing: the file is rejected
@@ -57,20 +57,18 @@ Result<std::filesystem::path> progress_path(const std::string& rig) {
 Result<CalibrateArguments> completed(const Arguments& arguments) {
   CalibrateArguments wishes = arguments.calibrate;
   if (!wishes.is_resumed) return wishes;
-  const auto file = progress_path(arguments.rig);
-  if (!file) return tl::make_unexpected(file.error());
-  const auto then = ProgressFile::calibration_in(*file);
-  if (!then) return tl::make_unexpected(then.error());
-  const auto text = then->value("estimator", Json());
+  DTS_TRY_ASSIGN(const auto file, progress_path(arguments.rig));
+  DTS_TRY_ASSIGN(const auto then, ProgressFile::calibration_in(file));
+  const auto text = then.value("estimator", Json());
   if (!wishes.estimator && text.is_string()) wishes.estimator = text.get<std::string>();
   if (text != wishes.estimator.value_or("poly3")) return wishes;
   const auto count = [&](const char* key, std::size_t largest, std::optional<std::size_t>& wish) {
-    const auto value = then->value(key, Json());
+    const auto value = then.value(key, Json());
     if (!wish && value.is_number_unsigned() && value.get<std::size_t>() <= largest) wish = value.get<std::size_t>();
   };
   count("grid", 15, wishes.grid);
   count("verify", kVerificationPoints, wishes.verify);
-  const auto loads = then->value("loads_n", Json());
+  const auto loads = then.value("loads_n", Json());
   if (!wishes.loads_n.empty() || !loads.is_array()) return wishes;
   for (const Json& load : loads) {
     if (load.is_number() && wishes.loads_n.size() < 20) wishes.loads_n.push_back(load.get<double>());
@@ -118,13 +116,12 @@ std::string deflection_advice(const std::string& label, std::uint8_t quality) {
 }
 
 Result<Job> plan(const Arguments& arguments, const CalibrateArguments& wishes, client::ControlClient& dts) {
-  auto facts = ask_rig_facts(dts, arguments.rig);
-  if (!facts) return tl::make_unexpected(facts.error());
-  if (auto idle = facts->check_idle(); !idle) return tl::make_unexpected(idle.error());
+  DTS_TRY_ASSIGN(auto facts, ask_rig_facts(dts, arguments.rig));
+  DTS_TRY(facts.check_idle());
   const std::string estimator = wishes.estimator.value_or("poly3");
   const auto method = physics::parse_cop_method(estimator);
   if (!method) return as_client_error(method.error());
-  Job job{.facts = std::move(*facts), .method = *method};
+  Job job{.facts = std::move(facts), .method = *method};
   job.grid = wishes.grid.value_or(job.grid);
   job.verify = wishes.verify.value_or(job.verify);
   job.plate = plate_view(job.facts.rig);
@@ -134,18 +131,14 @@ Result<Job> plan(const Arguments& arguments, const CalibrateArguments& wishes, c
                             " is only for floor platforms with four sensors",
                         "for more sensors, use the plate model: estimator = \"moment\" in the rig file");
   }
-  const auto rate_hz = job.facts.rate_hz("deflection");
-  if (!rate_hz) return tl::make_unexpected(rate_hz.error());
-  job.rate_hz = *rate_hz;
+  DTS_TRY_ASSIGN(job.rate_hz, job.facts.rate_hz("deflection"));
   job.loads_n = wishes.loads_n;
   if (job.loads_n.empty()) job.loads_n = job.method == CopMethod::Thesis ? std::vector{kThesisLoadN} : std::vector{240.0, 600.0};
-  if (auto checked = check_loads(job.method, job.loads_n); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_loads(job.method, job.loads_n));
   job.points = plan_points(job.plate, job.method, job.loads_n, job.grid);
   job.fit_count = job.points.size();
   for (const PlannedPoint& point : verification_points(job.plate, job.loads_n.back(), job.verify)) job.points.push_back(point);
-  auto file = free_file(wishes.out.empty() ? arguments.rig + "-cop-" + utc_now().substr(0, 10) + ".toml" : wishes.out);
-  if (!file) return tl::make_unexpected(file.error());
-  job.file = std::move(*file);
+  DTS_TRY_ASSIGN(job.file, free_file(wishes.out.empty() ? arguments.rig + "-cop-" + utc_now().substr(0, 10) + ".toml" : wishes.out));
   return job;
 }
 
@@ -167,9 +160,7 @@ Json identity(const Job& job) {
 }
 
 Result<ProgressFile> open_progress(const CalibrateArguments& wishes, const Job& job) {
-  const auto path = progress_path(job.facts.rig.name());
-  if (!path) return tl::make_unexpected(path.error());
-  const std::filesystem::path& file = *path;
+  DTS_TRY_ASSIGN(const auto file, progress_path(job.facts.rig.name()));
   if (wishes.is_resumed) return ProgressFile::resume(file, identity(job), job.points.size(), job.plate.labels.size());
   std::error_code error;
   if (!wishes.is_fresh && std::filesystem::exists(file, error)) {

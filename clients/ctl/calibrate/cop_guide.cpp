@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "cli/table.h"
+#include "cli/try.h"
 #include "ctl/calibrate/picture.h"
 
 namespace dts::ctl {
@@ -66,15 +67,13 @@ Result<bool> CopGuide::measure_until(std::size_t end) {
     if (parts_.prompt != nullptr) {
       const Reply reply = parts_.prompt->ask("  Is the weight in place?", Prompt::kWithAll);
       if (reply == Answer::Quit) return false;
-      const auto goes_on = go_on(reply, index);
-      if (!goes_on) return goes_on;
-      if (!*goes_on) continue;
-      if (auto fresh = parts_.measurer.begin_anew(); !fresh) return tl::make_unexpected(fresh.error());
+      DTS_TRY_ASSIGN(const auto goes_on, go_on(reply, index));
+      if (!goes_on) continue;
+      DTS_TRY(parts_.measurer.begin_anew());
     }
-    const auto stopped = measure(index);
-    if (!stopped) return tl::make_unexpected(stopped.error());
-    if (*stopped == Answer::Quit) return false;
-    if (*stopped == Answer::Skip) is_skipped_[index] = true;
+    DTS_TRY_ASSIGN(const auto stopped, measure(index));
+    if (stopped == Answer::Quit) return false;
+    if (stopped == Answer::Skip) is_skipped_[index] = true;
     if (parts_.progress.points()[index]) last_ = index;
   }
   begin_ = end;
@@ -89,7 +88,7 @@ Result<bool> CopGuide::go_on(const Reply& reply, std::size_t index) {
     is_skipped_[index] = true;
     return false;
   }
-  if (auto forgotten = forget(reply.number); !forgotten) return tl::make_unexpected(forgotten.error());
+  DTS_TRY(forget(reply.number));
   return false;
 }
 
@@ -107,19 +106,18 @@ Result<Answer> CopGuide::measure(std::size_t index) {
   const bool is_automatic = parts_.prompt == nullptr;
   if (is_automatic) {
     const auto is_empty = [](std::span<const double> scan) { return !is_loaded(scan); };
-    if (auto empty = parts_.measurer.wait_until(is_empty); !empty) return tl::make_unexpected(empty.error());
+    DTS_TRY(parts_.measurer.wait_until(is_empty));
   }
-  const auto measured = parts_.measurer.measure(is_loaded);
-  if (!measured) return tl::make_unexpected(measured.error());
-  if (!*measured) return parts_.typed != nullptr ? parts_.typed->value_or(Answer::Quit) : Answer::Quit;
-  const SteadyReading& reading = **measured;
+  DTS_TRY_ASSIGN(const auto measured, parts_.measurer.measure(is_loaded));
+  if (!measured) return parts_.typed != nullptr ? parts_.typed->value_or(Answer::Quit) : Answer::Quit;
+  const SteadyReading& reading = *measured;
   const PlannedPoint& point = parts_.points[index];
   if (is_on_the_other_side(parts_.plate.sensor_x_mm, reading.mean, point.x_mm) ||
       is_on_the_other_side(parts_.plate.sensor_y_mm, reading.mean, point.y_mm)) {
     parts_.say("  not recorded: the plate bends on the other side. Check the position of the weight and the order of the sensors.");
     return Answer::Go;
   }
-  if (auto recorded = parts_.progress.record(index, reading); !recorded) return tl::make_unexpected(recorded.error());
+  DTS_TRY(parts_.progress.record(index, reading));
   report(index, reading);
   doubt_weight(point.load_n);
   return Answer::Go;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "cli/try.h"
 #include "ctl/silence.h"
 #include "dts/endpoints.h"
 
@@ -24,32 +25,30 @@ tl::unexpected<client::Error> restarted() {
 
 Result<LiveFeed> LiveFeed::open(const Target& where, const std::string& rig, const std::string& stream, std::vector<std::string> channels) {
   const std::string& endpoint = where.endpoints.data;
-  if (auto somebody = client::probe(endpoint); !somebody) return tl::make_unexpected(somebody.error());
+  DTS_TRY(client::probe(endpoint));
   const std::string topic = rig + "/" + stream;
-  auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {topic, rig + "/gap", rig + "/device"}, .key = where.key});
-  if (!subscriber) return tl::make_unexpected(subscriber.error());
-  return LiveFeed(std::move(*subscriber), endpoint, topic, std::move(channels));
+  DTS_TRY_ASSIGN(auto subscriber,
+                 client::Subscriber::open({.endpoint = endpoint, .topics = {topic, rig + "/gap", rig + "/device"}, .key = where.key}));
+  return LiveFeed(std::move(subscriber), endpoint, topic, std::move(channels));
 }
 
 Result<std::optional<FeedBlock>> LiveFeed::next() {
   auto block = receive(kFeedLook);
   if (!block || *block) return block;
-  if (auto heard = check_silence(); !heard) return tl::make_unexpected(heard.error());
+  DTS_TRY(check_silence());
   return std::nullopt;
 }
 
 /// Ignores messages of other kinds; a restart is a failure, an event marks a loss.
 Result<std::optional<FeedBlock>> LiveFeed::receive(std::chrono::milliseconds timeout) {
-  const auto message = subscriber_.receive(timeout);
-  if (!message) return tl::make_unexpected(message.error());
-  if (!*message) return std::nullopt;
-  if (std::holds_alternative<client::Restart>(**message)) return restarted();
-  if (std::holds_alternative<client::Event>(**message)) is_broken_ = true;
-  const auto* block = std::get_if<client::Block>(&**message);
+  DTS_TRY_ASSIGN(const auto message, subscriber_.receive(timeout));
+  if (!message) return std::nullopt;
+  if (std::holds_alternative<client::Restart>(*message)) return restarted();
+  if (std::holds_alternative<client::Event>(*message)) is_broken_ = true;
+  const auto* block = std::get_if<client::Block>(&*message);
   if (block == nullptr || block->topic != topic_) return std::nullopt;
-  auto taken = take(*block);
-  if (!taken) return tl::make_unexpected(taken.error());
-  return std::optional<FeedBlock>(std::move(*taken));
+  DTS_TRY_ASSIGN(auto taken, take(*block));
+  return std::optional<FeedBlock>(std::move(taken));
 }
 
 Result<FeedBlock> LiveFeed::take(const client::Block& block) {
@@ -80,10 +79,9 @@ Result<void> LiveFeed::check_silence() const {
 
 Result<void> LiveFeed::discard() {
   while (true) {
-    const auto message = subscriber_.receive(std::chrono::milliseconds(0));
-    if (!message) return tl::make_unexpected(message.error());
-    if (!*message) break;
-    if (std::holds_alternative<client::Restart>(**message)) return restarted();
+    DTS_TRY_ASSIGN(const auto message, subscriber_.receive(std::chrono::milliseconds(0)));
+    if (!message) break;
+    if (std::holds_alternative<client::Restart>(*message)) return restarted();
   }
   has_begun_ = false;
   is_broken_ = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cli/table.h"
+#include "cli/try.h"
 
 namespace dts::ctl {
 namespace {
@@ -63,39 +64,36 @@ Result<std::vector<SteadyReading>> measure_guided(const GapGuideParts& parts) {
       if (!readings.empty()) readings.pop_back();
       continue;
     }
-    if (auto fresh = parts.measurer.begin_anew(); !fresh) return tl::make_unexpected(fresh.error());
-    auto reading = parts.measurer.measure(always);
-    if (!reading) return tl::make_unexpected(reading.error());
-    if (!*reading) return readings;
-    report(parts, **reading);
-    readings.push_back(std::move(**reading));
+    DTS_TRY(parts.measurer.begin_anew());
+    DTS_TRY_ASSIGN(auto reading, parts.measurer.measure(always));
+    if (!reading) return readings;
+    report(parts, *reading);
+    readings.push_back(std::move(*reading));
   }
   return readings;
 }
 
 Result<std::vector<SteadyReading>> measure_alone(const GapGuideParts& parts) {
   parts.say("Clear the space in front of the sensors");
-  auto open = parts.measurer.measure(always);
-  if (!open) return tl::make_unexpected(open.error());
+  DTS_TRY_ASSIGN(auto open, parts.measurer.measure(always));
   std::vector<SteadyReading> readings;
-  if (!*open) return readings;
-  report(parts, **open);
-  SteadyReading last = **open;
+  if (!open) return readings;
+  report(parts, *open);
+  SteadyReading last = *open;
   while (readings.size() < parts.gaps_mm.size()) {
     parts.say(request(parts, readings.size()));
     std::size_t in_vain = 0;
     while (true) {
-      auto reading = parts.measurer.measure(always);
-      if (!reading) return tl::make_unexpected(reading.error());
-      if (!*reading) return readings;
-      if (!is_other_level(**reading, last)) {
-        if (++in_vain % kPatienceHolds == 0) say_stuck(parts, **reading, last);
+      DTS_TRY_ASSIGN(auto reading, parts.measurer.measure(always));
+      if (!reading) return readings;
+      if (!is_other_level(*reading, last)) {
+        if (++in_vain % kPatienceHolds == 0) say_stuck(parts, *reading, last);
         continue;
       }
-      last = **reading;
-      if (!is_other_level(**reading, **open)) continue;
-      report(parts, **reading);
-      readings.push_back(std::move(**reading));
+      last = *reading;
+      if (!is_other_level(*reading, *open)) continue;
+      report(parts, *reading);
+      readings.push_back(std::move(*reading));
       break;
     }
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cli/table.h"
+#include "cli/try.h"
 #include "ctl/json.h"
 
 namespace dts::ctl {
@@ -32,12 +33,11 @@ Result<std::optional<SteadyReading>> Measurer::measure(const Test& is_there) {
   waited_scans_ = 0;
   while (true) {
     if (options_.is_stopped && options_.is_stopped()) return std::nullopt;
-    const auto block = feed_.next();
-    if (!block) return tl::make_unexpected(block.error());
-    if (!*block) continue;
-    take(**block, is_there);
+    DTS_TRY_ASSIGN(const auto block, feed_.next());
+    if (!block) continue;
+    take(*block, is_there);
     if (auto reading = detector_.reading()) return reading;
-    say_unrest((*block)->columns.front().size());
+    say_unrest(block->columns.front().size());
   }
 }
 
@@ -110,14 +110,13 @@ Result<void> Measurer::wait_until(const Test& is_gone) {
   std::size_t gone = 0;
   waited_scans_ = 0;
   while (gone < kEnoughScans) {
-    const auto block = feed_.next();
-    if (!block) return tl::make_unexpected(block.error());
-    if (!*block) continue;
-    const std::size_t scans = (*block)->columns.front().size();
-    doubt_ = doubts(**block);
-    if (!doubt_.empty() || (*block)->follows_loss) gone = 0;
-    for (std::size_t i = 0; i < scans && gone < kEnoughScans && doubt_.empty() && !(*block)->follows_loss; ++i) {
-      for (std::size_t channel = 0; channel < scan_.size(); ++channel) scan_[channel] = (*block)->columns[channel][i];
+    DTS_TRY_ASSIGN(const auto block, feed_.next());
+    if (!block) continue;
+    const std::size_t scans = block->columns.front().size();
+    doubt_ = doubts(*block);
+    if (!doubt_.empty() || block->follows_loss) gone = 0;
+    for (std::size_t i = 0; i < scans && gone < kEnoughScans && doubt_.empty() && !block->follows_loss; ++i) {
+      for (std::size_t channel = 0; channel < scan_.size(); ++channel) scan_[channel] = block->columns[channel][i];
       const bool is_known = std::ranges::all_of(scan_, [](double value) { return std::isfinite(value); });
       gone = is_known && is_gone(scan_) ? gone + 1 : 0;
     }

@@ -12,6 +12,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "cli/try.h"
+
 namespace dts::ctl {
 namespace {
 
@@ -89,11 +91,10 @@ Result<ProgressFile> ProgressFile::open(const std::filesystem::path& file, int f
 }
 
 Result<ProgressFile> ProgressFile::create(const std::filesystem::path& file, const Json& calibration) {
-  auto progress = open(file, O_CREAT);
-  if (!progress) return progress;
-  if (::ftruncate(*progress->descriptor_, 0) != 0) return failed(file, errno);
-  progress->points_.resize(calibration.at("points").size());
-  if (auto written = progress->append(cli::one_line({{"calibration", calibration}})); !written) return tl::make_unexpected(written.error());
+  DTS_TRY_ASSIGN(auto progress, open(file, O_CREAT));
+  if (::ftruncate(*progress.descriptor_, 0) != 0) return failed(file, errno);
+  progress.points_.resize(calibration.at("points").size());
+  DTS_TRY(progress.append(cli::one_line({{"calibration", calibration}})));
   return progress;
 }
 
@@ -112,10 +113,9 @@ Result<ProgressFile> ProgressFile::resume(const std::filesystem::path& file, con
                                           std::size_t channel_count) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return nothing_to_resume(file);
-  auto progress = open(file, 0);
-  if (!progress) return progress;
-  progress->points_.resize(point_count);
-  if (auto read = progress->read(calibration, channel_count); !read) return tl::make_unexpected(read.error());
+  DTS_TRY_ASSIGN(auto progress, open(file, 0));
+  progress.points_.resize(point_count);
+  DTS_TRY(progress.read(calibration, channel_count));
   return progress;
 }
 
@@ -137,8 +137,8 @@ Result<void> ProgressFile::read(const Json& calibration, std::size_t channel_cou
         return client::fail(ErrorCode::WrongState, path_.string() + " belongs to another calibration: " + difference(then, calibration),
                             kOther);
       }
-    } else if (auto taken = take(line, number, channel_count); !taken) {
-      return taken;
+    } else {
+      DTS_TRY(take(line, number, channel_count));
     }
     begin = end + 1;
   }

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "cli/try.h"
 #include "core/clock.h"
 #include "ctl/commands.h"
 
@@ -34,21 +35,18 @@ Result<void> RigFacts::check_idle() const {
 }
 
 Result<RigFacts> ask_rig_facts(client::ControlClient& dts, const std::string& rig) {
-  const auto status = dts.status();
-  if (!status) return tl::make_unexpected(status.error());
-  const auto found = find_rig(*status, rig);
-  if (!found) return tl::make_unexpected(found.error());
-  if (found->device() != v1::DEVICE_STATE_STREAMING) {
-    const std::string why = found->device_message().empty() ? "its device does not stream" : found->device_message();
+  DTS_TRY_ASSIGN(const auto status, dts.status());
+  DTS_TRY_ASSIGN(const auto found, find_rig(status, rig));
+  if (found.device() != v1::DEVICE_STATE_STREAMING) {
+    const std::string why = found.device_message().empty() ? "its device does not stream" : found.device_message();
     return client::fail(ErrorCode::DeviceGone, "rig '" + rig + "': " + why, "dtsctl device list");
   }
-  const auto devices = dts.devices();
-  if (!devices) return tl::make_unexpected(devices.error());
-  RigFacts facts{.rig = found->rig(), .daq_model = {}, .daq_serial = {}, .session_id = {}};
-  const v1::SessionState session = found->session().state();
+  DTS_TRY_ASSIGN(const auto devices, dts.devices());
+  RigFacts facts{.rig = found.rig(), .daq_model = {}, .daq_serial = {}, .session_id = {}};
+  const v1::SessionState session = found.session().state();
   const bool is_over = session == v1::SESSION_STATE_UNSPECIFIED || session == v1::SESSION_STATE_IDLE || session == v1::SESSION_STATE_FAILED;
-  if (!is_over) facts.session_id = found->session().session_id();
-  for (const v1::DeviceInfo& device : devices->devices()) {
+  if (!is_over) facts.session_id = found.session().session_id();
+  for (const v1::DeviceInfo& device : devices.devices()) {
     if (device.rig() != rig) continue;
     facts.daq_model = device.model();
     facts.daq_serial = device.serial();

@@ -11,6 +11,7 @@
 #include "cli/exit_status.h"
 #include "cli/json.h"
 #include "cli/table.h"
+#include "cli/try.h"
 #include "ctl/calibrate/gap_guide.h"
 #include "ctl/calibrate/gap_table.h"
 #include "ctl/calibrate/rig_facts.h"
@@ -68,9 +69,8 @@ Result<std::vector<SensorJob>> choose_sensors(const Arguments& arguments, const 
   for (const v1::SensorInfo& sensor : facts.rig.sensors()) {
     known += (known.empty() ? "" : ", ") + cli::printable(sensor.label());
     if (wanted != kAll && wanted != sensor.label()) continue;
-    auto file = file_for(arguments, sensor.label());
-    if (!file) return tl::make_unexpected(file.error());
-    jobs.push_back({.sensor = sensor, .readings = {}, .file = std::move(*file)});
+    DTS_TRY_ASSIGN(auto file, file_for(arguments, sensor.label()));
+    jobs.push_back({.sensor = sensor, .readings = {}, .file = std::move(file)});
   }
   if (!jobs.empty()) return jobs;
   return client::fail(ErrorCode::NotFound, "rig '" + arguments.rig + "' has no sensor '" + cli::printable(wanted) + "'",
@@ -88,13 +88,12 @@ std::string voltage_advice(const std::string& label, std::uint8_t quality) {
 Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std::vector<SensorJob>& jobs, double rate_hz, Feed& feed,
                                            cli::Console& console) {
   const CalibrateArguments& wishes = arguments.calibrate;
-  const auto scans = hold_scans(wishes.hold_s, rate_hz);
-  if (!scans) return tl::make_unexpected(scans.error());
+  DTS_TRY_ASSIGN(const auto scans, hold_scans(wishes.hold_s, rate_hz));
   const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
   MeasureOptions options{.unit = "V",
-                         .limits = {.window_scans = *scans, .drift = kDriftV, .noise = kNoiseV},
+                         .limits = {.window_scans = scans, .drift = kDriftV, .noise = kNoiseV},
                          .refused_quality = kRefusedVoltageQuality,
-                         .patience_scans = static_cast<std::size_t>(kPatienceS * rate_hz) + *scans,
+                         .patience_scans = static_cast<std::size_t>(kPatienceS * rate_hz) + scans,
                          .say = say,
                          .sees = {},
                          .advise = voltage_advice};
@@ -110,23 +109,19 @@ Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std
 
 /// Fills in the readings; returns false if the person quit.
 Result<bool> measure_jobs(const Arguments& arguments, const RigFacts& facts, std::vector<SensorJob>& jobs, cli::Console& console) {
-  if (auto idle = facts.check_idle(); !idle) return tl::make_unexpected(idle.error());
-  const auto where = target(arguments);
-  if (!where) return tl::make_unexpected(where.error());
-  const auto rate_hz = facts.rate_hz("raw");
-  if (!rate_hz) return tl::make_unexpected(rate_hz.error());
+  DTS_TRY(facts.check_idle());
+  DTS_TRY_ASSIGN(const auto where, target(arguments));
+  DTS_TRY_ASSIGN(const auto rate_hz, facts.rate_hz("raw"));
   std::vector<std::string> channels;
   for (const SensorJob& job : jobs) channels.push_back(job.sensor.label() + "_v");  // the pipeline's names of its input columns
-  auto feed = LiveFeed::open(*where, arguments.rig, "raw", channels);
-  if (!feed) return tl::make_unexpected(feed.error());
-  const auto levels = measure(arguments, jobs, *rate_hz, *feed, console);
-  if (!levels) return tl::make_unexpected(levels.error());
+  DTS_TRY_ASSIGN(auto feed, LiveFeed::open(where, arguments.rig, "raw", channels));
+  DTS_TRY_ASSIGN(const auto levels, measure(arguments, jobs, rate_hz, feed, console));
   const auto& gaps_mm = arguments.calibrate.gaps_mm;
-  if (levels->size() < gaps_mm.size()) return false;
+  if (levels.size() < gaps_mm.size()) return false;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     for (std::size_t k = 0; k < gaps_mm.size(); ++k) {
-      jobs[i].readings.push_back({.gap = {gaps_mm[k]}, .volts = {(*levels)[k].mean[i]}, .row = k + 1});
-      jobs[i].samples_per_point = (*levels)[k].scans;
+      jobs[i].readings.push_back({.gap = {gaps_mm[k]}, .volts = {levels[k].mean[i]}, .row = k + 1});
+      jobs[i].samples_per_point = levels[k].scans;
     }
   }
   return true;
@@ -212,9 +207,7 @@ void print(cli::Console& console, const std::vector<Finished>& all) {
 Result<std::vector<SensorJob>> offline_job(const Arguments& arguments) {
   SensorJob job;
   job.sensor.set_label(arguments.calibrate.sensor);
-  auto file = file_for(arguments, job.sensor.label());
-  if (!file) return tl::make_unexpected(file.error());
-  job.file = std::move(*file);
+  DTS_TRY_ASSIGN(job.file, file_for(arguments, job.sensor.label()));
   return std::vector{std::move(job)};
 }
 
@@ -239,20 +232,17 @@ core::Status check(const Arguments& arguments) {
 
 Result<std::optional<RigFacts>> facts_if_any(const Arguments& arguments) {
   if (arguments.rig.empty()) return std::nullopt;
-  auto dts = connect(arguments);
-  if (!dts) return tl::make_unexpected(dts.error());
-  auto facts = ask_rig_facts(*dts, arguments.rig);
-  if (!facts) return tl::make_unexpected(facts.error());
-  return std::optional<RigFacts>(std::move(*facts));
+  DTS_TRY_ASSIGN(auto dts, connect(arguments));
+  DTS_TRY_ASSIGN(auto facts, ask_rig_facts(dts, arguments.rig));
+  return std::optional<RigFacts>(std::move(facts));
 }
 
 /// Reads the points from a file, or measures them. Returns false if the person quit.
 Result<bool> fill_in(const Arguments& arguments, const std::optional<RigFacts>& facts, std::vector<SensorJob>& jobs,
                      cli::Console& console) {
   if (arguments.calibrate.points_file.empty()) return measure_jobs(arguments, *facts, jobs, console);
-  auto readings = read_gap_table(arguments.calibrate.points_file);
-  if (!readings) return tl::make_unexpected(readings.error());
-  jobs.front().readings = std::move(*readings);
+  DTS_TRY_ASSIGN(auto readings, read_gap_table(arguments.calibrate.points_file));
+  jobs.front().readings = std::move(readings);
   return true;
 }
 

@@ -7,6 +7,7 @@
 
 #include "cli/exit_status.h"
 #include "cli/json.h"
+#include "cli/try.h"
 #include "ctl/recording_view.h"
 #include "ctl/sessions/recorded_files.h"
 #include "ctl/sessions/work_bar.h"
@@ -18,24 +19,23 @@ namespace {
 
 core::Result<record::Exported> export_one(const RecordedFile& file, const SessionArguments& wishes, cli::Console& console, WorkBar& work,
                                           cli::Json& damaged, cli::Json& losses) {
-  auto recording = record::Recording::open(file.path);
-  if (!recording) return tl::make_unexpected(recording.error());
-  if ((*recording)->damage().empty()) {
+  DTS_TRY_ASSIGN(auto recording, record::Recording::open(file.path));
+  if (recording->damage().empty()) {
     // Wrong values look plausible; only the checksums reveal them. A table must not have values from a damaged file.
     if (const auto verified = record::verify(file.path); !verified) {
       return core::fail(verified.error().code, verified.error().what, "copy the undamaged part: dtsctl session recover " + file.path);
     }
   } else {
-    damaged.push_back({{"file", file.path}, {"damage", (*recording)->damage()}});
-    console.talk << console.program << ": " << cli::printable(file.path + ": " + (*recording)->damage())
+    damaged.push_back({{"file", file.path}, {"damage", recording->damage()}});
+    console.talk << console.program << ": " << cli::printable(file.path + ": " + recording->damage())
                  << "; only the undamaged part is exported" << std::endl;
   }
-  if (const std::string lost = to_text((*recording)->losses()); !lost.empty()) {
+  if (const std::string lost = to_text(recording->losses()); !lost.empty()) {
     losses.push_back({{"file", file.path}, {"losses", lost}});
     console.talk << console.program << ": " << cli::printable(file.path) << ": " << lost << "; the events show where" << std::endl;
   }
-  if (wishes.format == "csv") return record::export_csv(**recording, wishes.out.empty() ? "." : wishes.out, work.progress());
-  return record::export_bids(**recording, wishes.out.empty() ? "bids" : wishes.out, work.progress());
+  if (wishes.format == "csv") return record::export_csv(*recording, wishes.out.empty() ? "." : wishes.out, work.progress());
+  return record::export_bids(*recording, wishes.out.empty() ? "bids" : wishes.out, work.progress());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "cli/try.h"
 #include "ctl/commands.h"
 
 namespace dts::ctl {
@@ -70,16 +71,13 @@ Result<std::vector<RecordedFile>> find_recordings(const Arguments& arguments) {
   if (means_file(argument)) {
     return check_recording(argument).map([&] { return std::vector<RecordedFile>{{.path = argument}}; });
   }
-  auto dts = connect(arguments);
-  if (!dts) return tl::make_unexpected(dts.error());
-  const auto session = dts->show_session(argument);
-  if (!session) return tl::make_unexpected(session.error());
-  if (session->parts_size() == 0) return client::fail(ErrorCode::NotFound, "session '" + argument + "' has no recording");
+  DTS_TRY_ASSIGN(auto dts, connect(arguments));
+  DTS_TRY_ASSIGN(const auto session, dts.show_session(argument));
+  if (session.parts_size() == 0) return client::fail(ErrorCode::NotFound, "session '" + argument + "' has no recording");
   std::vector<RecordedFile> files;
-  for (const v1::SessionPart& part : session->parts()) {
-    auto file = file_of(*session, part);
-    if (!file) return tl::make_unexpected(file.error());
-    files.push_back(std::move(*file));
+  for (const v1::SessionPart& part : session.parts()) {
+    DTS_TRY_ASSIGN(auto file, file_of(session, part));
+    files.push_back(std::move(file));
   }
   return files;
 }

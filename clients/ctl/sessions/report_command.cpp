@@ -12,6 +12,7 @@
 
 #include "cli/exit_status.h"
 #include "cli/json.h"
+#include "cli/try.h"
 #include "ctl/recording_view.h"
 #include "ctl/sessions/recorded_files.h"
 #include "ctl/sessions/work_bar.h"
@@ -51,13 +52,12 @@ core::Result<record::OutputFiles::Written> write_pages(const std::string& folder
     record::OutputFiles files(folder);
     for (std::size_t index = first; index < std::min(pages.size(), first + kPagesAtOnce); ++index) {
       if (work.is_interrupted()) return core::fail(core::ErrorCode::Failed, "the report was interrupted");
-      if (auto ours = check_is_ours(files.path(pages[index].file)); !ours) return tl::make_unexpected(ours.error());
-      if (auto put = files.replace(pages[index].file, pages[index].text); !put) return tl::make_unexpected(put.error());
+      DTS_TRY(check_is_ours(files.path(pages[index].file)));
+      DTS_TRY(files.replace(pages[index].file, pages[index].text));
     }
-    auto written = files.commit();
-    if (!written) return tl::make_unexpected(written.error());
-    std::ranges::move(written->files, std::back_inserter(all.files));
-    all.bytes += written->bytes;
+    DTS_TRY_ASSIGN(auto written, files.commit());
+    std::ranges::move(written.files, std::back_inserter(all.files));
+    all.bytes += written.bytes;
   }
   return all;
 }

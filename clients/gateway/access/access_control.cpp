@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cli/try.h"
 #include "core/token_bucket.h"
 #include "gateway/access/back_off.h"
 #include "gateway/access/login_request.h"
@@ -282,7 +283,7 @@ std::chrono::steady_clock::time_point time_since_boot() noexcept {
 client::Result<std::unique_ptr<AccessControl>> AccessControl::open(boost::asio::io_context& io, const AccessOptions& options) {
   if (sodium_init() < 0) return client::fail(client::ErrorCode::Failed, "libsodium cannot be used: no random numbers");
   auto access = std::make_unique<AccessControlImpl>(io, options);
-  if (auto read = access->refresh(); !read) return tl::make_unexpected(read.error());
+  DTS_TRY(access->refresh());
   return access;
 }
 

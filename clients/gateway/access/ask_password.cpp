@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "cli/interruption.h"
+#include "cli/try.h"
 #include "gateway/access/password.h"
 #include "gateway/access/user_commands.h"
 
@@ -72,12 +73,10 @@ Result<Secret> ask_password(int descriptor, cli::Console& console) {
   if (!silence) return client::fail(ErrorCode::Failed, "cannot hide the password on this terminal");
   const auto is_interrupted = [&silence] { return silence.is_interrupted(); };
   console.talk << "Password: " << std::flush;
-  auto password = read_line(descriptor, is_interrupted);
-  if (!password) return password;
+  DTS_TRY_ASSIGN(auto password, read_line(descriptor, is_interrupted));
   console.talk << "Again: " << std::flush;
-  const auto again = read_line(descriptor, is_interrupted);
-  if (!again) return tl::make_unexpected(again.error());
-  if (again->text() == password->text()) return password;
+  DTS_TRY_ASSIGN(const auto again, read_line(descriptor, is_interrupted));
+  if (again.text() == password.text()) return password;
   return client::fail(ErrorCode::InvalidArgument, "the two passwords differ");
 }
 

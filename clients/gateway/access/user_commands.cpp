@@ -7,6 +7,7 @@
 
 #include "cli/exit_status.h"
 #include "cli/table.h"
+#include "cli/try.h"
 #include "cli/validators.h"
 #include "gateway/access/password.h"
 #include "gateway/access/user_file.h"
@@ -21,24 +22,21 @@ struct UserArguments {
 };
 
 client::Result<void> add(const UserArguments& arguments, const AskPassword& ask, cli::Console& console) {
-  const auto password = ask(console);
-  if (!password) return tl::make_unexpected(password.error());
-  if (auto fit = check_new_password(*password); !fit) return fit;
-  auto hash = hash_password(*password);
-  if (!hash) return tl::make_unexpected(hash.error());
+  DTS_TRY_ASSIGN(const auto password, ask(console));
+  DTS_TRY(check_new_password(password));
+  DTS_TRY_ASSIGN(auto hash, hash_password(password));
   const v1::Role role = role_of(arguments.role).value_or(v1::ROLE_UNSPECIFIED);
-  return add_user(arguments.users_file, {.name = arguments.name, .role = role, .password_hash = std::move(*hash)});
+  return add_user(arguments.users_file, {.name = arguments.name, .role = role, .password_hash = std::move(hash)});
 }
 
 client::Result<void> remove(const UserArguments& arguments) { return remove_user(arguments.users_file, arguments.name); }
 
 client::Result<void> list(const UserArguments& arguments, cli::Console& console) {
-  const auto read = read_users(arguments.users_file);
-  if (!read) return tl::make_unexpected(read.error());
+  DTS_TRY_ASSIGN(const auto read, read_users(arguments.users_file));
   cli::Table table({"user", "role"});
-  for (const User& user : read->users) table.add({{user.name}, {std::string(role_name(user.role))}});
+  for (const User& user : read.users) table.add({{user.name}, {std::string(role_name(user.role))}});
   table.print(console);
-  if (read->users.empty())
+  if (read.users.empty())
     cli::print_hint(console, "no users yet: dts-gateway user add NAME --role engineer --users " + arguments.users_file);
   return {};
 }

@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "cli/try.h"
 #include "gateway/access/descriptor.h"
 #include "gateway/access/identity.h"
 #include "gateway/access/password.h"
@@ -116,7 +117,7 @@ Result<UserText> read_user_text(int descriptor, const std::string& file) {
   };
   UserText content;
   if (::fstat(descriptor, &content.facts) != 0) return unreadable(errno);
-  if (auto safe = check_mode(file, content.facts); !safe) return tl::make_unexpected(safe.error());
+  DTS_TRY(check_mode(file, content.facts));
   std::array<char, 16384> piece{};
   for (ssize_t got = 1; got != 0;) {
     got = ::read(descriptor, piece.data(), piece.size());
@@ -133,11 +134,9 @@ Result<UserFile> read_users(const std::string& file) {
     return client::fail(ErrorCode::InvalidArgument, "cannot read '" + file + "': " + std::generic_category().message(errno),
                         "make the first user: dts-gateway user add NAME --role engineer --users FILE");
   }
-  const auto content = read_user_text(*opened, file);
-  if (!content) return tl::make_unexpected(content.error());
-  auto users = parse_users(content->text, file);
-  if (!users) return tl::make_unexpected(users.error());
-  return UserFile{.users = std::move(*users), .stamp = stamp(content->facts)};
+  DTS_TRY_ASSIGN(const auto content, read_user_text(*opened, file));
+  DTS_TRY_ASSIGN(auto users, parse_users(content.text, file));
+  return UserFile{.users = std::move(users), .stamp = stamp(content.facts)};
 }
 
 }  // namespace dts::gateway

@@ -12,6 +12,7 @@
 #include <string>
 #include <system_error>
 
+#include "cli/try.h"
 #include "gateway/access/descriptor.h"
 #include "gateway/access/user_file.h"
 #include "gateway/access/user_text.h"
@@ -81,16 +82,13 @@ Result<void> replace(const std::string& file, const std::string& text, const str
 using Change = std::function<Result<void>(const std::vector<User>& users, std::string& text)>;
 
 Result<void> change_file(const std::string& file, bool may_create, const Change& change) {
-  const auto locked = open_locked(file, may_create);
-  if (!locked) return tl::make_unexpected(locked.error());
-  auto content = read_user_text(**locked, file);
-  if (!content) return tl::make_unexpected(content.error());
-  const auto users = parse_users(content->text, file);
-  if (!users) return tl::make_unexpected(users.error());
-  if (!content->text.empty() && !content->text.ends_with('\n')) content->text += '\n';
-  if (auto changed = change(*users, content->text); !changed) return changed;
-  if (const auto sound = parse_users(content->text, file); !sound) return tl::make_unexpected(sound.error());
-  return replace(file, content->text, content->facts);
+  DTS_TRY_ASSIGN(const auto locked, open_locked(file, may_create));
+  DTS_TRY_ASSIGN(auto content, read_user_text(*locked, file));
+  DTS_TRY_ASSIGN(const auto users, parse_users(content.text, file));
+  if (!content.text.empty() && !content.text.ends_with('\n')) content.text += '\n';
+  DTS_TRY(change(users, content.text));
+  DTS_TRY(parse_users(content.text, file));
+  return replace(file, content.text, content.facts);
 }
 
 bool has(const std::vector<User>& users, const std::string& name) { return std::ranges::find(users, name, &User::name) != users.end(); }

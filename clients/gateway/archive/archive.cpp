@@ -5,6 +5,7 @@
 #include <string_view>
 #include <utility>
 
+#include "cli/try.h"
 #include "gateway/archive/archive_path.h"
 #include "gateway/archive/export_cache.h"
 #include "gateway/archive/export_maker.h"
@@ -179,9 +180,8 @@ client::Result<std::unique_ptr<Archive>> Archive::open(boost::asio::io_context& 
   // Half of the bytes for the cache, half for the export in progress, so that the limit for the disk always holds.
   const std::uint64_t work_bytes = options.cache_bytes / 2;
   // Uses a separate folder inside, so that the content of a directory given by mistake is not removed.
-  auto cache = ExportCache::open(options.cache_directory / "dts-gateway-exports", options.cache_bytes - work_bytes);
-  if (!cache) return tl::make_unexpected(cache.error());
-  return std::make_unique<ArchiveImpl>(io, work_bytes, std::move(*cache), std::move(find_session));
+  DTS_TRY_ASSIGN(auto cache, ExportCache::open(options.cache_directory / "dts-gateway-exports", options.cache_bytes - work_bytes));
+  return std::make_unique<ArchiveImpl>(io, work_bytes, std::move(cache), std::move(find_session));
 }
 
 }  // namespace dts::gateway

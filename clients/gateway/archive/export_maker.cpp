@@ -5,6 +5,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "cli/try.h"
 #include "gateway/archive/work_folder.h"
 #include "gateway/archive/zip_file.h"
 #include "record/export/export.h"
@@ -26,16 +27,15 @@ core::Status check_size(const ExportOrder& order, std::uint64_t bytes) {
 /// Exports into `folder`; adds to `damage` what the recording lacks.
 core::Status export_part(const ExportOrder& order, const std::string& file, const fs::path& folder, const record::Progress& progress,
                          std::string& damage) {
-  const auto recording = record::Recording::open(file);
-  if (!recording) return tl::make_unexpected(recording.error());
-  if (!(*recording)->damage().empty()) {
-    damage += fs::path(file).filename().string() + ": " + (*recording)->damage() + "; what is whole is exported\n";
+  DTS_TRY_ASSIGN(const auto recording, record::Recording::open(file));
+  if (!recording->damage().empty()) {
+    damage += fs::path(file).filename().string() + ": " + recording->damage() + "; what is whole is exported\n";
   } else if (const auto verified = record::verify(file, progress); !verified) {
     // Wrong values look plausible; only the checksums reveal them. A table must not have values from a damaged file.
     return tl::make_unexpected(verified.error());
   }
-  const auto exported = order.format == ExportFormat::Csv ? record::export_csv(**recording, folder.string(), progress)
-                                                          : record::export_bids(**recording, folder.string(), progress);
+  const auto exported = order.format == ExportFormat::Csv ? record::export_csv(*recording, folder.string(), progress)
+                                                          : record::export_bids(*recording, folder.string(), progress);
   if (!exported) return tl::make_unexpected(exported.error());
   return {};
 }
@@ -69,7 +69,7 @@ core::Result<std::uint64_t> make_export(const ExportOrder& order, const fs::path
   std::error_code failed;
   fs::create_directories(data, failed);
   if (failed) return core::fail_errno(failed.value(), "cannot make the folder '" + data.string() + "'");
-  if (auto exported = export_parts(order, data, stop); !exported) return tl::make_unexpected(exported.error());
+  DTS_TRY(export_parts(order, data, stop));
   const std::uint64_t rest = order.most_bytes - std::min(order.most_bytes, bytes_below(data));
   auto zip = write_zip(data, folder / "export.zip", rest, [&stop] { return !stop.stop_requested(); });
   fs::remove_all(data, failed);

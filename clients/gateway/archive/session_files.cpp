@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <string_view>
 
+#include "cli/try.h"
 #include "gateway/access/descriptor.h"
 
 namespace dts::gateway {
@@ -62,9 +63,8 @@ Result<std::vector<std::string>> files_of(const v1::SessionRecord& session) {
   if (session.parts().empty()) return client::fail(ErrorCode::NotFound, "session '" + session.session_id() + "' has no recording");
   std::vector<std::string> files;
   for (const v1::SessionPart& part : session.parts()) {
-    auto file = readable_file(session, part);
-    if (!file) return tl::make_unexpected(file.error());
-    files.push_back(std::move(*file));
+    DTS_TRY_ASSIGN(auto file, readable_file(session, part));
+    files.push_back(std::move(file));
   }
   return files;
 }

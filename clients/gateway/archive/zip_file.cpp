@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "cli/try.h"
 #include "gateway/access/descriptor.h"
 
 namespace dts::gateway {
@@ -60,7 +61,7 @@ class ZipWriter {
     for (ssize_t got = 0; (got = ::read(*opened, piece.data(), piece.size())) != 0;) {
       if (got < 0) return core::fail_errno(errno, "cannot read '" + file.string() + "'");
       if (archive_write_data(zip_.get(), piece.data(), static_cast<std::size_t>(got)) < 0) return fail_with(zip_.get());
-      if (auto go_on = check(); !go_on) return go_on;
+      DTS_TRY(check());
     }
     return {};
   }
@@ -96,11 +97,10 @@ core::Result<std::vector<std::string>> names_below(const fs::path& folder) {
 }
 
 core::Status fill(ZipWriter& writer, int descriptor, const fs::path& folder) {
-  const auto names = names_below(folder);
-  if (!names) return tl::make_unexpected(names.error());
-  if (auto opened = writer.open(descriptor); !opened) return opened;
-  for (const std::string& name : *names) {
-    if (auto added = writer.add(folder / name, name); !added) return added;
+  DTS_TRY_ASSIGN(const auto names, names_below(folder));
+  DTS_TRY(writer.open(descriptor));
+  for (const std::string& name : names) {
+    DTS_TRY(writer.add(folder / name, name));
   }
   return writer.close();
 }

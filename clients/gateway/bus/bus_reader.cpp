@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "cli/try.h"
 #include "dts/subscriber.h"
 #include "dts/wire/options.h"
 
@@ -86,9 +87,8 @@ class BusReader::Loop {
 };
 
 client::Result<void> BusReader::Loop::open() {
-  auto opened = client::Subscriber::open({.endpoint = endpoint_, .topics = topics()});
-  if (!opened) return tl::make_unexpected(opened.error());
-  subscriber_.emplace(std::move(*opened));
+  DTS_TRY_ASSIGN(auto opened, client::Subscriber::open({.endpoint = endpoint_, .topics = topics()}));
+  subscriber_.emplace(std::move(opened));
   return {};
 }
 
@@ -183,7 +183,7 @@ BusReader::~BusReader() = default;
 
 client::Result<std::unique_ptr<BusReader>> BusReader::start(const std::string& endpoint, std::function<void(BusItem)> on_item) {
   auto loop = std::make_unique<Loop>(endpoint, std::move(on_item));
-  if (auto opened = loop->open(); !opened) return tl::make_unexpected(opened.error());
+  DTS_TRY(loop->open());
   return std::unique_ptr<BusReader>(new BusReader(std::move(loop)));
 }
 

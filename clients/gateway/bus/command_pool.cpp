@@ -7,6 +7,7 @@
 #include <exception>
 #include <utility>
 
+#include "cli/try.h"
 #include "dts/control_client.h"
 #include "dts/wire/options.h"
 
@@ -40,9 +41,8 @@ client::Result<v1::Response> CommandPool::send(const v1::Request& request) const
   try {
     ::pthread_setname_np(::pthread_self(), "command");
     // One client per command: a new socket needs a fraction of a millisecond, and a late answer to an earlier command cannot interfere.
-    auto client = client::ControlClient::open({.endpoint = endpoint_});
-    if (!client) return tl::make_unexpected(client.error());
-    return client->forward(request, stop_.get_token());
+    DTS_TRY_ASSIGN(auto client, client::ControlClient::open({.endpoint = endpoint_}));
+    return client.forward(request, stop_.get_token());
   } catch (const std::exception& problem) {
     return client::fail(client::ErrorCode::Failed, std::string("the command cannot be sent: ") + problem.what(), "try again in a moment");
   }

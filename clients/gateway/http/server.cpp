@@ -5,6 +5,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <utility>
 
+#include "cli/try.h"
 #include "gateway/http/http_session.h"
 #include "gateway/http/server_state.h"
 #include "gateway/http/tls_context.h"
@@ -125,16 +126,13 @@ client::Result<tcp::endpoint> endpoint_of(const ServerOptions& options) {
 }  // namespace
 
 client::Result<std::unique_ptr<Server>> Server::open(asio::io_context& io, const ServerOptions& options, ServerHooks hooks) {
-  const auto endpoint = endpoint_of(options);
-  if (!endpoint) return tl::make_unexpected(endpoint.error());
-  auto state = std::make_shared<ServerState>(io, options, std::move(hooks), endpoint->address().is_loopback());
+  DTS_TRY_ASSIGN(const auto endpoint, endpoint_of(options));
+  auto state = std::make_shared<ServerState>(io, options, std::move(hooks), endpoint.address().is_loopback());
   if (!options.certificate_file.empty() || !options.key_file.empty()) {
-    auto tls = open_tls(options.certificate_file, options.key_file);
-    if (!tls) return tl::make_unexpected(tls.error());
-    state->tls = std::move(*tls);
+    DTS_TRY_ASSIGN(state->tls, open_tls(options.certificate_file, options.key_file));
   }
   auto listener = std::make_shared<Listener>(state);
-  if (const error_code error = listener->listen(*endpoint)) {
+  if (const error_code error = listener->listen(endpoint)) {
     return client::fail(client::ErrorCode::Failed,
                         "cannot listen on " + options.address + " port " + std::to_string(options.port) + ": " + error.message(),
                         "another program may listen there; choose another port: --listen ADDRESS:PORT");

@@ -14,6 +14,8 @@
 #include <system_error>
 #include <utility>
 
+#include "cli/try.h"
+
 namespace dts::gateway {
 namespace {
 
@@ -99,12 +101,11 @@ Result<StaticFiles> StaticFiles::load(const fs::path& root) {
   for (; !failed && entry != fs::recursive_directory_iterator(); entry.increment(failed)) {
     std::error_code gone;
     if (!fs::is_regular_file(entry->symlink_status(gone))) continue;
-    auto bytes = read_file(entry->path(), kMostFileBytes - total);
-    if (!bytes) return tl::make_unexpected(bytes.error());
-    total += bytes->size();
-    std::string etag = etag_of(*bytes);
+    DTS_TRY_ASSIGN(auto bytes, read_file(entry->path(), kMostFileBytes - total));
+    total += bytes.size();
+    std::string etag = etag_of(bytes);
     all.files_.emplace("/" + entry->path().lexically_relative(root).generic_string(),
-                       File{.bytes = std::move(*bytes), .content_type = content_type_of(entry->path()), .etag = std::move(etag)});
+                       File{.bytes = std::move(bytes), .content_type = content_type_of(entry->path()), .etag = std::move(etag)});
   }
   if (failed && failed != std::errc::no_such_file_or_directory) {
     return client::fail(ErrorCode::Failed, "cannot read the folder '" + root.string() + "': " + failed.message());

@@ -80,7 +80,7 @@ core::Status check_plot_name(const std::string& file) {
 }
 
 core::Status draw(const std::string& script, const std::string& file) {
-  if (auto named = check_plot_name(file); !named) return named;
+  DTS_TRY(check_plot_name(file));
   const TemporaryFile in(std::tmpfile());
   const TemporaryFile out(std::tmpfile());
   const TemporaryFile talk(std::tmpfile());
@@ -90,10 +90,9 @@ core::Status draw(const std::string& script, const std::string& file) {
     return core::fail_errno(errno, "no disk space for a temporary file");
   }
   std::rewind(in.get());
-  const auto status = run_gnuplot(in.get(), out.get(), talk.get());
-  if (!status) return tl::make_unexpected(status.error());
+  DTS_TRY_ASSIGN(const auto status, run_gnuplot(in.get(), out.get(), talk.get()));
   const std::string picture = content_of(out.get());
-  if (*status != 0 || picture.empty()) {
+  if (status != 0 || picture.empty()) {
     return core::fail(ErrorCode::Failed, "gnuplot failed: " + content_of(talk.get()),
                       "check that its version is 5.4 or later: gnuplot --version");
   }

@@ -233,10 +233,9 @@ core::Result<Alignment> align_by_correlation(const Recording& a, const Recording
                       "the recordings do not show the same movement: their correlation is at most " + cli::decimal(lag.correlation, 2),
                       kUnlikeHint);
   }
-  auto alignment = Refinement(a, b, lag.offset_s).run();
-  if (!alignment) return alignment;
-  alignment->means = Alignment::Means::Correlation;
-  alignment->peak_correlation = lag.correlation;
+  DTS_TRY_ASSIGN(auto alignment, Refinement(a, b, lag.offset_s).run());
+  alignment.means = Alignment::Means::Correlation;
+  alignment.peak_correlation = lag.correlation;
   return alignment;
 }
 

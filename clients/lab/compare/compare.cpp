@@ -52,15 +52,14 @@ Alignment on_clocks(Alignment alignment, const Recording& a, const Recording& b)
 }  // namespace
 
 core::Result<Comparison> compare(const Recording& a, const Recording& b) {
-  auto alignment = align(a, b);
-  if (!alignment) return tl::make_unexpected(alignment.error());
-  const Paired paired = pair_up(a, b, *alignment);
+  DTS_TRY_ASSIGN(auto alignment, align(a, b));
+  const Paired paired = pair_up(a, b, alignment);
   const double overlap_s = paired.t_a_s.empty() ? 0.0 : paired.t_a_s.back() - paired.t_a_s.front();
   if (overlap_s < kShortestOverlapS) {
     return core::fail(core::ErrorCode::Failed, "after alignment, the recordings overlap by less than 1 s",
                       "check that both recordings are of the same trial and that trigger or marker mean the same in both");
   }
-  Comparison comparison{.alignment = on_clocks(*alignment, a, b),
+  Comparison comparison{.alignment = on_clocks(alignment, a, b),
                         .overlap_s = overlap_s,
                         .scan_count = paired.t_a_s.size(),
                         .correlation = correlation(paired),

@@ -79,12 +79,11 @@ void place_events(const std::vector<Event>& events, Recording& recording) {
 core::Status read_items(record::Recording& file, const CopColumns& cop, Recording& recording) {
   std::vector<Event> events;
   while (true) {
-    const auto item = file.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) break;
-    if (const auto* scans = std::get_if<record::RecordedScans>(&**item); scans != nullptr && scans->stream == cop.stream) {
+    DTS_TRY_ASSIGN(const auto item, file.next());
+    if (!item) break;
+    if (const auto* scans = std::get_if<record::RecordedScans>(&*item); scans != nullptr && scans->stream == cop.stream) {
       add_scans(*scans, cop, recording);
-    } else if (const auto* event = std::get_if<record::TimedEvent>(&**item)) {
+    } else if (const auto* event = std::get_if<record::TimedEvent>(&*item)) {
       add_event(*event, events);
     }
     if (recording.t_s.size() > kMostScans || events.size() > kMostScans) {

@@ -63,17 +63,15 @@ struct Part {
 };
 
 core::Result<CopEstimator> make_estimator(const EvaluateArguments& arguments, const RigModel& rig, physics::PlateBehaviour behaviour) {
-  const auto method = physics::parse_cop_method(arguments.estimator);
-  if (!method) return tl::make_unexpected(method.error());
-  return CopEstimator::from_model(*method, rig, behaviour);
+  DTS_TRY_ASSIGN(const auto method, physics::parse_cop_method(arguments.estimator));
+  return CopEstimator::from_model(method, rig, behaviour);
 }
 
 core::Result<EvaluationTask> make_task(const EvaluateArguments& arguments, RigModel rig) {
   EvaluationTask task{.rig = std::move(rig), .estimator_name = arguments.estimator, .loads_n = arguments.loads_n};
-  const auto noise = physics::parse_cop_noise(arguments.noise);
-  if (!noise) return tl::make_unexpected(noise.error());
+  DTS_TRY_ASSIGN(const auto noise, physics::parse_cop_noise(arguments.noise));
   task.options = {.behaviour = arguments.is_linear ? physics::PlateBehaviour::Linear : physics::PlateBehaviour::Stiffening,
-                  .noise = *noise,
+                  .noise = noise,
                   .seed = kSeed};
   task.is_grid = arguments.contact == "points";
   if (task.loads_n.empty()) task.loads_n = task.is_grid ? std::vector{kUsualLoadN} : std::vector{kLightPersonN, kHeavyPersonN};
@@ -251,7 +249,9 @@ void add_evaluate(cli::CommandLine& line, CLI::App& cop) {
   command.add_option("--noise", arguments.noise, "none, or realistic: noise of one filtered scan of a real sensor. Default: none")
       ->option_text("NOISE")
       ->check(CLI::IsMember({"none", "realistic"}));
-  command.add_option("--loads", arguments.loads_n, "Loads in N; for feet: weight of the lightest and the heaviest person. Default: 490; for feet 300 900")
+  command
+      .add_option("--loads", arguments.loads_n,
+                  "Loads in N; for feet: weight of the lightest and the heaviest person. Default: 490; for feet 300 900")
       ->option_text("N ...")
       ->check(cli::number_between(1.0, 2000.0, "newtons"));
   command.add_option("--contact", arguments.contact, "points, one-foot or two-feet (random stances); default: points")

@@ -60,13 +60,12 @@ double least_variance_mm2(const RigModel& rig, const InfluenceTable& plate, Poin
 core::Result<double> noise_limit_mm(const RigModel& rig) {
   std::vector<Point> sensors;
   for (const physics::SensorModel& sensor : rig.sensors) sensors.push_back(sensor.position);
-  const auto plate = InfluenceTable::create(rig.plate, rig.support, sensors);
-  if (!plate) return tl::make_unexpected(plate.error());
+  DTS_TRY_ASSIGN(const auto plate, InfluenceTable::create(rig.plate, rig.support, sensors));
   double sum_mm2 = 0.0;
   for (int j = 0; j < kPlacementGrid; ++j) {
     for (int i = 0; i < kPlacementGrid; ++i) {
       const auto part = [](int index) { return kMargin + (1.0 - 2.0 * kMargin) * index / (kPlacementGrid - 1); };
-      sum_mm2 += least_variance_mm2(rig, *plate, {rig.plate.a * part(i), rig.plate.b * part(j)});
+      sum_mm2 += least_variance_mm2(rig, plate, {rig.plate.a * part(i), rig.plate.b * part(j)});
     }
   }
   return std::sqrt(sum_mm2 / (kPlacementGrid * kPlacementGrid));
@@ -77,9 +76,8 @@ core::Result<double> foot_error_mm(const RigModel& rig, const physics::CopEstima
                                    physics::PlateBehaviour behaviour) {
   const auto trials = physics::foot_trials(rig.plate, feet, kPlacementStances, kPersonN, kPlacementSeed + feet);
   if (trials.empty()) return core::fail(core::ErrorCode::InvalidArgument, "this plate is too small for a foot");
-  const auto evaluation = physics::evaluate_cop(rig, estimator, trials, {.behaviour = behaviour});
-  if (!evaluation) return tl::make_unexpected(evaluation.error());
-  return evaluation->figures.rms_total_mm;
+  DTS_TRY_ASSIGN(const auto evaluation, physics::evaluate_cop(rig, estimator, trials, {.behaviour = behaviour}));
+  return evaluation.figures.rms_total_mm;
 }
 
 /// Returns the rig's plate with another sensor layout.
@@ -115,20 +113,16 @@ core::Result<PlacementFigures> placement_figures(const RigModel& rig_of_plate, s
                                                  physics::PlateBehaviour behaviour) {
   const RigModel rig = with_layout(rig_of_plate, sensor_count, distance_mm);
   const auto method = rig.sensors.size() == physics::kFloorSensors ? physics::CopMethod::Poly3 : physics::CopMethod::Moment;
-  const auto noise = noise_limit_mm(rig);
-  if (!noise) return tl::make_unexpected(noise.error());
-  const auto estimator = physics::CopEstimator::from_model(method, rig, behaviour);
-  if (!estimator) return tl::make_unexpected(estimator.error());
-  const auto one_foot = foot_error_mm(rig, *estimator, 1, behaviour);
-  if (!one_foot) return tl::make_unexpected(one_foot.error());
-  const auto two_feet = foot_error_mm(rig, *estimator, 2, behaviour);
-  if (!two_feet) return tl::make_unexpected(two_feet.error());
-  const double stances_mm = std::hypot(*one_foot, *two_feet) / std::sqrt(2.0);
+  DTS_TRY_ASSIGN(const auto noise, noise_limit_mm(rig));
+  DTS_TRY_ASSIGN(const auto estimator, physics::CopEstimator::from_model(method, rig, behaviour));
+  DTS_TRY_ASSIGN(const auto one_foot, foot_error_mm(rig, estimator, 1, behaviour));
+  DTS_TRY_ASSIGN(const auto two_feet, foot_error_mm(rig, estimator, 2, behaviour));
+  const double stances_mm = std::hypot(one_foot, two_feet) / std::sqrt(2.0);
   return PlacementFigures{.distance_mm = distance_mm,
-                          .noise_limit_mm = *noise,
-                          .one_foot_mm = *one_foot,
-                          .two_feet_mm = *two_feet,
-                          .standing_mm = std::hypot(*noise, stances_mm)};
+                          .noise_limit_mm = noise,
+                          .one_foot_mm = one_foot,
+                          .two_feet_mm = two_feet,
+                          .standing_mm = std::hypot(noise, stances_mm)};
 }
 
 core::Result<Placement> place_sensors(const RigModel& rig, std::size_t sensor_count, physics::PlateBehaviour behaviour,
@@ -139,9 +133,8 @@ core::Result<Placement> place_sensors(const RigModel& rig, std::size_t sensor_co
   const int steps = static_cast<int>((last_mm - kFirstMm) / kStepMm);
   for (int step = 0; step <= steps; ++step) {
     const double distance_mm = kFirstMm + kStepMm * step;
-    const auto figures = placement_figures(rig, sensor_count, distance_mm, behaviour);
-    if (!figures) return tl::make_unexpected(figures.error());
-    placement.rows.push_back(*figures);
+    DTS_TRY_ASSIGN(const auto figures, placement_figures(rig, sensor_count, distance_mm, behaviour));
+    placement.rows.push_back(figures);
     report_progress((distance_mm - kFirstMm) / (last_mm - kFirstMm));
   }
   const auto best = [&](double PlacementFigures::*figure) {

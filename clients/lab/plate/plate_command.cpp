@@ -67,10 +67,9 @@ core::Result<Solved> solve(PlateTask& task, cli::Console& console) {
   progress.tick_by_itself();  // factorising is one step without progress
   task.options.report_progress = [&](double fraction) { progress.report(fraction); };
   const auto begun = std::chrono::steady_clock::now();
-  auto solution = physics::solve(task.plate_case, task.method, task.options);
-  if (!solution) return tl::make_unexpected(solution.error());
+  DTS_TRY_ASSIGN(auto solution, physics::solve(task.plate_case, task.method, task.options));
   const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - begun;
-  return Solved{std::move(*solution), passed.count()};
+  return Solved{std::move(solution), passed.count()};
 }
 
 double total_load_n(const PlateCase& plate_case) {
@@ -204,7 +203,8 @@ int run_plate_solve(const SolveArguments& arguments, cli::Console& console) {
 }  // namespace
 
 void add_commands(cli::CommandLine& line) {
-  CLI::App* plate = cli::add_group(line.app, "plate", "Compute the bending of elastic plates", "dtslab plate solve case.toml | deflections and reactions\n");
+  CLI::App* plate = cli::add_group(line.app, "plate", "Compute the bending of elastic plates",
+                                   "dtslab plate solve case.toml | deflections and reactions\n");
   const auto [command, arguments] =
       add_command(line, *plate, "solve", "Compute a plate under loads: deflections at the probes and reactions of the supports",
                   "dtslab plate solve case.toml | a table\n"

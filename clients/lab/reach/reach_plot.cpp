@@ -20,10 +20,9 @@ core::Status plot_reaches(const TrialSet& set, const std::vector<std::optional<c
   for (std::size_t k = 0; k < set.trials.size(); ++k) {
     const Trial& trial = set.trials[k];
     if (!drawn.insert(trial.condition).second) continue;
-    auto pipeline = TrialPipeline::create(set.rig, trial.rate);
-    if (!pipeline) return tl::make_unexpected(pipeline.error());
+    DTS_TRY_ASSIGN(auto pipeline, TrialPipeline::create(set.rig, trial.rate));
     const std::string name = set.subjects[trial.subject].name + " " + std::to_string(trial.number) + ": " + trial.condition;
-    plot.curves.push_back({.name = name, .points = (*pipeline)->watch(trial.volts).transient, .style = CurveStyle::Lines});
+    plot.curves.push_back({.name = name, .points = pipeline->watch(trial.volts).transient, .style = CurveStyle::Lines});
     if (!reaches[k]) continue;
     for (const core::ReachPoint& point : {reaches[k]->p1, reaches[k]->p2, reaches[k]->p3}) {
       if (std::isfinite(point.value_mm))

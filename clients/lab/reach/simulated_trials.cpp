@@ -69,9 +69,8 @@ class Sitter {
     for (const physics::SensorModel& sensor : rig.sensors) {
       if (plan.has_volts) probes.push_back(sensor.position);
     }
-    auto plate = sim::SeatPlate::create(rig.plate, rig.support, probes, habits.contact);
-    if (!plate) return tl::make_unexpected(plate.error());
-    return Sitter(subject, seed, plan, rig, habits, std::move(*plate));
+    DTS_TRY_ASSIGN(auto plate, sim::SeatPlate::create(rig.plate, rig.support, probes, habits.contact));
+    return Sitter(subject, seed, plan, rig, habits, std::move(plate));
   }
 
   /// Fills the volts of `trial`, if the plan has any; its number and rate must be set. Returns the trunk flexion.
@@ -135,20 +134,18 @@ double pace_of(const TrialPlan& plan, int trial) {
 
 core::Result<SimulatedTrials> simulate_trials(const std::vector<reach::Subject>& subjects, const TrialPlan& plan,
                                               const std::function<void(double)>& progress) {
-  if (auto checked = check(subjects, plan); !checked) return tl::make_unexpected(checked.error());
-  const auto rate = core::Rate::from_hz(plan.rate_hz);
-  if (!rate) return tl::make_unexpected(rate.error());
+  DTS_TRY(check(subjects, plan));
+  DTS_TRY_ASSIGN(const auto rate, core::Rate::from_hz(plan.rate_hz));
   SimulatedTrials simulated{.set = {.rig = transient_rig(), .subjects = subjects}};
   for (std::size_t index = 0; index < subjects.size(); ++index) {
-    auto sitter = Sitter::create(subjects[index], index, plan, simulated.set.rig);
-    if (!sitter) return tl::make_unexpected(sitter.error());
+    DTS_TRY_ASSIGN(auto sitter, Sitter::create(subjects[index], index, plan, simulated.set.rig));
     std::uint32_t number = 0;
     for (const std::string& condition : plan.conditions) {
       const double target_cm = *reach::target_cm(subjects[index].person, condition);
       if (target_cm > subjects[index].person.max_reach_cm) continue;
       for (int i = 0; i < plan.trials_per_condition; ++i) {
-        reach::Trial trial{.subject = index, .number = ++number, .condition = condition, .rate = *rate};
-        simulated.trunk_deg.push_back(sitter->perform(trial, target_cm, pace_of(plan, i)));
+        reach::Trial trial{.subject = index, .number = ++number, .condition = condition, .rate = rate};
+        simulated.trunk_deg.push_back(sitter.perform(trial, target_cm, pace_of(plan, i)));
         simulated.set.trials.push_back(std::move(trial));
       }
     }

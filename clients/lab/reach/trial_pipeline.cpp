@@ -28,9 +28,7 @@ core::Result<std::unique_ptr<TrialPipeline>> TrialPipeline::create(const physics
   for (std::size_t c = 0; c < rig.sensors.size(); ++c) input.sensor_channels.push_back(c);
   const pipeline::StageContext context{
       .rig = rig, .input_ranges = std::vector(rig.sensors.size(), kConverter), .tare = owner->tare_, .windows = owner->windows_};
-  auto created = pipeline::Pipeline::create(stages(), input, context);
-  if (!created) return tl::make_unexpected(created.error());
-  owner->pipeline_ = std::move(*created);
+  DTS_TRY_ASSIGN(owner->pipeline_, pipeline::Pipeline::create(stages(), input, context));
   owner->frame_ = owner->pipeline_->make_frame();
   owner->acquired_.block = core::Block(rig.sensors.size(), kBlockScans);
   const auto formats = owner->pipeline_->formats();

@@ -106,10 +106,9 @@ Replay::Replay(record::Recording& recording, const RecordedDevice& device, sessi
 
 core::Status Replay::run(const std::function<void(double)>& progress) {
   while (true) {
-    auto item = recording_.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) break;
-    if (auto taken = take(**item); !taken) return taken;
+    DTS_TRY_ASSIGN(auto item, recording_.next());
+    if (!item) break;
+    DTS_TRY(take(*item));
     progress(static_cast<double>(recording_.offset()) / static_cast<double>(std::max<std::uint64_t>(recording_.size(), 1)));
   }
   merger_.finish();
@@ -121,7 +120,7 @@ core::Status Replay::take(const record::RecordedItem& item) {
     if (StreamCheck* check = checks_by_stream_[scans->stream].get()) check->add_recorded(*scans);
   }
   if (const auto* timed = std::get_if<record::TimedEvent>(&item)) events_.add_recorded(timed->event);
-  if (auto added = merger_.add(item); !added) return added;
+  DTS_TRY(merger_.add(item));
   return process_ready();
 }
 
@@ -131,7 +130,7 @@ core::Status Replay::process_ready() {
       case ScanMerger::Taken::Nothing: return {};
       case ScanMerger::Taken::Gap: acquired_.gap_before = gap_; break;
       case ScanMerger::Taken::Scans:
-        if (auto begun = begin(acquired_.block); !begun) return begun;
+        DTS_TRY(begin(acquired_.block));
         process();
         break;
     }
@@ -140,12 +139,11 @@ core::Status Replay::process_ready() {
 
 core::Status Replay::begin(const core::Block& block) {
   if (!segment_) {
-    const auto restored = session::restore_recorded(*rig_.pipeline, device_.description, block.segment, block.first_scan);
-    if (!restored) return tl::make_unexpected(restored.error());
-    report_.is_restored = *restored == session::Restored::Done;
-    if (*restored == session::Restored::OtherStages) {
+    DTS_TRY_ASSIGN(const auto restored, session::restore_recorded(*rig_.pipeline, device_.description, block.segment, block.first_scan));
+    report_.is_restored = restored == session::Restored::Done;
+    if (restored == session::Restored::OtherStages) {
       report_.notes.emplace_back("the stages of the rig differ from the recorded stages: they start without history");
-    } else if (*restored == session::Restored::NoRecording) {
+    } else if (restored == session::Restored::NoRecording) {
       report_.notes.emplace_back("the recording does not contain the state of the stages at its start: they start without history");
     }
   }
@@ -202,15 +200,13 @@ std::optional<bool> ReplayReport::is_identical() const {
 
 core::Result<ReplayReport> replay(record::Recording& recording, pipeline::RigConfig config, const std::string& name,
                                   const core::Clock& clock, const std::function<void(double)>& progress) {
-  const auto device = device::replay::find_device(recording, name);
-  if (!device) return tl::make_unexpected(device.error());
-  config.rate = device->rate;
+  DTS_TRY_ASSIGN(const auto device, device::replay::find_device(recording, name));
+  config.rate = device.rate;
   config.block_scans = kReplayedScans;
-  auto rig = session::make_rig_pipeline(config, device->description);
-  if (!rig) return tl::make_unexpected(rig.error());
+  DTS_TRY_ASSIGN(auto rig, session::make_rig_pipeline(config, device.description));
   const std::int64_t begun_ns = clock.now_ns();
-  Replay under_way(recording, *device, *rig);
-  if (auto run = under_way.run(progress); !run) return tl::make_unexpected(run.error());
+  Replay under_way(recording, device, rig);
+  DTS_TRY(under_way.run(progress));
   ReplayReport report = under_way.finish();
   report.duration_s = static_cast<double>(clock.now_ns() - begun_ns) * 1e-9;
   return report;

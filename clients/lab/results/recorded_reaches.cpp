@@ -83,14 +83,13 @@ void compare(const std::vector<session::ReachTrialResult>& results, const ToldRe
 core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, Told& told, const std::function<void(double)>& progress) {
   std::vector<PlacedStep> steps;
   while (true) {
-    auto item = recording.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) break;
+    DTS_TRY_ASSIGN(auto item, recording.next());
+    if (!item) break;
     if (recording.size() > 0) progress(static_cast<double>(recording.offset()) / static_cast<double>(recording.size()));
-    const auto* timed = std::get_if<record::TimedEvent>(&**item);
+    const auto* timed = std::get_if<record::TimedEvent>(&*item);
     if (timed == nullptr) continue;
     add_told(timed->event, told);
-    if (auto added = add(timed->event, steps); !added) return tl::make_unexpected(added.error());
+    DTS_TRY(add(timed->event, steps));
     if (steps.size() > kMostRecordedSteps) {
       return core::fail(core::ErrorCode::Unsupported,
                         "the recording has more than " + std::to_string(kMostRecordedSteps) + " steps of reaches and trials",
@@ -124,19 +123,18 @@ std::uint64_t count_reaches(const std::vector<PlacedStep>& steps) {
 core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording, const classifier::TrunkModel* model,
                                                     const std::function<void(double)>& progress) {
   Told told;
-  const auto steps = read_steps(recording, told, progress);
-  if (!steps) return tl::make_unexpected(steps.error());
+  DTS_TRY_ASSIGN(const auto steps, read_steps(recording, told, progress));
   RecordedReaches recorded;
   if (const auto& facts = recording.session()) recorded.person = session::person_of(facts->fields);
   session::ReachResults results(recorded.person, model);
-  for (const PlacedStep& step : *steps) {
+  for (const PlacedStep& step : steps) {
     results.advance(step.segment, step.scan);
     compare(results.take_decided(), told.decided, recorded);  // uses only what was known at that time
     take(step, results);
   }
   results.finish();
   compare(results.take_decided(), told.decided, recorded);
-  recorded.reaches = count_reaches(*steps);
+  recorded.reaches = count_reaches(steps);
   recorded.trials = results.results();
   compare(recorded.trials, told.at_end, recorded);
   recorded.summary = results.summary();

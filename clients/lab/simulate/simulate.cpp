@@ -48,9 +48,8 @@ class Truth {
 class CopTruth final : public Truth {
  public:
   static core::Result<std::unique_ptr<Truth>> create(const Simulation& simulation, const device::DeviceDescription& device) {
-    auto out = new_csv(simulation.truth, "t_s,true_ml_mm,true_ap_mm,true_load_n\n");
-    if (!out) return tl::make_unexpected(out.error());
-    auto truth = std::unique_ptr<CopTruth>(new CopTruth(simulation.truth, simulation.config.rate, std::move(*out)));
+    DTS_TRY_ASSIGN(auto out, new_csv(simulation.truth, "t_s,true_ml_mm,true_ap_mm,true_load_n\n"));
+    auto truth = std::unique_ptr<CopTruth>(new CopTruth(simulation.truth, simulation.config.rate, std::move(out)));
     for (const char* name : {"true_ml_mm", "true_ap_mm", "true_load_n"}) {
       for (std::size_t channel = 0; channel < device.channels.size(); ++channel) {
         if (device.channels[channel].name == name) truth->channels_.push_back(channel);
@@ -89,13 +88,10 @@ class CopTruth final : public Truth {
 class ReachTruth final : public Truth {
  public:
   static core::Result<std::unique_ptr<Truth>> create(const Simulation& simulation) {
-    const auto uri = device::DeviceUri::parse(simulation.config.device_uri);
-    if (!uri) return tl::make_unexpected(uri.error());
-    const auto person = device::sim::chair_person(*uri, simulation.config.model);
-    if (!person) return tl::make_unexpected(person.error());
-    auto out = new_csv(simulation.truth, "number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n");
-    if (!out) return tl::make_unexpected(out.error());
-    return std::unique_ptr<Truth>(new ReachTruth(simulation.truth, simulation.duration_s, *person, std::move(*out)));
+    DTS_TRY_ASSIGN(const auto uri, device::DeviceUri::parse(simulation.config.device_uri));
+    DTS_TRY_ASSIGN(const auto person, device::sim::chair_person(uri, simulation.config.model));
+    DTS_TRY_ASSIGN(auto out, new_csv(simulation.truth, "number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n"));
+    return std::unique_ptr<Truth>(new ReachTruth(simulation.truth, simulation.duration_s, person, std::move(out)));
   }
 
   void add(const core::Block&) override {}
@@ -164,19 +160,17 @@ record::SessionFacts facts_of(const Simulation& simulation, const device::Device
 core::Result<std::unique_ptr<record::Recorder>> begin_recording(const Simulation& simulation, const device::Device& device,
                                                                 const pipeline::Pipeline& pipeline) {
   auto streams = session::recorded_streams(simulation.config, device.describe(), pipeline.formats());
-  auto recorder = record::Recorder::create(simulation.out, facts_of(simulation, device, pipeline), std::move(streams));
-  if (!recorder) return recorder;
+  DTS_TRY_ASSIGN(auto recorder, record::Recorder::create(simulation.out, facts_of(simulation, device, pipeline), std::move(streams)));
   std::vector<double> state(pipeline.state_size());
   pipeline.save(state);
-  (*recorder)->set_stage_state(state);
+  recorder->set_stage_state(state);
   return recorder;
 }
 
 core::Result<std::unique_ptr<device::Device>> start_device(const Simulation& simulation, core::Clock& clock) {
-  auto device = device::create_device(simulation.config.device_uri, {.clock = clock, .rig = simulation.config.model});
-  if (!device) return device;
-  if (auto opened = (*device)->open(); !opened) return tl::make_unexpected(opened.error());
-  auto started = (*device)->start({.rate = simulation.config.rate, .max_block_scans = kSimulatedScans});
+  DTS_TRY_ASSIGN(auto device, device::create_device(simulation.config.device_uri, {.clock = clock, .rig = simulation.config.model}));
+  DTS_TRY(device->open());
+  auto started = device->start({.rate = simulation.config.rate, .max_block_scans = kSimulatedScans});
   if (!started) return tl::make_unexpected(started.error());
   return device;
 }
@@ -194,7 +188,7 @@ core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, 
     pipeline.process(acquired, frame);
     events.clear();
     core::for_each(pipeline.events(), [&](const core::Event& event) { events.push_back(event); });
-    if (auto taken = recorder.take(frame, events); !taken) return taken;
+    DTS_TRY(recorder.take(frame, events));
     if (truth != nullptr) truth->add(acquired.block);
     progress(static_cast<double>(done) / static_cast<double>(scans));
   }
@@ -207,29 +201,24 @@ core::Result<Simulated> simulate_rig(Simulation simulation, const std::function<
   simulation.config.device_uri = "sim:" + simulation.config.kind + "?seed=" + std::to_string(simulation.seed);
   simulation.config.block_scans = kSimulatedScans;
   core::VirtualClock clock(kStartNs);
-  auto device = start_device(simulation, clock);
-  if (!device) return tl::make_unexpected(device.error());
-  auto rig = session::make_rig_pipeline(simulation.config, (*device)->describe());
-  if (!rig) return tl::make_unexpected(rig.error());
-  auto truth = create_truth(simulation, (*device)->describe());
-  if (!truth) return tl::make_unexpected(truth.error());
-  auto recorder = begin_recording(simulation, **device, *rig->pipeline);
+  DTS_TRY_ASSIGN(auto device, start_device(simulation, clock));
+  DTS_TRY_ASSIGN(auto rig, session::make_rig_pipeline(simulation.config, device->describe()));
+  DTS_TRY_ASSIGN(auto truth, create_truth(simulation, device->describe()));
+  auto recorder = begin_recording(simulation, *device, *rig.pipeline);
   if (!recorder) {
     std::error_code ignored;
-    if (*truth) std::filesystem::remove(simulation.truth, ignored);  // there is no recording that it describes
+    if (truth) std::filesystem::remove(simulation.truth, ignored);  // there is no recording that it describes
     return tl::make_unexpected(recorder.error());
   }
 
   const std::uint64_t scans = simulation.config.rate.scans_in_ms(simulation.duration_s * 1000.0);
-  auto recorded = record_scans(**device, *rig->pipeline, **recorder, truth->get(), scans, progress);
-  if (!recorded) return tl::make_unexpected(recorded.error());
-  if (auto flushed = (*recorder)->flush(); !flushed) return tl::make_unexpected(flushed.error());
-  const auto closed = (*recorder)->close("");
-  if (!closed) return tl::make_unexpected(closed.error());
-  if (*truth) {
-    if (auto written = (*truth)->close(); !written) return tl::make_unexpected(written.error());
+  DTS_TRY(record_scans(*device, *rig.pipeline, **recorder, truth.get(), scans, progress));
+  DTS_TRY((*recorder)->flush());
+  DTS_TRY_ASSIGN(const auto closed, (*recorder)->close(""));
+  if (truth) {
+    DTS_TRY(truth->close());
   }
-  return Simulated{.file = closed->file, .sha256 = closed->sha256, .scans = scans, .bytes = closed->bytes};
+  return Simulated{.file = closed.file, .sha256 = closed.sha256, .scans = scans, .bytes = closed.bytes};
 }
 
 }  // namespace dts::lab::simulate

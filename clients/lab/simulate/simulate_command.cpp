@@ -42,9 +42,7 @@ core::Result<Simulation> make_simulation(const Arguments& arguments, files::Prob
   } else {
     simulation.config = files::read_rig_file(arguments.rig, problems);
     if (!problems.empty()) return simulation;
-    auto definition = files::rig_definition(arguments.rig);
-    if (!definition) return tl::make_unexpected(definition.error());
-    simulation.definition = std::move(*definition);
+    DTS_TRY_ASSIGN(simulation.definition, files::rig_definition(arguments.rig));
   }
   if (simulation.config.kind != arguments.kind) {
     return core::fail(core::ErrorCode::InvalidArgument, arguments.rig + " is a rig of the kind " + simulation.config.kind,
@@ -52,9 +50,7 @@ core::Result<Simulation> make_simulation(const Arguments& arguments, files::Prob
   }
   simulation.config.name = arguments.kind;
   if (!arguments.rate_hz) return simulation;
-  auto rate = core::Rate::from_hz(*arguments.rate_hz);
-  if (!rate) return tl::make_unexpected(rate.error());
-  simulation.config.rate = *rate;
+  DTS_TRY_ASSIGN(simulation.config.rate, core::Rate::from_hz(*arguments.rate_hz));
   return simulation;
 }
 
@@ -100,7 +96,8 @@ void add_commands(cli::CommandLine& line) {
   add_seed(command, arguments.seed, "The same seed gives the same data");
   command.add_option("--out", arguments.out, "Recording file to write")->option_text("FILE.xdf")->required();
   command
-      .add_option("--truth", arguments.truth, "CSV file for the true values. Floor: t_s,true_ml_mm,true_ap_mm,true_load_n; chair: one row per reach")
+      .add_option("--truth", arguments.truth,
+                  "CSV file for the true values. Floor: t_s,true_ml_mm,true_ap_mm,true_load_n; chair: one row per reach")
       ->option_text("TRUTH.csv");
   add_rig(command, arguments.rig, "Rig file; default: the thesis's floor platform or chair");
   add_json(command, arguments.is_json);

@@ -122,18 +122,17 @@ core::Result<Discriminant> form_of(const Samples& samples, std::span<const std::
 }  // namespace
 
 core::Result<Discriminant> fit(const Samples& samples, std::span<const std::size_t> rows) {
-  auto form = form_of(samples, rows);
-  if (!form) return form;
-  const Cloud cloud = cloud_of(samples, rows, *form);
+  DTS_TRY_ASSIGN(auto form, form_of(samples, rows));
+  const Cloud cloud = cloud_of(samples, rows, form);
   const Shrunk shrunk = shrunk_covariance(cloud);
   const Eigen::MatrixXd weights = shrunk.covariance.ldlt().solve(cloud.means.transpose()).transpose();
   for (Eigen::Index k = 0; k < weights.rows(); ++k) {
     const Eigen::VectorXd row = weights.row(k);
-    form->weights.emplace_back(row.data(), row.data() + row.size());
+    form.weights.emplace_back(row.data(), row.data() + row.size());
     const double share = cloud.counts(k) / cloud.counts.sum();
-    form->offsets.push_back(std::log(share) - 0.5 * weights.row(k).dot(cloud.means.row(k)));
+    form.offsets.push_back(std::log(share) - 0.5 * weights.row(k).dot(cloud.means.row(k)));
   }
-  form->shrinkage = shrunk.intensity;
+  form.shrinkage = shrunk.intensity;
   if (!weights.allFinite())
     return core::fail(core::ErrorCode::Failed, "the discriminant is not finite", "choose fewer measures with --measures");
   return form;

@@ -105,9 +105,8 @@ bool Evaluation::is_better_than_chance() const noexcept {
 core::Result<Evaluation> evaluate_left_out(const Samples& samples, const std::function<void(double)>& progress) {
   std::vector<std::size_t> all(samples.labels.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  const auto whole = fit(samples, all);
-  if (!whole) return tl::make_unexpected(whole.error());
-  Evaluation evaluation{.classes = whole->classes, .confusion = {}};
+  DTS_TRY_ASSIGN(const auto whole, fit(samples, all));
+  Evaluation evaluation{.classes = whole.classes, .confusion = {}};
   evaluation.confusion.assign(evaluation.classes.size(), std::vector<std::size_t>(evaluation.classes.size() + 1));
   const Folds folds = folds_of(samples);
   for (std::size_t fold = 0; fold < folds.count; ++fold) {

@@ -177,9 +177,8 @@ core::Result<SteadinessModel> read_model_text(std::string_view text, const std::
 }
 
 core::Result<SteadinessModel> read_model(const std::string& file) {
-  const auto text = read_small_file(file);
-  if (!text) return tl::make_unexpected(text.error());
-  return read_model_text(*text, file);
+  DTS_TRY_ASSIGN(const auto text, read_small_file(file));
+  return read_model_text(text, file);
 }
 
 }  // namespace dts::lab::steadiness

@@ -41,7 +41,9 @@ core::Result<std::vector<Measure>> measures_of(const std::vector<std::string>& s
   std::vector<Measure> measures;
   for (const std::string& symbol : symbols) {
     const auto measure = posturography::measure_named(symbol);
-    if (!measure) return core::fail(core::ErrorCode::InvalidArgument, "unknown measure '" + symbol + "'", "write symbols such as MVELO,PEA95_F; dtslab sway --help lists them");
+    if (!measure)
+      return core::fail(core::ErrorCode::InvalidArgument, "unknown measure '" + symbol + "'",
+                        "write symbols such as MVELO,PEA95_F; dtslab sway --help lists them");
     const auto missing = std::ranges::find_if(rows, [&](const SteadinessRow& row) { return !row.measures.has(*measure); });
     if (missing != rows.end()) {
       return core::fail(core::ErrorCode::InvalidArgument, symbol + " is missing in line " + std::to_string(missing->line),
@@ -75,9 +77,8 @@ core::Result<Samples> samples_of(const TrainArguments& arguments, const std::vec
   if (rows.size() > kMostRows) {
     return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostRows) + " rows", "use fewer rows");
   }
-  auto measures = measures_of(arguments.measures, rows);
-  if (!measures) return tl::make_unexpected(measures.error());
-  Samples samples{.measures = std::move(*measures), .values = {}, .labels = {}, .subjects = {}};
+  DTS_TRY_ASSIGN(auto measures, measures_of(arguments.measures, rows));
+  Samples samples{.measures = std::move(measures), .values = {}, .labels = {}, .subjects = {}};
   for (const SteadinessRow& row : rows) {
     samples.values.push_back(row.measures);
     samples.labels.push_back(row.label);
@@ -126,8 +127,8 @@ void print_confusion(const Evaluation& evaluation, cli::Console& console) {
 /// Prints the conclusions that the figures allow, and their limits.
 void print_verdict(const Evaluation& evaluation, cli::Console& console) {
   const bool is_better = evaluation.is_better_than_chance();
-  const std::string words =
-      is_better ? "Better than always predicting the most frequent label." : "No better than chance: these measures do not predict these labels.";
+  const std::string words = is_better ? "Better than always predicting the most frequent label."
+                                      : "No better than chance: these measures do not predict these labels.";
   console.out << cli::styled(console, is_better ? cli::Style::Good : cli::Style::Warning, words) << '\n';
   if (evaluation.is_of_too_few()) {
     console.out << cli::styled(console, cli::Style::Warning,
@@ -135,8 +136,9 @@ void print_verdict(const Evaluation& evaluation, cli::Console& console) {
                 << '\n';
   }
   if (evaluation.rows_without > 0) {
-    console.out << evaluation.rows_without
-                << " rows have no subject ID and were left out one by one: if several rows are from one person, the results are too good.\n";
+    console.out
+        << evaluation.rows_without
+        << " rows have no subject ID and were left out one by one: if several rows are from one person, the results are too good.\n";
   }
 }
 
@@ -211,7 +213,9 @@ void add_train(cli::CommandLine& line, CLI::App& steadiness) {
   command.add_option("TABLE.csv", arguments.table, "Table from dtslab sway --table")->required()->option_text(" ");
   command.add_option("--label", arguments.label, "Column with the label to predict")->option_text("COLUMN")->required();
   command.add_option("--out", arguments.out, "File to write")->option_text("MODEL.json")->required();
-  command.add_option("--measures", arguments.measures, "Symbols of the measures, separated by commas. Default: the core measures that every row has")
+  command
+      .add_option("--measures", arguments.measures,
+                  "Symbols of the measures, separated by commas. Default: the core measures that every row has")
       ->option_text("A,B,...")
       ->delimiter(',')
       ->allow_extra_args(false);
@@ -219,9 +223,10 @@ void add_train(cli::CommandLine& line, CLI::App& steadiness) {
 }
 
 void add_commands(cli::CommandLine& line) {
-  CLI::App* steadiness = cli::add_group(line.app, "steadiness", "Classify conditions or groups of people by their sway",
-                                        "dtslab steadiness train sway.csv --label eyes --out eyes.json | train, and show how well it works\n"
-                                        "dtslab steadiness classify eyes.json new.csv | classify new trials\n");
+  CLI::App* steadiness =
+      cli::add_group(line.app, "steadiness", "Classify conditions or groups of people by their sway",
+                     "dtslab steadiness train sway.csv --label eyes --out eyes.json | train, and show how well it works\n"
+                     "dtslab steadiness classify eyes.json new.csv | classify new trials\n");
   add_train(line, *steadiness);
   add_classify(line, *steadiness);
 }

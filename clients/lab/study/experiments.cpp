@@ -83,32 +83,24 @@ struct People {
 
 core::Result<NetworkResult> teach(const StudyGroup& lessons, const People& people, std::uint64_t seed) {
   const training::TrainingSet set = training_set({&lessons});
-  auto form = training::fit_model(set, {.kind = classifier::ModelKind::Raw5, .networks = 1, .seed = seed});
-  if (!form) return tl::make_unexpected(form.error());
-  const auto model = classifier::TrunkModel::create(std::move(*form));
-  if (!model) return tl::make_unexpected(model.error());
+  DTS_TRY_ASSIGN(auto form, training::fit_model(set, {.kind = classifier::ModelKind::Raw5, .networks = 1, .seed = seed}));
+  DTS_TRY_ASSIGN(const auto model, classifier::TrunkModel::create(std::move(form)));
   return NetworkResult{.trained_on = of_trunk(set),
-                       .own_r = regression_r(*model, set),
-                       .teachers = judge(*model, people.teachers),
-                       .healthy = judge(*model, people.healthy),
-                       .stroke = judge(*model, people.stroke)};
+                       .own_r = regression_r(model, set),
+                       .teachers = judge(model, people.teachers),
+                       .healthy = judge(model, people.healthy),
+                       .stroke = judge(model, people.stroke)};
 }
 
 core::Result<People> draw_people(const StudyOptions& options, std::uint64_t seed, const Progress& progress) {
   const Targets targets = options.has_recommended ? Targets::All : Targets::BeyondReach;
   People people;
-  auto of_teachers = natural_reaches(teachers(), targets, seed, [&](double done) { progress(0.15 * done); });
-  if (!of_teachers) return tl::make_unexpected(of_teachers.error());
-  people.teachers = std::move(*of_teachers);
+  DTS_TRY_ASSIGN(people.teachers, natural_reaches(teachers(), targets, seed, [&](double done) { progress(0.15 * done); }));
   if (options.has_healthy) {
-    auto of_healthy = natural_reaches(healthy(), targets, seed, [&](double done) { progress(0.15 + 0.7 * done); });
-    if (!of_healthy) return tl::make_unexpected(of_healthy.error());
-    people.healthy = std::move(*of_healthy);
+    DTS_TRY_ASSIGN(people.healthy, natural_reaches(healthy(), targets, seed, [&](double done) { progress(0.15 + 0.7 * done); }));
   }
   if (options.has_stroke) {
-    auto of_stroke = boundary_reaches(stroke(), seed, [&](double done) { progress(0.85 + 0.15 * done); });
-    if (!of_stroke) return tl::make_unexpected(of_stroke.error());
-    people.stroke = std::move(*of_stroke);
+    DTS_TRY_ASSIGN(people.stroke, boundary_reaches(stroke(), seed, [&](double done) { progress(0.85 + 0.15 * done); }));
   }
   return people;
 }
@@ -121,39 +113,31 @@ struct Lessons {
 
 /// Trains a model as dtsd's own model is trained, so that these figures describe the model that dtsd ships.
 core::Result<classifier::TrunkModel> model_of_invented_people(const Progress& progress) {
-  const auto set = training::simulated_people(kInventedPeople, kInventedTrials, 1, [&](double done) { progress(0.5 * done); });
-  if (!set) return tl::make_unexpected(set.error());
-  return training::train_model(*set, {.seed = 1}, [&](double done) { progress(0.5 + 0.5 * done); });
+  DTS_TRY_ASSIGN(const auto set,
+                 training::simulated_people(kInventedPeople, kInventedTrials, 1, [&](double done) { progress(0.5 * done); }));
+  return training::train_model(set, {.seed = 1}, [&](double done) { progress(0.5 + 0.5 * done); });
 }
 
 core::Result<Lessons> make_lessons(const StudyOptions& options, const Progress& progress) {
-  auto one_pace = ideal_reaches(teachers(), kThesisPaces, kIdealRepetitions);
-  if (!one_pace) return tl::make_unexpected(one_pace.error());
-  auto four_paces = ideal_reaches(teachers(), kPaces, kIdealRepetitions);
-  if (!four_paces) return tl::make_unexpected(four_paces.error());
-  Lessons lessons{.one_pace = std::move(*one_pace), .four_paces = std::move(*four_paces), .invented = {}};
+  DTS_TRY_ASSIGN(auto one_pace, ideal_reaches(teachers(), kThesisPaces, kIdealRepetitions));
+  DTS_TRY_ASSIGN(auto four_paces, ideal_reaches(teachers(), kPaces, kIdealRepetitions));
+  Lessons lessons{.one_pace = std::move(one_pace), .four_paces = std::move(four_paces), .invented = {}};
   if (!options.has_recommended) return lessons;
-  auto model = model_of_invented_people(progress);
-  if (!model) return tl::make_unexpected(model.error());
-  lessons.invented = std::move(*model);
+  DTS_TRY_ASSIGN(lessons.invented, model_of_invented_people(progress));
   return lessons;
 }
 
 core::Result<Draw> run_draw(const Lessons& lessons, const StudyOptions& options, std::uint64_t seed, const Progress& progress) {
-  const auto people = draw_people(options, seed, [&](double done) { progress(0.5 * done); });
-  if (!people) return tl::make_unexpected(people.error());
+  DTS_TRY_ASSIGN(const auto people, draw_people(options, seed, [&](double done) { progress(0.5 * done); }));
   Draw draw{.seed = seed};
-  for (const auto& [lesson, result] : {std::pair(&people->teachers, &draw.nn1), std::pair(&lessons.one_pace, &draw.nn2_one_pace),
+  for (const auto& [lesson, result] : {std::pair(&people.teachers, &draw.nn1), std::pair(&lessons.one_pace, &draw.nn2_one_pace),
                                        std::pair(&lessons.four_paces, &draw.nn2)}) {
-    auto taught = teach(*lesson, *people, seed);
-    if (!taught) return tl::make_unexpected(taught.error());
-    *result = std::move(*taught);
+    DTS_TRY_ASSIGN(*result, teach(*lesson, people, seed));
   }
   if (!options.has_recommended || !options.has_healthy) return draw;
-  auto left_out = judge_volunteers_left_out({&people->teachers, &people->healthy}, seed, [&](double done) { progress(0.5 + 0.5 * done); });
-  if (!left_out) return tl::make_unexpected(left_out.error());
-  draw.recommended = std::move(*left_out);
-  draw.invented = judge_by_model(*lessons.invented, {&people->teachers, &people->healthy});
+  DTS_TRY_ASSIGN(draw.recommended,
+                 judge_volunteers_left_out({&people.teachers, &people.healthy}, seed, [&](double done) { progress(0.5 + 0.5 * done); }));
+  draw.invented = judge_by_model(*lessons.invented, {&people.teachers, &people.healthy});
   return draw;
 }
 
@@ -161,16 +145,14 @@ core::Result<Draw> run_draw(const Lessons& lessons, const StudyOptions& options,
 
 core::Result<std::vector<Draw>> run_study(const StudyOptions& options, const Progress& progress) {
   const double lessons_part = options.has_recommended ? kLessonsPart : 0.0;
-  const auto lessons = make_lessons(options, [&](double done) { progress(lessons_part * done); });
-  if (!lessons) return tl::make_unexpected(lessons.error());
+  DTS_TRY_ASSIGN(const auto lessons, make_lessons(options, [&](double done) { progress(lessons_part * done); }));
   std::vector<Draw> draws;
   for (std::size_t k = 0; k < options.draws; ++k) {
     const auto part = [&](double done) {
       progress(lessons_part + (1.0 - lessons_part) * (static_cast<double>(k) + done) / static_cast<double>(options.draws));
     };
-    auto draw = run_draw(*lessons, options, options.seed + k, part);
-    if (!draw) return tl::make_unexpected(draw.error());
-    draws.push_back(std::move(*draw));
+    DTS_TRY_ASSIGN(auto draw, run_draw(lessons, options, options.seed + k, part));
+    draws.push_back(std::move(draw));
   }
   return draws;
 }

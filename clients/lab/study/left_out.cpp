@@ -166,10 +166,8 @@ double coverage_left_out(const std::vector<AngleError>& errors, std::size_t volu
 core::Result<RecommendedResult> judge_volunteers_left_out(const std::vector<const StudyGroup*>& groups, std::uint64_t seed,
                                                           const Progress& progress) {
   const training::TrainingSet set = training_set(groups);
-  const auto judged = training::judge_left_out(set, {.seed = seed}, progress);
-  if (!judged) return tl::make_unexpected(judged.error());
-  RecommendedResult result{.general = figures_of(set, *judged, &LeftOutReach::general),
-                           .own = figures_of(set, *judged, &LeftOutReach::own)};
+  DTS_TRY_ASSIGN(const auto judged, training::judge_left_out(set, {.seed = seed}, progress));
+  RecommendedResult result{.general = figures_of(set, judged, &LeftOutReach::general), .own = figures_of(set, judged, &LeftOutReach::own)};
   for (const training::TrainingSubject& subject : set.subjects) result.names.push_back(subject.name);
   add_unjudged(groups, result.general);
   add_unjudged(groups, result.own);

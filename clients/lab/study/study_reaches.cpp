@@ -54,9 +54,9 @@ StudyGroup found(std::span<const Volunteer> volunteers, const reach::SimulatedTr
 }
 
 core::Result<StudyGroup> simulate(std::span<const Volunteer> volunteers, const reach::TrialPlan& plan, const Progress& progress) {
-  const auto simulated = reach::simulate_trials(subjects_of(volunteers), plan, [&](double done) { progress(kSimulationPart * done); });
-  if (!simulated) return tl::make_unexpected(simulated.error());
-  return found(volunteers, *simulated, [&](double done) { progress(kSimulationPart + (1.0 - kSimulationPart) * done); });
+  DTS_TRY_ASSIGN(const auto simulated,
+                 reach::simulate_trials(subjects_of(volunteers), plan, [&](double done) { progress(kSimulationPart * done); }));
+  return found(volunteers, simulated, [&](double done) { progress(kSimulationPart + (1.0 - kSimulationPart) * done); });
 }
 
 /// Returns the mean flexion in `trials` reaches to each target; targets in percent of the arm.
@@ -64,11 +64,10 @@ core::Result<std::vector<double>> probe_deg(const reach::Subject& subject, const
                                             std::uint64_t seed) {
   reach::TrialPlan plan{.conditions = {}, .trials_per_condition = trials, .seed = seed, .has_volts = false};
   for (const int percent : percents) plan.conditions.push_back(std::to_string(percent));
-  const auto probes = reach::simulate_trials({subject}, plan, [](double) {});
-  if (!probes) return tl::make_unexpected(probes.error());
+  DTS_TRY_ASSIGN(const auto probes, reach::simulate_trials({subject}, plan, [](double) {}));
   std::vector<double> means(percents.size());
-  for (std::size_t k = 0; k < probes->trunk_deg.size(); ++k) {
-    means[k / static_cast<std::size_t>(trials)] += probes->trunk_deg[k] / static_cast<double>(trials);
+  for (std::size_t k = 0; k < probes.trunk_deg.size(); ++k) {
+    means[k / static_cast<std::size_t>(trials)] += probes.trunk_deg[k] / static_cast<double>(trials);
   }
   return means;
 }
@@ -81,10 +80,9 @@ core::Result<std::string> boundary_of(const reach::Subject& subject, double want
   for (const auto& [reach_percent, step_percent, trials] : {std::tuple(60, 10, 2), std::tuple(9, 3, 8)}) {
     std::vector<int> percents;
     for (int percent = best - reach_percent; percent <= best + reach_percent; percent += step_percent) percents.push_back(percent);
-    const auto means_deg = probe_deg(subject, percents, trials, seed);
-    if (!means_deg) return tl::make_unexpected(means_deg.error());
-    const auto nearest = std::ranges::min_element(*means_deg, {}, [&](double mean_deg) { return std::abs(mean_deg - wanted_deg); });
-    best = percents[static_cast<std::size_t>(nearest - means_deg->begin())];
+    DTS_TRY_ASSIGN(const auto means_deg, probe_deg(subject, percents, trials, seed));
+    const auto nearest = std::ranges::min_element(means_deg, {}, [&](double mean_deg) { return std::abs(mean_deg - wanted_deg); });
+    best = percents[static_cast<std::size_t>(nearest - means_deg.begin())];
   }
   return std::to_string(best);
 }
@@ -127,15 +125,13 @@ core::Result<StudyGroup> boundary_reaches(std::span<const Volunteer> volunteers,
     reach::Subject& subject = subjects[place];
     subject.person.max_reach_cm = 2.0 * subject.person.arm_length_cm;  // limit of the probes, not of the volunteer
     const std::uint64_t own_seed = training::derived_seed(seed_of(volunteers[place], seed), place);
-    const auto boundary = boundary_of(subject, volunteers[place].boundary_deg.value_or(0.0), own_seed);
-    if (!boundary) return tl::make_unexpected(boundary.error());
-    const reach::TrialPlan plan{.conditions = {*boundary}, .trials_per_condition = kTrialsPerTarget, .seed = own_seed};
-    auto one = reach::simulate_trials({subject}, plan, [](double) {});
-    if (!one) return tl::make_unexpected(one.error());
-    all.set.rig = std::move(one->set.rig);
-    for (std::size_t k = 0; k < one->set.trials.size(); ++k) {
-      all.trunk_deg.push_back(one->trunk_deg[k]);
-      all.set.trials.push_back(std::move(one->set.trials[k]));
+    DTS_TRY_ASSIGN(const auto boundary, boundary_of(subject, volunteers[place].boundary_deg.value_or(0.0), own_seed));
+    const reach::TrialPlan plan{.conditions = {boundary}, .trials_per_condition = kTrialsPerTarget, .seed = own_seed};
+    DTS_TRY_ASSIGN(auto one, reach::simulate_trials({subject}, plan, [](double) {}));
+    all.set.rig = std::move(one.set.rig);
+    for (std::size_t k = 0; k < one.set.trials.size(); ++k) {
+      all.trunk_deg.push_back(one.trunk_deg[k]);
+      all.set.trials.push_back(std::move(one.set.trials[k]));
       all.set.trials.back().subject = place;
     }
     progress(kSimulationPart * static_cast<double>(place + 1) / static_cast<double>(subjects.size()));

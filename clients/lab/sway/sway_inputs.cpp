@@ -97,18 +97,15 @@ void add(const Label& label, std::size_t input, SwayInput& file) {
 core::Result<std::vector<SwayInput>> sway_inputs(const SwayArguments& arguments) {
   std::vector<Label> labels;
   for (const std::string& text : arguments.labels) {
-    auto label = label_of(text, arguments.inputs.size());
-    if (!label) return tl::make_unexpected(label.error());
-    labels.push_back(std::move(*label));
+    DTS_TRY_ASSIGN(auto label, label_of(text, arguments.inputs.size()));
+    labels.push_back(std::move(label));
   }
   std::vector<SwayInput> inputs;
   for (std::size_t k = 0; k < arguments.inputs.size(); ++k) {
     std::vector<std::string> files{arguments.inputs[k]};
     std::error_code none;
     if (fs::is_directory(arguments.inputs[k], none)) {
-      auto found = files_below(arguments.inputs[k], arguments.table);
-      if (!found) return tl::make_unexpected(found.error());
-      files = std::move(*found);
+      DTS_TRY_ASSIGN(files, files_below(arguments.inputs[k], arguments.table));
     }
     if (inputs.size() + files.size() > kMostFiles) {
       return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostFiles) + " files",

@@ -11,9 +11,8 @@ core::Result<PointResponse> PointResponse::create(const physics::Plate& plate, c
   for (const physics::Point& sensor : sensors) {
     const physics::PlateCase plate_case{
         .plate = plate, .support = support, .loads = {{.area = {.centre = sensor}, .force = {1.0}}}, .probes = {}};
-    auto solution = physics::solve(plate_case, method, {.divisions = divisions});
-    if (!solution) return tl::make_unexpected(solution.error());
-    response.under_unit_load_.push_back(std::move(*solution));
+    DTS_TRY_ASSIGN(auto solution, physics::solve(plate_case, method, {.divisions = divisions}));
+    response.under_unit_load_.push_back(std::move(solution));
   }
   return response;
 }

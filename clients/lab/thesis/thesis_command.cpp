@@ -76,10 +76,10 @@ core::Result<std::vector<ThesisTable>> compute(const std::vector<std::string>& n
   progress.tick_by_itself();
   std::vector<ThesisTable> tables;
   for (const std::string& name : names) {
-    auto table = thesis_table(
-        name, [&](double done) { progress.report((static_cast<double>(tables.size()) + done) / static_cast<double>(names.size())); });
-    if (!table) return tl::make_unexpected(table.error());
-    tables.push_back(std::move(*table));
+    DTS_TRY_ASSIGN(auto table, thesis_table(name, [&](double done) {
+                     progress.report((static_cast<double>(tables.size()) + done) / static_cast<double>(names.size()));
+                   }));
+    tables.push_back(std::move(table));
   }
   return tables;
 }

@@ -37,10 +37,9 @@ core::Result<PointResponse> platform(PlateMethod method) {
 
 /// Returns an estimator calibrated on the same plate, at the positions of `model_samples`.
 core::Result<CopEstimator> calibrated(CopMethod method, const PointResponse& plate) {
-  auto samples = physics::model_samples(method, thesis_setup::floor_platform(), physics::PlateBehaviour::Linear);
-  if (!samples) return tl::make_unexpected(samples.error());
-  for (CopSample& sample : *samples) sample.deflection_mm = plate.deflection_mm(sample.load_position, sample.load);
-  return CopEstimator::fit(method, *samples);
+  DTS_TRY_ASSIGN(auto samples, physics::model_samples(method, thesis_setup::floor_platform(), physics::PlateBehaviour::Linear));
+  for (CopSample& sample : samples) sample.deflection_mm = plate.deflection_mm(sample.load_position, sample.load);
+  return CopEstimator::fit(method, samples);
 }
 
 /// Estimate minus truth at the fifteen points.
@@ -50,13 +49,12 @@ struct Deviations {
 };
 
 core::Result<Deviations> deviations(CopMethod method, const PointResponse& plate) {
-  const auto estimator = calibrated(method, plate);
-  if (!estimator) return tl::make_unexpected(estimator.error());
+  DTS_TRY_ASSIGN(const auto estimator, calibrated(method, plate));
   Deviations found;
   for (const printed::Locus& locus : printed::kLoci) {
     const Point at{{locus.x_mm}, {locus.y_mm}};
     const CopSample sample{.load_position = at, .load = kLoad, .deflection_mm = plate.deflection_mm(at, kLoad)};
-    found.points.push_back(physics::compare(sample, estimator->estimate(sample.deflection_mm)));
+    found.points.push_back(physics::compare(sample, estimator.estimate(sample.deflection_mm)));
   }
   found.figures = physics::error_figures(found.points);
   return found;
@@ -105,14 +103,12 @@ ThesisRow row_of(std::size_t k, const physics::CopCalibrationPoint& fem, const p
 }  // namespace
 
 core::Result<ThesisTable> thesis_loci() {
-  const auto fem_plate = platform(PlateMethod::Fem);
-  if (!fem_plate) return tl::make_unexpected(fem_plate.error());
-  const auto fdm_plate = platform(PlateMethod::Fdm);
-  if (!fdm_plate) return tl::make_unexpected(fdm_plate.error());
-  const auto fem = deviations(CopMethod::Thesis, *fem_plate);
-  const auto fdm = deviations(CopMethod::Thesis, *fdm_plate);
-  const auto per_pair = deviations(CopMethod::ThesisPerPair, *fem_plate);
-  const auto poly3 = deviations(CopMethod::Poly3, *fem_plate);
+  DTS_TRY_ASSIGN(const auto fem_plate, platform(PlateMethod::Fem));
+  DTS_TRY_ASSIGN(const auto fdm_plate, platform(PlateMethod::Fdm));
+  const auto fem = deviations(CopMethod::Thesis, fem_plate);
+  const auto fdm = deviations(CopMethod::Thesis, fdm_plate);
+  const auto per_pair = deviations(CopMethod::ThesisPerPair, fem_plate);
+  const auto poly3 = deviations(CopMethod::Poly3, fem_plate);
   for (const auto* one : {&fem, &fdm, &per_pair, &poly3}) {
     if (!*one) return tl::make_unexpected(one->error());
   }

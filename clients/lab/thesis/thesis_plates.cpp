@@ -31,9 +31,8 @@ core::Result<Ours> deflections_mm(bool is_steel, PlateMethod method) {
         .support = is_steel ? thesis_setup::kSteelSupport : thesis_setup::kAcrylicSupport,
         .loads = {{.area = {.centre = thesis_setup::kCentre}, .force = {loads_kgf[load] * thesis_setup::kNewtonsPerKgf}}},
         .probes = {kSensingPositions.begin(), kSensingPositions.end()}};
-    const auto solution = physics::solve(plate_case, method, {.divisions = thesis_setup::kDivisions});
-    if (!solution) return tl::make_unexpected(solution.error());
-    for (std::size_t position = 0; position < ours.size(); ++position) ours[position][load] = solution->probes[position].deflection_mm;
+    DTS_TRY_ASSIGN(const auto solution, physics::solve(plate_case, method, {.divisions = thesis_setup::kDivisions}));
+    for (std::size_t position = 0; position < ours.size(); ++position) ours[position][load] = solution.probes[position].deflection_mm;
   }
   return ours;
 }
@@ -44,11 +43,9 @@ struct BothMethods {
 };
 
 core::Result<BothMethods> both_methods(bool is_steel) {
-  const auto fdm = deflections_mm(is_steel, PlateMethod::Fdm);
-  if (!fdm) return tl::make_unexpected(fdm.error());
-  const auto fem = deflections_mm(is_steel, PlateMethod::Fem);
-  if (!fem) return tl::make_unexpected(fem.error());
-  return BothMethods{*fdm, *fem};
+  DTS_TRY_ASSIGN(const auto fdm, deflections_mm(is_steel, PlateMethod::Fdm));
+  DTS_TRY_ASSIGN(const auto fem, deflections_mm(is_steel, PlateMethod::Fem));
+  return BothMethods{fdm, fem};
 }
 
 /// Keeps the value with the larger magnitude.
@@ -122,11 +119,11 @@ core::Result<std::array<double, kLines>> line_errors(const printed::LineErrors& 
   const Point first{{thesis_setup::kSensorMm}, {thesis_setup::kSensorMm}};
   const Point second{{thesis_setup::kFarSensorMm}, {row.is_opposite ? thesis_setup::kFarSensorMm : thesis_setup::kSensorMm}};
   const physics::Support support{.kind = row.is_edge_supported ? physics::SupportKind::Edges : physics::SupportKind::Corner};
-  const auto plate = PointResponse::create(thesis_setup::acrylic(), support, std::array{first, second}, method, thesis_setup::kDivisions);
-  if (!plate) return tl::make_unexpected(plate.error());
+  DTS_TRY_ASSIGN(const auto plate,
+                 PointResponse::create(thesis_setup::acrylic(), support, std::array{first, second}, method, thesis_setup::kDivisions));
   const auto lines = row.is_opposite ? opposite_lines() : neighbour_lines();
   std::array<double, kLines> errors{};
-  std::ranges::transform(lines, errors.begin(), [&](const Line& line) { return mean_error_percent(*plate, line); });
+  std::ranges::transform(lines, errors.begin(), [&](const Line& line) { return mean_error_percent(plate, line); });
   return errors;
 }
 
@@ -143,8 +140,7 @@ std::string key_of(const printed::LineErrors& row) {
 }  // namespace
 
 core::Result<ThesisTable> thesis_deflections(bool is_steel) {
-  const auto ours = both_methods(is_steel);
-  if (!ours) return tl::make_unexpected(ours.error());
+  DTS_TRY_ASSIGN(const auto ours, both_methods(is_steel));
   const printed::Deflections& thesis = is_steel ? printed::kSteel : printed::kAcrylic;
   ThesisTable table{
       .name = is_steel ? "3.3" : "3.2",
@@ -157,8 +153,8 @@ core::Result<ThesisTable> thesis_deflections(bool is_steel) {
   double fdm_from_fdm = 0.0;
   for (std::size_t load = 0; load < printed::kLoads; ++load) {
     for (std::size_t position = 0; position < kSensingPositions.size(); ++position) {
-      const double fdm_mm = ours->fdm[position][load];
-      const double fem_mm = ours->fem[position][load];
+      const double fdm_mm = ours.fdm[position][load];
+      const double fem_mm = ours.fem[position][load];
       const double printed_fdm_mm = thesis.fdm_mm[position][load];
       const double printed_fem_mm = thesis.fem_mm[position][load];
       ThesisRow row{.label = load_text(thesis.load_kgf[load]) + ", position " + std::to_string(position + 1),
@@ -179,8 +175,7 @@ core::Result<ThesisTable> thesis_deflections(bool is_steel) {
 }
 
 core::Result<ThesisTable> thesis_proportions(bool is_steel) {
-  const auto ours = both_methods(is_steel);
-  if (!ours) return tl::make_unexpected(ours.error());
+  DTS_TRY_ASSIGN(const auto ours, both_methods(is_steel));
   const printed::ByLoad& loads_kgf = is_steel ? printed::kSteel.load_kgf : printed::kAcrylic.load_kgf;
   const printed::Proportions& thesis = is_steel ? printed::kSteelProportions : printed::kAcrylicProportions;
   ThesisTable table{.name = is_steel ? "3.5" : "3.4",
@@ -196,9 +191,9 @@ core::Result<ThesisTable> thesis_proportions(bool is_steel) {
       const auto proportion = [&](const Ours& of) { return of[0][load] / of[group + 1][load]; };
       ThesisRow row{.label = (group == 0 ? "S1/S2, " : "S1/S3, ") + load_text(loads_kgf[load]),
                     .printed = {{"real", thesis.real[group][load]}, {"fem", thesis.fem[group][load]}, {"fdm", thesis.fdm[group][load]}},
-                    .ours = {{"fem", proportion(ours->fem)}, {"fdm", proportion(ours->fdm)}},
-                    .deviation = {{"fem_percent", deviation_percent(proportion(ours->fem), thesis.fem[group][load])},
-                                  {"fdm_percent", deviation_percent(proportion(ours->fdm), thesis.fdm[group][load])}}};
+                    .ours = {{"fem", proportion(ours.fem)}, {"fdm", proportion(ours.fdm)}},
+                    .deviation = {{"fem_percent", deviation_percent(proportion(ours.fem), thesis.fem[group][load])},
+                                  {"fdm_percent", deviation_percent(proportion(ours.fdm), thesis.fdm[group][load])}}};
       keep_largest(fem_from_fem, row.deviation[0].value);
       keep_largest(fdm_from_fdm, row.deviation[1].value);
       table.rows.push_back(std::move(row));
@@ -210,20 +205,19 @@ core::Result<ThesisTable> thesis_proportions(bool is_steel) {
 }
 
 core::Result<ThesisTable> thesis_line_errors() {
-  ThesisTable table{.name = "3.6",
-                    .title = "Mean error of a proportion along five lines of loads",
-                    .rows = {},
-                    .summary = {},
-                    .notes = {"The load points of Fig. 3.14 to 3.16 are missing; they are fitted to this table, so agreement proves nothing.",
-                              "Sensors at 86 mm; supports at the corners or all along the edges; acrylic 4 mm.",
-                              "The mean printed for neighbours with supported edges, 11.032, is not that of its five lines, 10.590.",
-                              "Line 1 is 0 by symmetry: the printed values there are noise of the mesh in the thesis.",
-                              "Corner supports and neighbouring sensors are best for every sensor position from 20 to 106 mm."}};
+  ThesisTable table{
+      .name = "3.6",
+      .title = "Mean error of a proportion along five lines of loads",
+      .rows = {},
+      .summary = {},
+      .notes = {"The load points of Fig. 3.14 to 3.16 are missing; they are fitted to this table, so agreement proves nothing.",
+                "Sensors at 86 mm; supports at the corners or all along the edges; acrylic 4 mm.",
+                "The mean printed for neighbours with supported edges, 11.032, is not that of its five lines, 10.590.",
+                "Line 1 is 0 by symmetry: the printed values there are noise of the mesh in the thesis.",
+                "Corner supports and neighbouring sensors are best for every sensor position from 20 to 106 mm."}};
   for (const printed::LineErrors& row : printed::kLineErrors) {
-    const auto fdm = line_errors(row, PlateMethod::Fdm);
-    if (!fdm) return tl::make_unexpected(fdm.error());
-    const auto fem = line_errors(row, PlateMethod::Fem);
-    if (!fem) return tl::make_unexpected(fem.error());
+    DTS_TRY_ASSIGN(const auto fdm, line_errors(row, PlateMethod::Fdm));
+    DTS_TRY_ASSIGN(const auto fem, line_errors(row, PlateMethod::Fem));
     const auto add = [&](const std::string& label, double printed_percent, double fem_percent, double fdm_percent) {
       table.rows.push_back({.label = name_of(row) + ", " + label,
                             .printed = {{"percent", printed_percent}},
@@ -231,10 +225,10 @@ core::Result<ThesisTable> thesis_line_errors() {
                             .deviation = {{"fem_points", fem_percent - printed_percent}, {"fdm_points", fdm_percent - printed_percent}}});
     };
     for (std::size_t line = 0; line < kLines; ++line) {
-      add("line " + std::to_string(line + 1), row.line_percent[line], (*fem)[line], (*fdm)[line]);
+      add("line " + std::to_string(line + 1), row.line_percent[line], fem[line], fdm[line]);
     }
-    add("mean", row.mean_percent, mean(*fem), mean(*fdm));
-    table.summary.push_back({key_of(row), mean(*fdm)});
+    add("mean", row.mean_percent, mean(fem), mean(fdm));
+    table.summary.push_back({key_of(row), mean(fdm)});
   }
   return table;
 }

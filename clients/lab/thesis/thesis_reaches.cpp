@@ -67,8 +67,7 @@ void add_window(const std::string& condition, const char* whose, const study::Wi
 }  // namespace
 
 core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::size_t draws) {
-  const auto all = draw_people(draws, progress);
-  if (!all) return tl::make_unexpected(all.error());
+  DTS_TRY_ASSIGN(const auto all, draw_people(draws, progress));
   ThesisTable table{
       .name = "5.2",
       .title = "Volunteers A, B and C by a network trained on simulated reaches (NN2); correct of 15",
@@ -79,7 +78,7 @@ core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::si
                 "Trained on the body model only, at four paces of a phase, 0.75, 1, 1.25 and 1.5 s (180 reaches): at the "
                 "single pace of the thesis, 0.75 s (45 reaches), the network learns inertia as part of the pattern, and slower people are "
                 "misclassified; the summary has both."}};
-  const study::Draw& draw = study::middle_draw(*all);
+  const study::Draw& draw = study::middle_draw(all);
   for (std::size_t person = 0; person < printed::kTeachersByNn2.size(); ++person) {
     for (std::size_t k = 0; k < kClasses.size(); ++k) {
       add_row(std::string(study::teachers()[person].name) + ", " + kTargets[k],
@@ -91,16 +90,15 @@ core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::si
   append({{"draws", static_cast<double>(draws)}, {"rows_of_seed", static_cast<double>(draw.seed)}, {"printed_nn2_of_135", 134.0}},
          table.summary);
   add_spread(
-      "ours_nn2_four_paces_of_135", *all, [](const study::Draw& one) { return correct(one.nn2.teachers); }, table.summary);
+      "ours_nn2_four_paces_of_135", all, [](const study::Draw& one) { return correct(one.nn2.teachers); }, table.summary);
   add_spread(
-      "ours_nn2_one_pace_of_135", *all, [](const study::Draw& one) { return correct(one.nn2_one_pace.teachers); }, table.summary);
+      "ours_nn2_one_pace_of_135", all, [](const study::Draw& one) { return correct(one.nn2_one_pace.teachers); }, table.summary);
   table.summary.push_back({"ours_nn2_own_r", draw.nn2.own_r});
   return table;
 }
 
 core::Result<ThesisTable> thesis_healthy(const TableProgress& progress, std::size_t draws) {
-  const auto all = draw_people(draws, progress);
-  if (!all) return tl::make_unexpected(all.error());
+  DTS_TRY_ASSIGN(const auto all, draw_people(draws, progress));
   ThesisTable table{
       .name = "6.2",
       .title = "Ten healthy volunteers by NN1 and NN2; correct of 15",
@@ -112,7 +110,7 @@ core::Result<ThesisTable> thesis_healthy(const TableProgress& progress, std::siz
                 "these sum to 424 (94.2 %) for NN1 and to 438 (97.3 %, as the chapter's introduction says) for NN2.",
                 "Errors belong to persons, not to reaches: the bias of one person shifts a whole block of fifteen (printed: H6 at "
                 "120 %)."}};
-  const study::Draw& draw = study::middle_draw(*all);
+  const study::Draw& draw = study::middle_draw(all);
   double sum_nn1 = 0.0;
   double sum_nn2 = 0.0;
   for (std::size_t person = 0; person < printed::kHealthy.size(); ++person) {
@@ -134,15 +132,14 @@ core::Result<ThesisTable> thesis_healthy(const TableProgress& progress, std::siz
           {"printed_rows_nn2_of_450", sum_nn2}},
          table.summary);
   add_spread(
-      "ours_nn1_of_450", *all, [](const study::Draw& one) { return correct(one.nn1.healthy); }, table.summary);
+      "ours_nn1_of_450", all, [](const study::Draw& one) { return correct(one.nn1.healthy); }, table.summary);
   add_spread(
-      "ours_nn2_of_450", *all, [](const study::Draw& one) { return correct(one.nn2.healthy); }, table.summary);
+      "ours_nn2_of_450", all, [](const study::Draw& one) { return correct(one.nn2.healthy); }, table.summary);
   return table;
 }
 
 core::Result<ThesisTable> thesis_stroke(const TableProgress& progress, std::size_t draws) {
-  const auto all = draw_people(draws, progress);
-  if (!all) return tl::make_unexpected(all.error());
+  DTS_TRY_ASSIGN(const auto all, draw_people(draws, progress));
   ThesisTable table{.name = "6.4",
                     .title = "Five volunteers after a stroke at the critical boundary, by NN1 and NN2; correct of 15",
                     .decimals = 1,
@@ -152,7 +149,7 @@ core::Result<ThesisTable> thesis_stroke(const TableProgress& progress, std::size
                               "Their trunk is simulated to bend as the thesis measured it at this target; the class that is correct is the "
                               "one whose window of Table 6.3 holds that angle.",
                               "Rows of S2 to S4 are one class and one window: 45 of the 75 reaches are the easy case."}};
-  const study::Draw& draw = study::middle_draw(*all);
+  const study::Draw& draw = study::middle_draw(all);
   for (std::size_t person = 0; person < printed::kStroke.size(); ++person) {
     const study::Volunteer& volunteer = study::stroke()[person];
     const auto& row = printed::kStroke[person];
@@ -170,9 +167,9 @@ core::Result<ThesisTable> thesis_stroke(const TableProgress& progress, std::size
           {"printed_nn2_of_75", 71.0}},
          table.summary);
   add_spread(
-      "ours_nn1_of_75", *all, [](const study::Draw& one) { return correct(one.nn1.stroke); }, table.summary);
+      "ours_nn1_of_75", all, [](const study::Draw& one) { return correct(one.nn1.stroke); }, table.summary);
   add_spread(
-      "ours_nn2_of_75", *all, [](const study::Draw& one) { return correct(one.nn2.stroke); }, table.summary);
+      "ours_nn2_of_75", all, [](const study::Draw& one) { return correct(one.nn2.stroke); }, table.summary);
   return table;
 }
 

@@ -37,7 +37,7 @@ std::optional<TrainingReach> reach_of(const reach::Trial& trial, const reach::Su
 }  // namespace
 
 core::Result<TrainingSet> gather(const reach::TrialSet& set, ReachSpan reaches, const std::vector<std::string>& names) {
-  if (const auto status = check_names(set, names); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check_names(set, names));
   TrainingSet result;
   for (const reach::Subject& subject : set.subjects) {
     result.subjects.push_back(

@@ -117,14 +117,13 @@ core::Result<FittedEnsemble> fit_ensemble(std::vector<FeatureRange> inputs, cons
     batch.inputs.insert(batch.inputs.end(), scaled.values.begin(), scaled.values.begin() + static_cast<std::ptrdiff_t>(inputs.size()));
     batch.classes.push_back(static_cast<std::size_t>(reach->wanted) - 1);
   }
-  auto trained = train_networks(batch, network, seed, count, classifier::TrunkModelForm::kLowestValidationAccuracy);
-  if (!trained) return tl::make_unexpected(trained.error());
+  DTS_TRY_ASSIGN(auto trained, train_networks(batch, network, seed, count, classifier::TrunkModelForm::kLowestValidationAccuracy));
   FittedEnsemble result{.ensemble = {.inputs = std::move(inputs), .networks = {}}};
-  for (TrainedNetwork& one : *trained) {
+  for (TrainedNetwork& one : trained) {
     result.validation_accuracy += one.validation_accuracy;
     result.ensemble.networks.push_back(std::move(one.network));
   }
-  result.validation_accuracy /= static_cast<double>(trained->size());
+  result.validation_accuracy /= static_cast<double>(trained.size());
   return result;
 }
 
@@ -155,11 +154,10 @@ core::Status fit_own_scale(classifier::TrunkModelForm& form, const TrainingSet& 
   for (std::size_t subject = 0; subject < set.subjects.size(); ++subject) calibrations.push_back(calibrations_of(set, subject));
   const auto rows = own_rows(set, calibrations);
   if (rows.empty()) return {};  // no maximum reaches: the model has no own scale
-  auto inputs = ranges_of(kOwnFeatures, of_trunk(rows), kTail);
-  if (!inputs) return tl::make_unexpected(inputs.error());
-  auto fitted = fit_ensemble(std::move(*inputs), of_trunk(rows), network, true, options.networks, derived_seed(options.seed, 1));
-  if (!fitted) return tl::make_unexpected(fitted.error());
-  form.own = std::move(fitted->ensemble);
+  DTS_TRY_ASSIGN(auto inputs, ranges_of(kOwnFeatures, of_trunk(rows), kTail));
+  DTS_TRY_ASSIGN(auto fitted,
+                 fit_ensemble(std::move(inputs), of_trunk(rows), network, true, options.networks, derived_seed(options.seed, 1)));
+  form.own = std::move(fitted.ensemble);
   std::vector<double> largest_deg(set.subjects.size());  // average of the maximum reaches
   std::vector<double> count(set.subjects.size());
   for (const TrainingReach& reach : set.reaches) {
@@ -183,36 +181,30 @@ core::Status fit_arm_alone(classifier::TrunkModelForm& form, const std::vector<R
   const auto is_alone = [](const Row& row) { return row.reach->wanted == TrunkClass::None; };
   const auto alone = std::count_if(near.begin(), near.end(), is_alone);
   if (alone == 0 || alone == static_cast<std::ptrdiff_t>(near.size())) return {};
-  auto inputs = ranges_of(kArmAloneFeatures, near, kTail);
-  if (!inputs) return tl::make_unexpected(inputs.error());
-  const auto samples = samples_of(*inputs, near, true, [&](const Row& row) { return is_alone(row) ? 1.0 : 0.0; });
-  form.arm_alone = classifier::ArmAloneRule{.logit = {.inputs = std::move(*inputs), .coefficients = fit_logistic(samples, kLogisticRidge)}};
+  DTS_TRY_ASSIGN(auto inputs, ranges_of(kArmAloneFeatures, near, kTail));
+  const auto samples = samples_of(inputs, near, true, [&](const Row& row) { return is_alone(row) ? 1.0 : 0.0; });
+  form.arm_alone = classifier::ArmAloneRule{.logit = {.inputs = std::move(inputs), .coefficients = fit_logistic(samples, kLogisticRidge)}};
   return {};
 }
 
 core::Status fit_raw5(classifier::TrunkModelForm& form, const std::vector<Row>& rows, const ModelOptions& options) {
-  auto inputs = ranges_of(kRawFeatures, of_trunk(rows), 0.0);
-  if (!inputs) return tl::make_unexpected(inputs.error());
-  auto fitted = fit_ensemble(std::move(*inputs), of_trunk(rows), {}, false, 1, options.seed);
-  if (!fitted) return tl::make_unexpected(fitted.error());
-  form.general = std::move(fitted->ensemble);
-  form.figures.validation_accuracy = fitted->validation_accuracy;
+  DTS_TRY_ASSIGN(auto inputs, ranges_of(kRawFeatures, of_trunk(rows), 0.0));
+  DTS_TRY_ASSIGN(auto fitted, fit_ensemble(std::move(inputs), of_trunk(rows), {}, false, 1, options.seed));
+  form.general = std::move(fitted.ensemble);
+  form.figures.validation_accuracy = fitted.validation_accuracy;
   return {};
 }
 
 core::Status fit_recommended(classifier::TrunkModelForm& form, const TrainingSet& set, const std::vector<Row>& rows,
                              const ModelOptions& options) {
   const NetworkOptions network{.output = classifier::OutputKind::Softmax, .decay = kDecay};
-  auto inputs = ranges_of(kGeneralFeatures, of_trunk(rows), kTail);
-  if (!inputs) return tl::make_unexpected(inputs.error());
-  auto fitted = fit_ensemble(std::move(*inputs), of_trunk(rows), network, true, options.networks, options.seed);
-  if (!fitted) return tl::make_unexpected(fitted.error());
-  form.general = std::move(fitted->ensemble);
-  form.figures.validation_accuracy = fitted->validation_accuracy;
-  auto angle = fit_angle(ranges_of(kAngleFeatures, rows, kTail), rows, [](const Row& row) { return sine_of(row.reach->flexion_deg); });
-  if (!angle) return tl::make_unexpected(angle.error());
-  form.angle = std::move(*angle);
-  if (auto status = fit_own_scale(form, set, network, options); !status) return status;
+  DTS_TRY_ASSIGN(auto inputs, ranges_of(kGeneralFeatures, of_trunk(rows), kTail));
+  DTS_TRY_ASSIGN(auto fitted, fit_ensemble(std::move(inputs), of_trunk(rows), network, true, options.networks, options.seed));
+  form.general = std::move(fitted.ensemble);
+  form.figures.validation_accuracy = fitted.validation_accuracy;
+  DTS_TRY_ASSIGN(form.angle,
+                 fit_angle(ranges_of(kAngleFeatures, rows, kTail), rows, [](const Row& row) { return sine_of(row.reach->flexion_deg); }));
+  DTS_TRY(fit_own_scale(form, set, network, options));
   return fit_arm_alone(form, rows);
 }
 
@@ -221,13 +213,10 @@ core::Status fit_recommended(classifier::TrunkModelForm& form, const TrainingSet
 core::Result<classifier::TrunkModelForm> fit_model(const TrainingSet& set, const ModelOptions& options) {
   classifier::TrunkModelForm form{.kind = options.kind, .general = {}, .facts = {}, .figures = {}};
   const auto rows = general_rows(set);
-  const auto levels = ranges_of(std::array{ReachFeature::P1}, rows, 0.0);
-  if (!levels) return tl::make_unexpected(levels.error());
-  form.p1_minimum_mm = levels->front().minimum;
-  form.p1_maximum_mm = levels->front().maximum;
-  const auto status =
-      options.kind == classifier::ModelKind::Raw5 ? fit_raw5(form, rows, options) : fit_recommended(form, set, rows, options);
-  if (!status) return tl::make_unexpected(status.error());
+  DTS_TRY_ASSIGN(const auto levels, ranges_of(std::array{ReachFeature::P1}, rows, 0.0));
+  form.p1_minimum_mm = levels.front().minimum;
+  form.p1_maximum_mm = levels.front().maximum;
+  DTS_TRY(options.kind == classifier::ModelKind::Raw5 ? fit_raw5(form, rows, options) : fit_recommended(form, set, rows, options));
   return form;
 }
 

@@ -196,27 +196,23 @@ core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, c
     if (others.reaches.size() == set.reaches.size()) continue;  // the set has no reaches of these subjects
     ModelOptions fewer = options;
     fewer.networks = std::min(options.networks, kNetworksLeftOut);
-    auto form = fit_model(others, fewer);
-    if (!form) return tl::make_unexpected(form.error());
-    auto model = TrunkModel::create(std::move(*form));
-    if (!model) return tl::make_unexpected(model.error());
-    judge_fold(*model, set, folds[fold], judged);
+    DTS_TRY_ASSIGN(auto form, fit_model(others, fewer));
+    DTS_TRY_ASSIGN(auto model, TrunkModel::create(std::move(form)));
+    judge_fold(model, set, folds[fold], judged);
   }
   return judged;
 }
 
 core::Result<TrunkModel> train_model(const TrainingSet& set, const ModelOptions& options, const std::function<void(double)>& progress) {
-  auto form = fit_model(set, options);
-  if (!form) return tl::make_unexpected(form.error());
+  DTS_TRY_ASSIGN(auto form, fit_model(set, options));
   std::set<std::size_t> present;
   for (const TrainingReach& reach : set.reaches) present.insert(reach.subject);
   if (present.size() >= kLeastPeople) {
-    const auto judged = judge_left_out(set, options, progress);
-    if (!judged) return tl::make_unexpected(judged.error());
-    calibrate(*form, set, *judged);
+    DTS_TRY_ASSIGN(const auto judged, judge_left_out(set, options, progress));
+    calibrate(form, set, judged);
   }
-  set_facts(*form, set, options);
-  return TrunkModel::create(std::move(*form));
+  set_facts(form, set, options);
+  return TrunkModel::create(std::move(form));
 }
 
 }  // namespace dts::lab::training

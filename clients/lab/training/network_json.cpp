@@ -96,9 +96,8 @@ core::Result<Network> network_of(const Layer& hidden, const Layer& output, class
 }
 
 core::Result<ForeignNetworks> read_network_json(const std::string& file) {
-  const auto text = read_small_file(file);
-  if (!text) return tl::make_unexpected(text.error());
-  const cli::Json json = cli::Json::parse(*text, nullptr, false);
+  DTS_TRY_ASSIGN(const auto text, read_small_file(file));
+  const cli::Json json = cli::Json::parse(text, nullptr, false);
   if (!json.is_object()) return tl::make_unexpected(wrong(file, "is not a JSON object"));
   const auto layers = numbers_of(json, "layers", 3);
   const auto is_count = [](double value) { return value >= 1.0 && value <= 100.0 && std::floor(value) == value; };
@@ -115,9 +114,8 @@ core::Result<ForeignNetworks> read_network_json(const std::string& file) {
   if (!second) return tl::make_unexpected(wrong(file, "W2 or b2 does not match layers, or is not finite"));
   auto network = network_of(*first, *second, output == "softmax" ? classifier::OutputKind::Softmax : classifier::OutputKind::Logistic);
   if (!network) return tl::make_unexpected(wrong(file, network.error().what));
-  auto ranges = inputs_of(json, file, inputs);
-  if (!ranges) return tl::make_unexpected(ranges.error());
-  ForeignNetworks result{.networks = {}, .inputs = std::move(*ranges)};
+  DTS_TRY_ASSIGN(auto ranges, inputs_of(json, file, inputs));
+  ForeignNetworks result{.networks = {}, .inputs = std::move(ranges)};
   result.networks.push_back(std::move(*network));
   return result;
 }

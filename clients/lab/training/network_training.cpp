@@ -67,9 +67,8 @@ core::Result<TrainedNetwork> train_network(const Batch& batch, const NetworkOpti
   auto minimum = minimise(
       objective, first_weights(batch.input_count, options.hidden, random),
       [&](std::span<const double> weights) { return validation_error.error(weights); }, options.stop);
-  auto network = Network::create(batch.input_count, options.hidden, options.output, std::move(minimum.weights));
-  if (!network) return tl::make_unexpected(network.error());
-  TrainedNetwork result{.network = std::move(*network), .epochs = minimum.epochs};
+  DTS_TRY_ASSIGN(auto network, Network::create(batch.input_count, options.hidden, options.output, std::move(minimum.weights)));
+  TrainedNetwork result{.network = std::move(network), .epochs = minimum.epochs};
   result.validation_accuracy = accuracy(result.network, validation);
   result.test_accuracy = accuracy(result.network, test);
   return result;
@@ -80,10 +79,9 @@ core::Result<std::vector<TrainedNetwork>> train_networks(const Batch& batch, con
   std::vector<TrainedNetwork> networks;
   double best = 0.0;
   for (std::size_t attempt = 0; attempt < kTriesPerNetwork * count && networks.size() < count; ++attempt) {
-    auto trained = train_network(batch, options, derived_seed(seed, attempt));
-    if (!trained) return tl::make_unexpected(trained.error());
-    best = std::max(best, trained->validation_accuracy);
-    if (trained->validation_accuracy >= least_validation_accuracy) networks.push_back(std::move(*trained));
+    DTS_TRY_ASSIGN(auto trained, train_network(batch, options, derived_seed(seed, attempt)));
+    best = std::max(best, trained.validation_accuracy);
+    if (trained.validation_accuracy >= least_validation_accuracy) networks.push_back(std::move(trained));
   }
   if (networks.size() == count) return networks;
   return core::fail(core::ErrorCode::Failed,

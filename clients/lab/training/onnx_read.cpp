@@ -162,10 +162,9 @@ core::Result<ForeignNetworks> read_onnx(const std::string& file) {
     return core::fail(core::ErrorCode::InvalidArgument, file + ": " + what,
                       "use a network of layers n-h-3, as dtslab reach export writes it");
   };
-  const auto text = read_small_file(file);
-  if (!text) return tl::make_unexpected(text.error());
+  DTS_TRY_ASSIGN(const auto text, read_small_file(file));
   onnx::ModelProto model;
-  if (!model.ParseFromString(*text) || !model.has_graph()) return refused("is not an ONNX model");
+  if (!model.ParseFromString(text) || !model.has_graph()) return refused("is not an ONNX model");
   ForeignNetworks result;
   if (model.graph().node_size() > kMostNodes) return refused("has " + std::to_string(model.graph().node_size()) + " nodes");
   if (const auto why = Reader(model.graph()).read(result.networks)) return refused(*why);

@@ -55,9 +55,8 @@ core::Result<TrainingSet> simulated_people(std::size_t count, int trials, std::u
   };
   const auto people = invent_people(count, seed);
   const reach::TrialPlan plan{.conditions = {"80", "100", "120", "150", "max"}, .trials_per_condition = trials, .seed = seed};
-  const auto simulated = reach::simulate_trials(people, plan, [&](double part) { report(part / 2.0); });
-  if (!simulated) return tl::make_unexpected(simulated.error());
-  const auto reaches = reach::find_reaches(simulated->set, [&](double part) { report(0.5 + part / 2.0); });
+  DTS_TRY_ASSIGN(const auto simulated, reach::simulate_trials(people, plan, [&](double part) { report(part / 2.0); }));
+  const auto reaches = reach::find_reaches(simulated.set, [&](double part) { report(0.5 + part / 2.0); });
   TrainingSet result;
   for (const reach::Subject& subject : people) {
     result.subjects.push_back({.name = subject.name,
@@ -65,14 +64,14 @@ core::Result<TrainingSet> simulated_people(std::size_t count, int trials, std::u
                                .max_flexion_deg = physics::trunk_flexion_deg(subject.person, subject.person.max_reach_cm)});
   }
   for (std::size_t k = 0; k < reaches.size(); ++k) {
-    const reach::Trial& trial = simulated->set.trials[k];
+    const reach::Trial& trial = simulated.set.trials[k];
     const auto wanted = reach::class_of_condition(trial.condition);
     if (!reaches[k] || !wanted) continue;
     result.reaches.push_back({.subject = trial.subject,
                               .features = reaches[k]->features,
                               .flags = reaches[k]->flags,
                               .wanted = *wanted,
-                              .flexion_deg = simulated->trunk_deg[k]});
+                              .flexion_deg = simulated.trunk_deg[k]});
   }
   return result;
 }

@@ -106,9 +106,9 @@ core::Result<TrainingSet> training_set(const TrainArguments& arguments, files::P
   core::Result<TrainingSet> set = arguments.folder.empty() ? TrainingSet{} : recorded(arguments, problems, console);
   if (!set || !problems.empty() || !is_simulating(arguments)) return set;
   cli::Progress progress(console, "simulating people");
-  const auto simulated = simulated_people(kSimulatedPeople, kSimulatedTrials, arguments.seed, [&](double part) { progress.report(part); });
-  if (!simulated) return tl::make_unexpected(simulated.error());
-  return joined(std::move(*set), *simulated);
+  DTS_TRY_ASSIGN(const auto simulated,
+                 simulated_people(kSimulatedPeople, kSimulatedTrials, arguments.seed, [&](double part) { progress.report(part); }));
+  return joined(std::move(*set), simulated);
 }
 
 int run_reach_train(const TrainArguments& arguments, cli::Console& console) {
@@ -147,8 +147,8 @@ void add_train(cli::CommandLine& line, CLI::App& reach) {
       ->option_text("A,B,...")
       ->delimiter(',');
   add_seed(command, arguments.seed, "The same seed and trials give the same model");
-  CLI::Option* simulated =
-      command.add_flag("--simulated", arguments.has_simulated_people, "raw5: train also on simulated people; without DIR: only on simulated people");
+  CLI::Option* simulated = command.add_flag("--simulated", arguments.has_simulated_people,
+                                            "raw5: train also on simulated people; without DIR: only on simulated people");
   command.add_flag("--recorded-only", arguments.is_recorded_only, "recommended: train without simulated people")->excludes(simulated);
   add_json(command, arguments.is_json);
 }

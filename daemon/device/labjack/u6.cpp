@@ -89,7 +89,7 @@ U6::U6(usb::DaqOptions options) : options_(std::move(options)) {
 std::span<const usb::UsbModel> U6::models() const noexcept { return kModels; }
 
 core::Result<core::Rate> U6::exact_rate(core::Rate wanted) const {
-  if (auto checked = check_rate(description_, wanted); !checked) return checked;
+  DTS_TRY(check_rate(description_, wanted));
   return nearest_clock(wanted).rate;
 }
 
@@ -102,27 +102,25 @@ bool U6::is_rail(std::size_t channel, std::uint16_t code) const noexcept {
 }
 
 core::Status U6::connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
-  if (auto ended = end_earlier_stream(port, checks); !ended) return ended;
-  if (auto identified = identify(port, checks); !identified) return identified;
-  if (auto read = read_constants(port, checks); !read) return read;
+  DTS_TRY(end_earlier_stream(port, checks));
+  DTS_TRY(identify(port, checks));
+  DTS_TRY(read_constants(port, checks));
   // Timers and counters use pins of the digital word.
-  if (auto off = run(port, turn_timers_off()); !off) return tl::make_unexpected(off.error());
+  DTS_TRY(run(port, turn_timers_off()));
   return {};
 }
 
 core::Status U6::end_earlier_stream(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
-  const auto stopped = exchange(port, stop_stream());
-  if (!stopped) return tl::make_unexpected(stopped.error());
-  if (stopped->error != 0 && stopped->error != kErrorStreamNotRunning) return tl::make_unexpected(refused("StreamStop", stopped->error));
-  if (stopped->error == 0)
+  DTS_TRY_ASSIGN(const auto stopped, exchange(port, stop_stream()));
+  if (stopped.error != 0 && stopped.error != kErrorStreamNotRunning) return tl::make_unexpected(refused("StreamStop", stopped.error));
+  if (stopped.error == 0)
     checks.push_back({"no scan was running", Outcome::Warning, "a scan of an earlier program was running; dtsd stopped it"});
   return {};  // `configure` discards its data in the stream endpoint
 }
 
 core::Status U6::identify(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
-  const auto reply = run(port, read_unit());
-  if (!reply) return tl::make_unexpected(reply.error());
-  const std::vector<std::uint8_t>& bytes = reply->bytes;
+  DTS_TRY_ASSIGN(const auto reply, run(port, read_unit()));
+  const std::vector<std::uint8_t>& bytes = reply.bytes;
   std::uint32_t serial = 0;
   for (std::size_t i = 4; i-- > 0;) serial = serial << 8U | bytes[15 + i];
   const std::string minor = std::to_string(bytes[9]);
@@ -137,23 +135,20 @@ core::Status U6::identify(usb::UsbPort& port, std::vector<DeviceCheck>& checks) 
 core::Status U6::read_constants(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
   std::vector<std::uint8_t> blocks;
   for (std::uint8_t block = 0; block < kCalibrationBlocks; ++block) {
-    const auto reply = run(port, read_calibration(block));
-    if (!reply) return tl::make_unexpected(reply.error());
-    blocks.insert(blocks.end(), reply->bytes.end() - kCalibrationBlockBytes, reply->bytes.end());
+    DTS_TRY_ASSIGN(const auto reply, run(port, read_calibration(block)));
+    blocks.insert(blocks.end(), reply.bytes.end() - kCalibrationBlockBytes, reply.bytes.end());
   }
   std::vector<std::size_t> in_use;
   std::ranges::copy_if(gains_, std::back_inserter(in_use), [](std::size_t gain) { return gain < kRangesV.size(); });
-  const auto parsed = Calibration::parse(blocks, in_use);
-  if (!parsed) return tl::make_unexpected(parsed.error());
-  calibration_ = *parsed;
+  DTS_TRY_ASSIGN(calibration_, Calibration::parse(blocks, in_use));
   checks.push_back({"the calibration is plausible", Outcome::Passed, "read from the unit"});
   return {};
 }
 
 core::Result<usb::ScanPlan> U6::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
   // The last StreamStop may have been lost, and firmware before 0.94 leaves data in the endpoint (Exodriver's u6Stream example).
-  if (auto stopped = exchange(port, stop_stream()); !stopped) return tl::make_unexpected(stopped.error());
-  if (auto drained = drain(port); !drained) return tl::make_unexpected(drained.error());
+  DTS_TRY(exchange(port, stop_stream()));
+  DTS_TRY(drain(port));
   const std::size_t channels = options_.channels.size();
   const ScanClock clock = nearest_clock(request.rate);
   const Packing packing = pack(clock.rate, channels, request.latency_ns, request.must_use_large_packets);
@@ -166,7 +161,7 @@ core::Result<usb::ScanPlan> U6::configure(usb::UsbPort& port, const usb::ScanReq
     setup.channels.push_back(static_cast<std::uint8_t>(options_.channels[i]));
     setup.options.push_back(gains_[i] < kRangesV.size() ? static_cast<std::uint8_t>(gains_[i] << 4U) : std::uint8_t{0});
   }
-  if (auto configured = run(port, configure_stream(setup)); !configured) return tl::make_unexpected(configured.error());
+  DTS_TRY(run(port, configure_stream(setup)));
   parser_.restart(channels, packing.samples_per_packet);
 
   usb::ScanPlan plan;
@@ -185,20 +180,19 @@ core::Result<std::vector<double>> U6::read_once(usb::UsbPort&) {
 }
 
 core::Status U6::begin(usb::UsbPort& port) {
-  if (auto started = run(port, start_stream()); !started) return tl::make_unexpected(started.error());
+  DTS_TRY(run(port, start_stream()));
   return {};
 }
 
 core::Status U6::end(usb::UsbPort& port) noexcept {
-  const auto stopped = exchange(port, stop_stream(), usb::kControlTimeoutMs);
-  if (!stopped) return tl::make_unexpected(stopped.error());
-  if (stopped->error == 0 || stopped->error == kErrorStreamNotRunning) return {};
-  return tl::make_unexpected(refused("StreamStop", stopped->error));
+  DTS_TRY_ASSIGN(const auto stopped, exchange(port, stop_stream(), usb::kControlTimeoutMs));
+  if (stopped.error == 0 || stopped.error == kErrorStreamNotRunning) return {};
+  return tl::make_unexpected(refused("StreamStop", stopped.error));
 }
 
 core::Result<usb::ScanHealth> U6::health(usb::UsbPort& port) {
   // Only this command and StreamStop are allowed during a stream. Its reply does not show whether a stream is running.
-  if (auto reply = run(port, read_unit(), usb::kControlTimeoutMs); !reply) return tl::make_unexpected(reply.error());
+  DTS_TRY(run(port, read_unit(), usb::kControlTimeoutMs));
   return usb::ScanHealth{.is_running = true, .is_overrun = parser_.is_recovering()};
 }
 

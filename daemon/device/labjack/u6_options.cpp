@@ -34,30 +34,27 @@ void add_digital_word(usb::DaqOptions& options) {
 core::Result<usb::DaqOptions> read_u6_options(const DeviceUri& uri) {
   DeviceUri complete = uri;
   complete.options.try_emplace("channels", kAllInputs);  // not the thermometer and ground
-  const auto given = UriOptions::read(complete, known_options());
-  if (!given) return tl::make_unexpected(given.error());
+  DTS_TRY_ASSIGN(const auto given, UriOptions::read(complete, known_options()));
   const usb::DaqLimits limits{.inputs = kInputs,
                               .max_scan_length = kMaximumSamplesPerPacket - 1,  // one place is for the digital word
                               .must_ascend = false,
                               .ranges_v = kRangesV};
-  auto options = usb::read_daq_options(complete, *given, limits);
-  if (!options) return options;
-  if (std::ranges::find(options->channels, kThermometer) != options->channels.end()) {
+  DTS_TRY_ASSIGN(auto options, usb::read_daq_options(complete, given, limits));
+  if (std::ranges::find(options.channels, kThermometer) != options.channels.end()) {
     return core::fail(ErrorCode::InvalidArgument, "device \"" + uri.text + "\": input 14 is the thermometer inside the U6",
                       "choose inputs 0 to 13, or 15 for ground");
   }
-  if (given->number("digital") > 0) add_digital_word(*options);
+  if (given.number("digital") > 0) add_digital_word(options);
   return options;
 }
 
 core::Result<std::unique_ptr<Device>> create_u6(const DeviceUri& uri, const DeviceContext& context) {
-  auto options = read_u6_options(uri);
-  if (!options) return tl::make_unexpected(options.error());
+  DTS_TRY_ASSIGN(auto options, read_u6_options(uri));
   if (context.usb == nullptr) {
     return core::fail(ErrorCode::Unsupported, "device \"" + uri.text + "\" is on USB, and this program has no access to USB");
   }
-  auto driver = std::make_unique<U6>(*options);
-  return std::make_unique<usb::UsbDaq>(std::move(driver), std::move(*options), *context.usb, context.clock);
+  auto driver = std::make_unique<U6>(options);
+  return std::make_unique<usb::UsbDaq>(std::move(driver), std::move(options), *context.usb, context.clock);
 }
 
 }  // namespace dts::device::labjack

@@ -21,10 +21,9 @@ constexpr char kUnplugHint[] = "unplug the device and plug it in again; if that 
 
 /// Reads the register, changes one bit, writes it back.
 core::Status change_bit(usb::UsbPort& port, std::uint8_t request, unsigned bit, bool is_set, const std::string& what, int timeout_ms) {
-  const auto before = get(port, {.request = request}, 1, "reading " + what, timeout_ms);
-  if (!before) return tl::make_unexpected(before.error());
+  DTS_TRY_ASSIGN(const auto before, get(port, {.request = request}, 1, "reading " + what, timeout_ms));
   const unsigned mask = 1U << bit;
-  const unsigned after = is_set ? before->front() | mask : before->front() & ~mask;
+  const unsigned after = is_set ? before.front() | mask : before.front() & ~mask;
   return put(port, {.request = request, .value = static_cast<std::uint16_t>(after)}, "setting " + what, timeout_ms);
 }
 
@@ -67,10 +66,9 @@ core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlReque
 }
 
 core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint) {
-  const auto packet_bytes = port.max_packet_bytes(endpoint);
-  if (!packet_bytes) return tl::make_unexpected(packet_bytes.error());
-  if (auto cleared = clear_halt(port, endpoint); !cleared) return cleared;
-  std::vector<std::uint8_t> bytes(kDrainPackets * *packet_bytes);
+  DTS_TRY_ASSIGN(const auto packet_bytes, port.max_packet_bytes(endpoint));
+  DTS_TRY(clear_halt(port, endpoint));
+  std::vector<std::uint8_t> bytes(kDrainPackets * packet_bytes);
   // A read lasts at most its timeout, so the number of reads limits the time.
   for (int spent_ms = 0; spent_ms < kMostDrainMs; spent_ms += kDrainTimeoutMs) {
     const usb::UsbResult received = port.bulk_in(endpoint, bytes, kDrainTimeoutMs);
@@ -79,7 +77,7 @@ core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint) {
     if (received.error() == UsbStatus::NoDevice) return tl::make_unexpected(usb::to_error(received.error(), "emptying the data endpoint"));
     // More packets may wait after a halt or a damaged packet.
     if (received.error() != UsbStatus::Stall) continue;
-    if (auto again = clear_halt(port, endpoint); !again) return again;
+    DTS_TRY(clear_halt(port, endpoint));
   }
   return core::fail(core::ErrorCode::Failed, "emptying the data endpoint: the device still sends data after its scan was stopped",
                     kUnplugHint);
@@ -87,9 +85,8 @@ core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint) {
 
 core::Status await_end(usb::DaqDriver& driver, usb::UsbPort& port) {
   for (int i = 0; i < kMostEndRequests; ++i) {
-    const auto found = driver.health(port);
-    if (!found) return tl::make_unexpected(found.error());
-    if (!found->is_running) return {};
+    DTS_TRY_ASSIGN(const auto found, driver.health(port));
+    if (!found.is_running) return {};
   }
   return core::fail(core::ErrorCode::Failed, driver.describe().uri + " still scans after it was stopped", kUnplugHint);
 }
@@ -104,7 +101,7 @@ core::Status drive_line(usb::UsbPort& port, unsigned bit, bool is_high, int time
 
 core::Status prepare_line(usb::UsbPort& port, unsigned bit, LineDirection direction) {
   // Write the latch first: the line must not output an old level when it becomes an output.
-  if (auto low = drive_line(port, bit, false, usb::kSetupTimeoutMs); !low) return low;
+  DTS_TRY(drive_line(port, bit, false, usb::kSetupTimeoutMs));
   const std::string what = "the direction of digital line " + std::to_string(bit);
   if (direction == LineDirection::PerPort) return put(port, {.request = kDigitalDirection, .value = 0}, "setting " + what);
   return change_bit(port, kDigitalDirection, bit, false, what, usb::kSetupTimeoutMs);

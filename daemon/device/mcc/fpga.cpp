@@ -44,11 +44,10 @@ core::Error unreadable(const std::string& path) {
 std::size_t fpga_image_bytes(std::uint16_t product) noexcept { return product < kFirstRevision2 ? kRevision1Bytes : kRevision2Bytes; }
 
 core::Status check_fpga_file(const std::string& path) {
-  const auto bytes = length_of(path);
-  if (!bytes) return tl::make_unexpected(bytes.error());
-  if (*bytes != kRevision1Bytes && *bytes != kRevision2Bytes) {
+  DTS_TRY_ASSIGN(const auto bytes, length_of(path));
+  if (bytes != kRevision1Bytes && bytes != kRevision2Bytes) {
     return core::fail(ErrorCode::InvalidArgument,
-                      "FPGA image " + path + " has " + std::to_string(*bytes) + " bytes; MCC's have " + std::to_string(kRevision1Bytes) +
+                      "FPGA image " + path + " has " + std::to_string(bytes) + " bytes; MCC's have " + std::to_string(kRevision1Bytes) +
                           " or, for hardware revision 2, " + std::to_string(kRevision2Bytes),
                       kSourceHint);
   }
@@ -59,13 +58,12 @@ core::Status check_fpga_file(const std::string& path) {
 core::Result<std::vector<std::uint8_t>> read_fpga_image(const std::string& path, std::uint16_t product) {
   if (path.empty())
     return core::fail(ErrorCode::NotFound, "the device has no FPGA image since its power-up, and none was given", kSourceHint);
-  const auto size = length_of(path);
-  if (!size) return tl::make_unexpected(size.error());
+  DTS_TRY_ASSIGN(const auto size, length_of(path));
   const std::size_t expected = fpga_image_bytes(product);
-  if (*size != expected) {
+  if (size != expected) {
     return core::fail(
         ErrorCode::InvalidArgument,
-        "FPGA image " + path + " has " + std::to_string(*size) + " bytes; this unit's hardware revision needs " + std::to_string(expected),
+        "FPGA image " + path + " has " + std::to_string(size) + " bytes; this unit's hardware revision needs " + std::to_string(expected),
         kSourceHint);
   }
   std::vector<std::uint8_t> image(expected);
@@ -85,18 +83,16 @@ core::Result<GStatus> read_g_status(usb::UsbPort& port, int timeout_ms) {
 }
 
 core::Status load_fpga(usb::UsbPort& port, std::span<const std::uint8_t> image) {
-  if (auto sent = put(port, {.request = kFpgaCommand}, kEnterLoading, "entering the FPGA's configuration mode"); !sent) return sent;
-  const auto entered = read_g_status(port);
-  if (!entered) return tl::make_unexpected(entered.error());
-  if (!entered->is_fpga_loading) return core::fail(ErrorCode::Failed, "the device does not enter its FPGA's configuration mode");
+  DTS_TRY(put(port, {.request = kFpgaCommand}, kEnterLoading, "entering the FPGA's configuration mode"));
+  DTS_TRY_ASSIGN(const auto entered, read_g_status(port));
+  if (!entered.is_fpga_loading) return core::fail(ErrorCode::Failed, "the device does not enter its FPGA's configuration mode");
   for (std::size_t at = 0; at < image.size(); at += kPieceBytes) {
     const auto piece = image.subspan(at, std::min(kPieceBytes, image.size() - at));
-    if (auto sent = put(port, {.request = kFpgaData}, piece, "loading the FPGA image"); !sent) return sent;
+    DTS_TRY(put(port, {.request = kFpgaData}, piece, "loading the FPGA image"));
   }
   for (int i = 0; i < kMostStatusRequests; ++i) {
-    const auto status = read_g_status(port);
-    if (!status) return tl::make_unexpected(status.error());
-    if (status->is_fpga_loaded) return {};
+    DTS_TRY_ASSIGN(const auto status, read_g_status(port));
+    if (status.is_fpga_loaded) return {};
   }
   return core::fail(ErrorCode::Failed, "the device did not accept the FPGA image", kSourceHint);
 }

@@ -59,8 +59,8 @@ core::Result<core::Rate> FsPlus::exact_rate(core::Rate wanted) const {
 }
 
 core::Status FsPlus::connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
-  if (auto stopped = put(port, {.request = kScanStop}, "stopping an earlier scan"); !stopped) return stopped;
-  if (auto read = read_calibration(port); !read) return read;
+  DTS_TRY(put(port, {.request = kScanStop}, "stopping an earlier scan"));
+  DTS_TRY(read_calibration(port));
   checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, plausible"});
   is_first_scan_ = true;
   if (!settings_.sync_output_bit) return {};
@@ -73,9 +73,8 @@ core::Status FsPlus::read_calibration(usb::UsbPort& port) {
   while (memory.size() < records * kCalibrationRecordBytes) {
     const usb::ControlRequest request{.request = kCalibrationMemory, .value = static_cast<std::uint16_t>(memory.size())};
     const std::size_t piece = std::min(kMemoryPieceBytes, records * kCalibrationRecordBytes - memory.size());
-    const auto bytes = get(port, request, piece, "reading the calibration memory");
-    if (!bytes) return tl::make_unexpected(bytes.error());
-    memory.insert(memory.end(), bytes->begin(), bytes->end());
+    DTS_TRY_ASSIGN(const auto bytes, get(port, request, piece, "reading the calibration memory"));
+    memory.insert(memory.end(), bytes.begin(), bytes.end());
   }
   const usb::DaqOptions& options = settings_.options;
   for (std::size_t position = 0; position < options.channels.size(); ++position) {
@@ -83,16 +82,15 @@ core::Status FsPlus::read_calibration(usb::UsbPort& port) {
     const double range_v = options.ranges_v[position];
     const std::size_t record = model_.first_record + model_.records_per_range * model_.range_code(range_v) + input;
     const auto bytes = std::span(memory).subspan(record * kCalibrationRecordBytes, kCalibrationRecordBytes);
-    const auto calibration = decode_calibration(bytes, model_.bits, "calibration of ch" + std::to_string(input));
-    if (!calibration) return tl::make_unexpected(calibration.error());
-    lines_[position] = voltage_line(*calibration, range_v, model_.bits);
+    DTS_TRY_ASSIGN(const auto calibration, decode_calibration(bytes, model_.bits, "calibration of ch" + std::to_string(input)));
+    lines_[position] = voltage_line(calibration, range_v, model_.bits);
   }
   return {};
 }
 
 core::Status FsPlus::make_quiet(usb::UsbPort& port) {
-  if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan"); !stopped) return stopped;
-  if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  DTS_TRY(put(port, {.request = kScanStop}, "stopping the scan"));
+  DTS_TRY(put(port, {.request = kClearFifo}, "clearing the FIFO"));
   (void)put(port, {.request = kStatus}, "clearing error bits");  // not every public driver sends this: a rejected request is not an error
   return empty_endpoint(port, kDataEndpoint);
 }
@@ -102,36 +100,34 @@ core::Status FsPlus::set_ranges(usb::UsbPort& port) {
   std::vector<std::uint8_t> codes(kFsPlusInputs, model_.range_code(model_.ranges_v.front()));
   const usb::DaqOptions& options = settings_.options;
   for (std::size_t i = 0; i < options.channels.size(); ++i) codes[options.channels[i]] = model_.range_code(options.ranges_v[i]);
-  if (auto sent = put(port, {.request = kRangeList}, codes, "setting the ranges"); !sent) return sent;
-  const auto found = get(port, {.request = kRangeList}, codes.size(), "reading the ranges back");
-  if (!found) return tl::make_unexpected(found.error());
-  if (*found == codes) return {};
+  DTS_TRY(put(port, {.request = kRangeList}, codes, "setting the ranges"));
+  DTS_TRY_ASSIGN(const auto found, get(port, {.request = kRangeList}, codes.size(), "reading the ranges back"));
+  if (found == codes) return {};
   return core::fail(ErrorCode::DataDamaged, description_.uri + " did not accept its ranges", kOtherProgramHint);
 }
 
 core::Result<usb::ScanPlan> FsPlus::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
-  const auto packet_bytes = port.max_packet_bytes(kDataEndpoint);
-  if (!packet_bytes) return tl::make_unexpected(packet_bytes.error());
+  DTS_TRY_ASSIGN(const auto packet_bytes, port.max_packet_bytes(kDataEndpoint));
   const std::size_t channels = settings_.options.channels.size();
-  const StreamLoad load{.scan_hz = request.rate.hz(), .channels = channels, .packet_bytes = *packet_bytes};
+  const StreamLoad load{.scan_hz = request.rate.hz(), .channels = channels, .packet_bytes = packet_bytes};
   const TransferChoice choice = choose_transfers(load, request);
   command_.is_immediate = choice.is_immediate;
   command_.period = pace(model_, channels, request.rate).period;
   command_.trigger = request.is_restart ? Trigger::None : settings_.trigger;
   may_start_late_ = !request.is_restart && (settings_.trigger != Trigger::None || settings_.is_partner_triggered);
 
-  if (auto quiet = make_quiet(port); !quiet) return tl::make_unexpected(quiet.error());
-  if (auto set = set_ranges(port); !set) return tl::make_unexpected(set.error());
+  DTS_TRY(make_quiet(port));
+  DTS_TRY(set_ranges(port));
   const bool is_first = std::exchange(is_first_scan_, false);
   if (is_first && model_.often_fails_first_start) {
-    if (auto started = start_in_vain(port); !started) return tl::make_unexpected(started.error());
+    DTS_TRY(start_in_vain(port));
   }
   return plan_of(choice, kDataEndpoint);
 }
 
 core::Status FsPlus::start_in_vain(usb::UsbPort& port) {
-  if (auto started = send_start(port); !started) return started;
-  if (auto found = health(port); !found) return tl::make_unexpected(found.error());
+  DTS_TRY(send_start(port));
+  DTS_TRY(health(port));
   return make_quiet(port);
 }
 
@@ -142,9 +138,8 @@ core::Result<std::vector<double>> FsPlus::read_once(usb::UsbPort& port) {
     const usb::ControlRequest request{.request = kReadInput,
                                       .value = static_cast<std::uint16_t>(options.channels[position]),
                                       .index = model_.range_code(options.ranges_v[position])};
-    const auto code = get_word(port, request, "reading ch" + std::to_string(options.channels[position]));
-    if (!code) return tl::make_unexpected(code.error());
-    readings.push_back(volts(position, *code));
+    DTS_TRY_ASSIGN(const auto code, get_word(port, request, "reading ch" + std::to_string(options.channels[position])));
+    readings.push_back(volts(position, code));
   }
   return readings;
 }
@@ -154,14 +149,14 @@ core::Status FsPlus::send_start(usb::UsbPort& port) {
 }
 
 core::Status FsPlus::make_ready(usb::UsbPort& port) {
-  if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  DTS_TRY(put(port, {.request = kClearFifo}, "clearing the FIFO"));
   return empty_endpoint(port, kDataEndpoint);
 }
 
 core::Status FsPlus::begin(usb::UsbPort& port) { return send_start(port); }
 
 core::Status FsPlus::end(usb::UsbPort& port) noexcept {
-  if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan", usb::kControlTimeoutMs); !stopped) return stopped;
+  DTS_TRY(put(port, {.request = kScanStop}, "stopping the scan", usb::kControlTimeoutMs));
   return await_end(*this, port);
 }
 

@@ -27,13 +27,11 @@ std::vector<UriOption> fs_plus_options(const FsPlusModel& model) {
 core::Result<std::unique_ptr<Device>> create_fs_plus(const FsPlusModel& model, const DeviceUri& uri, const DeviceContext& context) {
   if (context.usb == nullptr) return tl::make_unexpected(no_usb(uri));
   const std::vector<UriOption> table = fs_plus_options(model);
-  const auto options = UriOptions::read(uri, table);
-  if (!options) return tl::make_unexpected(options.error());
-  auto common = usb::read_daq_options(uri, *options, limits_of(model));
-  if (!common) return tl::make_unexpected(common.error());
-  FsPlusSettings settings{.options = *common, .trigger = read_trigger(*options), .sync_output_bit = read_sync_output_bit(*options)};
-  if (model.has_sync_pin && options->text("sync_pin") == "out") settings.sync = SyncPin::Output;
-  return std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, std::move(settings)), *common, *context.usb, context.clock);
+  DTS_TRY_ASSIGN(const auto options, UriOptions::read(uri, table));
+  DTS_TRY_ASSIGN(auto common, usb::read_daq_options(uri, options, limits_of(model)));
+  FsPlusSettings settings{.options = common, .trigger = read_trigger(options), .sync_output_bit = read_sync_output_bit(options)};
+  if (model.has_sync_pin && options.text("sync_pin") == "out") settings.sync = SyncPin::Output;
+  return std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, std::move(settings)), common, *context.usb, context.clock);
 }
 
 }  // namespace dts::device::mcc

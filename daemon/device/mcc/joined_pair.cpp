@@ -94,7 +94,7 @@ core::Result<core::Rate> JoinedPair::start(const StartOptions& options) {
   if (state() == DeviceState::Gone) return core::fail(ErrorCode::DeviceGone, what + ": it is gone");
   if (state() == DeviceState::Closed) return core::fail(ErrorCode::WrongState, what + ": it is not open");
   if (state() == DeviceState::Streaming) return core::fail(ErrorCode::WrongState, what + ": it is streaming already");
-  if (auto checked = check_start(description_, options); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_start(description_, options));
   auto started = start_halves(options);
   if (!started) {
     (void)master_.device->stop();
@@ -112,7 +112,7 @@ core::Status JoinedPair::silence_master() {
   if (confirmed) return {};
   if (confirmed.error().code == ErrorCode::DeviceGone) return pass_on(confirmed.error(), "first");
   (void)close();
-  if (auto opened = open(); !opened) return opened;
+  DTS_TRY(open());
   if (auto again = confirm_master_stopped_(); !again) return pass_on(again.error(), "first");
   return {};
 }
@@ -129,7 +129,7 @@ core::Result<core::Rate> JoinedPair::start_halves(const StartOptions& options) {
   has_missed_pulses_.store(false, std::memory_order_release);  // pairs with report
   is_interrupted_.store(false, std::memory_order_relaxed);
   // The slave must receive the first pulse of the new scan, and no earlier pulse.
-  if (auto silent = silence_master(); !silent) return tl::make_unexpected(silent.error());
+  DTS_TRY(silence_master());
   if (auto started = slave_.device->start(options); !started) return pass_on(started.error(), "second");
   auto started = master_.device->start(options);
   if (!started) return pass_on(started.error(), "first");

@@ -68,26 +68,24 @@ DeviceDescription describe_pair(const FsPlusSettings& first, const FsPlusSetting
 
 core::Result<std::unique_ptr<Device>> create_pair(const DeviceUri& uri, const DeviceContext& context) {
   if (context.usb == nullptr) return tl::make_unexpected(no_usb(uri));
-  const auto first = read_settings(uri, false);
-  if (!first) return tl::make_unexpected(first.error());
-  const auto second = read_settings(uri, true);
-  if (!second) return tl::make_unexpected(second.error());
-  FsPlusSettings follower = *second;
-  follower.is_partner_triggered = first->trigger != Trigger::None;
-  const std::string& first_serial = first->options.serial;
-  if (first_serial.empty() || second->options.serial.empty() || first_serial == second->options.serial) {
+  DTS_TRY_ASSIGN(const auto first, read_settings(uri, false));
+  DTS_TRY_ASSIGN(const auto second, read_settings(uri, true));
+  FsPlusSettings follower = second;
+  follower.is_partner_triggered = first.trigger != Trigger::None;
+  const std::string& first_serial = first.options.serial;
+  if (first_serial.empty() || second.options.serial.empty() || first_serial == second.options.serial) {
     return core::fail(core::ErrorCode::InvalidArgument,
                       "device \"" + uri.text + "\": a pair needs two different serial numbers: serial and second_serial",
                       "set serial to the unit that drives the SYNC wire; dtsctl device list shows the units that are plugged in");
   }
   const FsPlusModel& model = usb_1608fs_plus();
-  auto master = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, *first), first->options, *context.usb, context.clock);
+  auto master = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, first), first.options, *context.usb, context.clock);
   auto confirm = [unit = master.get()] { return unit->confirm_stopped(); };
   PairParts parts{
       .master = std::move(master),
-      .slave = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, follower), second->options, *context.usb, context.clock),
+      .slave = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, follower), second.options, *context.usb, context.clock),
       .confirm_master_stopped = std::move(confirm),
-      .description = describe_pair(*first, *second)};
+      .description = describe_pair(first, second)};
   return std::make_unique<JoinedPair>(std::move(parts), context.clock);
 }
 

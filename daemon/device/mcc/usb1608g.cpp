@@ -78,11 +78,10 @@ core::Result<core::Rate> Usb1608g::exact_rate(core::Rate wanted) const {
 bool Usb1608g::is_rail(std::size_t, std::uint16_t code) const noexcept { return code < kLowestCode || code > kHighestCode; }
 
 core::Status Usb1608g::connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
-  const auto loaded = ensure_fpga(port);
-  if (!loaded) return tl::make_unexpected(loaded.error());
-  checks.push_back({.name = "FPGA image", .outcome = DeviceCheck::Outcome::Passed, .detail = *loaded ? "loaded" : "was there already"});
-  if (auto stopped = put(port, {.request = kGScanStop}, "stopping an earlier scan"); !stopped) return stopped;
-  if (auto read = read_calibration(port); !read) return read;
+  DTS_TRY_ASSIGN(const auto loaded, ensure_fpga(port));
+  checks.push_back({.name = "FPGA image", .outcome = DeviceCheck::Outcome::Passed, .detail = loaded ? "loaded" : "was there already"});
+  DTS_TRY(put(port, {.request = kGScanStop}, "stopping an earlier scan"));
+  DTS_TRY(read_calibration(port));
   checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, plausible"});
   if (!settings_.sync_output_bit) return {};
   return prepare_line(port, *settings_.sync_output_bit, LineDirection::PerLine);
@@ -90,38 +89,33 @@ core::Status Usb1608g::connect(usb::UsbPort& port, std::vector<DeviceCheck>& che
 
 /// Loads the FPGA image if the device has none; returns true if it was loaded.
 core::Result<bool> Usb1608g::ensure_fpga(usb::UsbPort& port) {
-  const auto status = read_g_status(port);
-  if (!status) return tl::make_unexpected(status.error());
-  if (status->is_fpga_loaded) return false;
-  const auto image = read_fpga_image(settings_.fpga_path, port.unit().product);
-  if (!image) return tl::make_unexpected(image.error());
-  if (auto sent = load_fpga(port, *image); !sent) return tl::make_unexpected(sent.error());
+  DTS_TRY_ASSIGN(const auto status, read_g_status(port));
+  if (status.is_fpga_loaded) return false;
+  DTS_TRY_ASSIGN(const auto image, read_fpga_image(settings_.fpga_path, port.unit().product));
+  DTS_TRY(load_fpga(port, image));
   // The first conversion after loading is garbage (uldaq: AiUsb1608g::initialize).
-  if (auto thrown_away = convert(port, settings_.options.channels.front(), settings_.options.ranges_v.front()); !thrown_away) {
-    return tl::make_unexpected(thrown_away.error());
-  }
+  DTS_TRY(convert(port, settings_.options.channels.front(), settings_.options.ranges_v.front()));
   return true;
 }
 
 core::Status Usb1608g::read_calibration(usb::UsbPort& port) {
   const std::array<std::uint8_t, 2> address = {kCalibrationAddress & 0xFFU, kCalibrationAddress >> 8U};
-  if (auto sent = put(port, {.request = kMemoryAddress}, address, "addressing the calibration memory"); !sent) return sent;
-  const auto memory = get(port, {.request = kMemory}, kRanges * kCalibrationRecordBytes, "reading the calibration memory");
-  if (!memory) return tl::make_unexpected(memory.error());
+  DTS_TRY(put(port, {.request = kMemoryAddress}, address, "addressing the calibration memory"));
+  DTS_TRY_ASSIGN(const auto memory, get(port, {.request = kMemory}, kRanges * kCalibrationRecordBytes, "reading the calibration memory"));
   const usb::DaqOptions& options = settings_.options;
   for (std::size_t position = 0; position < lines_.size(); ++position) {
     const double range_v = options.ranges_v[position];
-    const auto record = std::span(*memory).subspan(range_code(range_v) * kCalibrationRecordBytes, kCalibrationRecordBytes);
-    const auto calibration = decode_calibration(record, kBits, "calibration of ch" + std::to_string(options.channels[position]));
-    if (!calibration) return tl::make_unexpected(calibration.error());
-    lines_[position] = voltage_line(*calibration, range_v, kBits);
+    const auto record = std::span(memory).subspan(range_code(range_v) * kCalibrationRecordBytes, kCalibrationRecordBytes);
+    DTS_TRY_ASSIGN(const auto calibration,
+                   decode_calibration(record, kBits, "calibration of ch" + std::to_string(options.channels[position])));
+    lines_[position] = voltage_line(calibration, range_v, kBits);
   }
   return {};
 }
 
 core::Status Usb1608g::make_quiet(usb::UsbPort& port) {
-  if (auto stopped = put(port, {.request = kGScanStop}, "stopping the scan"); !stopped) return stopped;
-  if (auto cleared = put(port, {.request = kGClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  DTS_TRY(put(port, {.request = kGScanStop}, "stopping the scan"));
+  DTS_TRY(put(port, {.request = kGClearFifo}, "clearing the FIFO"));
   return empty_endpoint(port, kGDataEndpoint);
 }
 
@@ -133,35 +127,32 @@ core::Status Usb1608g::set_trigger(usb::UsbPort& port) {
 
 core::Status Usb1608g::set_scan_list(usb::UsbPort& port) {
   const auto list = encode_scan_list(settings_.options.channels, settings_.options.ranges_v);
-  if (auto sent = put(port, {.request = kScanList}, list, "setting the scan list"); !sent) return sent;
-  const auto found = get(port, {.request = kScanList}, list.size(), "reading the scan list back");
-  if (!found) return tl::make_unexpected(found.error());
-  if (std::equal(found->begin(), found->end(), list.begin(), list.end())) return {};
+  DTS_TRY(put(port, {.request = kScanList}, list, "setting the scan list"));
+  DTS_TRY_ASSIGN(const auto found, get(port, {.request = kScanList}, list.size(), "reading the scan list back"));
+  if (std::equal(found.begin(), found.end(), list.begin(), list.end())) return {};
   return core::fail(ErrorCode::DataDamaged, description_.uri + " did not accept its scan list",
                     "close any other program that uses the device");
 }
 
 core::Result<usb::ScanPlan> Usb1608g::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
-  const auto packet_bytes = port.max_packet_bytes(kGDataEndpoint);
-  if (!packet_bytes) return tl::make_unexpected(packet_bytes.error());
-  const StreamLoad load{.scan_hz = request.rate.hz(), .channels = lines_.size(), .packet_bytes = *packet_bytes};
+  DTS_TRY_ASSIGN(const auto packet_bytes, port.max_packet_bytes(kGDataEndpoint));
+  const StreamLoad load{.scan_hz = request.rate.hz(), .channels = lines_.size(), .packet_bytes = packet_bytes};
   const GPackets packets = choose_g_packets(load, request);
   command_.packet_codes = packets.packet_codes;
   command_.period = pace(kClockHz, 1, request.rate).period;
   command_.has_trigger = settings_.trigger != Trigger::None && !request.is_restart;
 
   // After a suspend of the host the FPGA may have lost its image, although the unit stayed on the bus.
-  if (auto loaded = ensure_fpga(port); !loaded) return tl::make_unexpected(loaded.error());
-  if (auto quiet = make_quiet(port); !quiet) return tl::make_unexpected(quiet.error());
-  if (auto set = set_trigger(port); !set) return tl::make_unexpected(set.error());
-  if (auto set = set_scan_list(port); !set) return tl::make_unexpected(set.error());
+  DTS_TRY(ensure_fpga(port));
+  DTS_TRY(make_quiet(port));
+  DTS_TRY(set_trigger(port));
+  DTS_TRY(set_scan_list(port));
   return plan_of(packets.transfers, kGDataEndpoint);
 }
 
 core::Result<std::uint16_t> Usb1608g::convert(usb::UsbPort& port, std::size_t input, double range_v) {
   const auto list = encode_scan_list({&input, 1}, {&range_v, 1});
-  if (auto sent = put(port, {.request = kScanList}, list, "setting a scan list of one input"); !sent)
-    return tl::make_unexpected(sent.error());
+  DTS_TRY(put(port, {.request = kScanList}, list, "setting a scan list of one input"));
   return get_word(port, {.request = kGReadInput, .value = static_cast<std::uint16_t>(input)}, "reading ch" + std::to_string(input));
 }
 
@@ -169,16 +160,15 @@ core::Result<std::vector<double>> Usb1608g::read_once(usb::UsbPort& port) {
   const usb::DaqOptions& options = settings_.options;
   std::vector<double> readings;
   for (std::size_t position = 0; position < options.channels.size(); ++position) {
-    const auto code = convert(port, options.channels[position], options.ranges_v[position]);
-    if (!code) return tl::make_unexpected(code.error());
-    readings.push_back(volts(position, *code));
+    DTS_TRY_ASSIGN(const auto code, convert(port, options.channels[position], options.ranges_v[position]));
+    readings.push_back(volts(position, code));
   }
-  if (auto set = set_scan_list(port); !set) return tl::make_unexpected(set.error());
+  DTS_TRY(set_scan_list(port));
   return readings;
 }
 
 core::Status Usb1608g::make_ready(usb::UsbPort& port) {
-  if (auto cleared = put(port, {.request = kGClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  DTS_TRY(put(port, {.request = kGClearFifo}, "clearing the FIFO"));
   return empty_endpoint(port, kGDataEndpoint);
 }
 
@@ -194,7 +184,7 @@ core::Status Usb1608g::begin(usb::UsbPort& port) {
 }
 
 core::Status Usb1608g::end(usb::UsbPort& port) noexcept {
-  if (auto stopped = put(port, {.request = kGScanStop}, "stopping the scan", usb::kControlTimeoutMs); !stopped) return stopped;
+  DTS_TRY(put(port, {.request = kGScanStop}, "stopping the scan", usb::kControlTimeoutMs));
   return await_end(*this, port);
 }
 

@@ -62,28 +62,26 @@ std::vector<UriOption> usb_1608g_options() {
 core::Result<std::unique_ptr<Device>> create_usb_1608g(const Usb1608gModel& model, const DeviceUri& uri, const DeviceContext& context) {
   if (context.usb == nullptr) return tl::make_unexpected(no_usb(uri));
   const std::vector<UriOption> table = usb_1608g_options();
-  const auto options = UriOptions::read(uri, table);
-  if (!options) return tl::make_unexpected(options.error());
+  DTS_TRY_ASSIGN(const auto options, UriOptions::read(uri, table));
   const usb::DaqLimits limits{.inputs = kInputs, .max_scan_length = kScanListBytes, .must_ascend = false, .ranges_v = kRangesV};
-  auto common = usb::read_daq_options(uri, *options, limits);
-  if (!common) return tl::make_unexpected(common.error());
-  if (options->is_given("fpga")) {  // so that --check-config reports a wrong file
-    if (!std::filesystem::path(options->text("fpga")).is_absolute()) {
+  DTS_TRY_ASSIGN(auto common, usb::read_daq_options(uri, options, limits));
+  if (options.is_given("fpga")) {  // so that --check-config reports a wrong file
+    if (!std::filesystem::path(options.text("fpga")).is_absolute()) {
       return core::fail(core::ErrorCode::InvalidArgument,
-                        "device \"" + uri.text + "\": fpga = \"" + options->text("fpga") + "\" is not an absolute path",
+                        "device \"" + uri.text + "\": fpga = \"" + options.text("fpga") + "\" is not an absolute path",
                         "write an absolute path, for example fpga=/etc/dtsd/usb1608g.bit: dtsd may start in any folder");
     }
-    if (auto checked = check_fpga_file(options->text("fpga")); !checked) {
+    if (auto checked = check_fpga_file(options.text("fpga")); !checked) {
       core::Error error = checked.error();
       error.what = "device \"" + uri.text + "\": " + error.what;
       return tl::make_unexpected(error);
     }
   }
-  Usb1608gSettings settings{.options = *common,
-                            .trigger = read_trigger(*options),
-                            .sync_output_bit = read_sync_output_bit(*options),
-                            .fpga_path = options->text("fpga")};
-  return std::make_unique<usb::UsbDaq>(std::make_unique<Usb1608g>(model, std::move(settings)), *common, *context.usb, context.clock);
+  Usb1608gSettings settings{.options = common,
+                            .trigger = read_trigger(options),
+                            .sync_output_bit = read_sync_output_bit(options),
+                            .fpga_path = options.text("fpga")};
+  return std::make_unique<usb::UsbDaq>(std::make_unique<Usb1608g>(model, std::move(settings)), common, *context.usb, context.clock);
 }
 
 }  // namespace dts::device::mcc

@@ -121,7 +121,7 @@ core::Result<core::Rate> NiDaqmx::start(const StartOptions& options) {
     const bool is_closed = state() == DeviceState::Closed;
     return core::fail(ErrorCode::WrongState, what + (is_closed ? ": it is not open" : ": it is streaming already"));
   }
-  if (auto checked = check_start(description_, options); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_start(description_, options));
 
   max_block_scans_ = options.max_block_scans;
   values_.assign(max_block_scans_ * options_.channels.size(), 0.0);
@@ -142,7 +142,7 @@ core::Result<core::Rate> NiDaqmx::start(const StartOptions& options) {
 }
 
 core::Status NiDaqmx::set_up(const StartOptions& options) {
-  if (auto created = create_task(); !created) return created;
+  DTS_TRY(create_task());
   const std::uint64_t buffer_scans = std::max<std::uint64_t>(options.rate.scans_in_ms(kBufferMs), 8 * options.max_block_scans);
   std::int32_t status = library_->cfg_samp_clk_timing(task_, "", options.rate.hz(), api::kRising, api::kContinuous, buffer_scans);
   if (status < 0) return failed(status, "DAQmxCfgSampClkTiming");
@@ -153,7 +153,7 @@ core::Status NiDaqmx::set_up(const StartOptions& options) {
   }
   status = library_->cfg_input_buffer(task_, static_cast<std::uint32_t>(buffer_scans));
   if (status < 0) return failed(status, "DAQmxCfgInputBuffer");
-  if (auto right = check_rate_of_task(options.rate); !right) return right;
+  DTS_TRY(check_rate_of_task(options.rate));
   // With a trigger, scan 0 may be at any later time.
   host_time_.restart(waits_for_trigger() ? std::nullopt : std::optional(clock_.raw_ns()));
   status = library_->start_task(task_);

@@ -48,8 +48,7 @@ core::Status take_channels(const DeviceUri& uri, const std::vector<double>& give
 }  // namespace
 
 core::Result<NiOptions> read_ni_options(const DeviceUri& uri) {
-  const auto given = UriOptions::read(uri, kOptions);
-  if (!given) return tl::make_unexpected(given.error());
+  DTS_TRY_ASSIGN(const auto given, UriOptions::read(uri, kOptions));
   NiOptions options;
   options.uri = uri.text;
   options.name = uri.name;
@@ -58,20 +57,19 @@ core::Result<NiOptions> read_ni_options(const DeviceUri& uri) {
     return refuse(uri, ErrorCode::InvalidArgument, "\"" + uri.name + "\" is not a name of a device",
                   "write the name that NI's tools show: ni:Dev1");
   }
-  const std::vector<double> channels = given->is_given("channels") ? given->numbers("channels") : std::vector<double>{0, 1, 2, 3};
-  if (auto taken = take_channels(uri, channels, options); !taken) return tl::make_unexpected(taken.error());
-  const std::string& terminal = given->text("terminal");
+  const std::vector<double> channels = given.is_given("channels") ? given.numbers("channels") : std::vector<double>{0, 1, 2, 3};
+  DTS_TRY(take_channels(uri, channels, options));
+  const std::string& terminal = given.text("terminal");
   options.terminal = std::ranges::find_if(kTerminals, [&](const auto& known) { return known.first == terminal; })->second;
-  options.range_v = given->number("range_v");
-  if (const std::string& trigger = given->text("trigger"); trigger != "none") options.trigger = "PFI" + trigger.substr(3);
-  if (given->is_given("library")) options.library = given->text("library");
+  options.range_v = given.number("range_v");
+  if (const std::string& trigger = given.text("trigger"); trigger != "none") options.trigger = "PFI" + trigger.substr(3);
+  if (given.is_given("library")) options.library = given.text("library");
   return options;
 }
 
 core::Result<std::unique_ptr<Device>> create_ni_daqmx(const DeviceUri& uri, const DeviceContext& context) {
-  auto options = read_ni_options(uri);
-  if (!options) return tl::make_unexpected(options.error());
-  return std::make_unique<NiDaqmx>(std::move(*options), context.clock);
+  DTS_TRY_ASSIGN(auto options, read_ni_options(uri));
+  return std::make_unique<NiDaqmx>(std::move(options), context.clock);
 }
 
 }  // namespace dts::device::nidaqmx

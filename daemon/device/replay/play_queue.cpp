@@ -26,7 +26,7 @@ core::Status PlayQueue::start(bool loops) {
   stop();
   while (ring_.front() != nullptr) ring_.release();
   item_bell_.clear();
-  if (auto rewound = recording_.rewind(); !rewound) return rewound;
+  DTS_TRY(recording_.rewind());
   thread_ = std::jthread([this, loops](const std::stop_token& stop) {
     (void)core::configure_this_thread("replay-ahead", {});
     try {
@@ -90,10 +90,9 @@ void PlayQueue::run(const std::stop_token& stop, bool loops) {
 core::Status PlayQueue::play_once(const std::stop_token& stop) {
   ScanMerger merger(device_);
   while (!stop.stop_requested()) {
-    const auto item = recording_.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) break;
-    if (auto added = merger.add(**item); !added) return added;
+    DTS_TRY_ASSIGN(const auto item, recording_.next());
+    if (!item) break;
+    DTS_TRY(merger.add(*item));
     if (!hand_out(merger, stop)) return {};
   }
   merger.finish();

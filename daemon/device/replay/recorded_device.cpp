@@ -116,12 +116,11 @@ core::Result<RecordedDevice> find_device(const record::Recording& recording, con
 }
 
 core::Status find_first_scan(record::Recording& recording, RecordedDevice& device) {
-  if (auto begun = recording.rewind(); !begun) return begun;
+  DTS_TRY(recording.rewind());
   while (true) {
-    const auto item = recording.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) break;
-    const auto* scans = std::get_if<record::RecordedScans>(&**item);
+    DTS_TRY_ASSIGN(const auto item, recording.next());
+    if (!item) break;
+    const auto* scans = std::get_if<record::RecordedScans>(&*item);
     if (scans == nullptr || scans->stream != device.raw_stream) continue;
     if (device.rate.time_ns(scans->first_scan) > kFarthestNs) {
       return core::fail(core::ErrorCode::DataDamaged,

@@ -64,8 +64,8 @@ core::Result<core::Rate> ReplayDevice::start(const StartOptions& options) {
     return core::fail(ErrorCode::WrongState,
                       "cannot start " + uri + (now == DeviceState::Closed ? ": it is not open" : ": it is streaming already"));
   }
-  if (auto checked = check_start(recorded_.description, options); !checked) return tl::make_unexpected(checked.error());
-  if (auto started = queue_.start(options_.loops); !started) return tl::make_unexpected(started.error());
+  DTS_TRY(check_start(recorded_.description, options));
+  DTS_TRY(queue_.start(options_.loops));
   max_block_scans_ = options.max_block_scans;
   position_ = 0;
   paced_ = 0;

@@ -33,10 +33,8 @@ core::Result<std::optional<double>> parse_speed(const DeviceUri& uri, const std:
 }  // namespace
 
 core::Result<std::unique_ptr<Device>> create_replay(const DeviceUri& uri, const DeviceContext& context) {
-  const auto options = UriOptions::read(uri, kOptions);
-  if (!options) return tl::make_unexpected(options.error());
-  const auto speed = parse_speed(uri, options->text("speed"));
-  if (!speed) return tl::make_unexpected(speed.error());
+  DTS_TRY_ASSIGN(const auto options, UriOptions::read(uri, kOptions));
+  DTS_TRY_ASSIGN(const auto speed, parse_speed(uri, options.text("speed")));
   if (uri.name.empty()) {
     return core::fail(core::ErrorCode::InvalidArgument, "device \"" + uri.text + "\": the file is missing",
                       "write replay:/path/to/recording.xdf");
@@ -45,11 +43,10 @@ core::Result<std::unique_ptr<Device>> create_replay(const DeviceUri& uri, const 
   if (!recording) {
     return core::fail(recording.error().code, "device \"" + uri.text + "\": " + recording.error().what, recording.error().hint);
   }
-  auto recorded = find_device(**recording, uri.text);
-  if (!recorded) return tl::make_unexpected(recorded.error());
-  if (auto found = find_first_scan(**recording, *recorded); !found) return tl::make_unexpected(found.error());
-  return std::make_unique<ReplayDevice>(std::move(*recorded), std::move(*recording),
-                                        PlayOptions{.speed = *speed, .loops = options->text("loop") == "1"}, context.clock);
+  DTS_TRY_ASSIGN(auto recorded, find_device(**recording, uri.text));
+  DTS_TRY(find_first_scan(**recording, recorded));
+  return std::make_unique<ReplayDevice>(std::move(recorded), std::move(*recording),
+                                        PlayOptions{.speed = speed, .loops = options.text("loop") == "1"}, context.clock);
 }
 
 }  // namespace dts::device::replay

@@ -51,7 +51,7 @@ core::Status ScanMerger::add_scans(const record::RecordedScans& scans, Column& c
   column.runs.push_back(
       {.first = first, .first_time_s = scans.first_time_s, .count = scans.count, .left = scans.count, .values = scans.values});
   column.waiting_scans += scans.count;
-  if (auto aligned = align_aux(); !aligned) return aligned;
+  DTS_TRY(align_aux());
   if (is_too_much()) return damaged("the stream \"aux\" does not belong to the stream \"raw\"");
   return {};
 }

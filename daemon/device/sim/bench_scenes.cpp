@@ -6,13 +6,11 @@
 namespace dts::device::sim {
 
 core::Result<std::unique_ptr<Scene>> WeightsScene::create(const FloorOptions& options, const physics::RigModel& rig) {
-  auto weights = load_weights(options.weights_file, rig.plate);
-  if (!weights) return tl::make_unexpected(weights.error());
+  DTS_TRY_ASSIGN(auto weights, load_weights(options.weights_file, rig.plate));
   std::vector<physics::Patch> patches;
-  for (const Weight& weight : *weights) patches.push_back({weight.position, {}, {}});
-  auto plate = LoadedPlate::create(options, rig, patches);
-  if (!plate) return tl::make_unexpected(plate.error());
-  return std::unique_ptr<Scene>(new WeightsScene(options, rig, std::move(*weights), std::move(*plate)));
+  for (const Weight& weight : weights) patches.push_back({weight.position, {}, {}});
+  DTS_TRY_ASSIGN(auto plate, LoadedPlate::create(options, rig, patches));
+  return std::unique_ptr<Scene>(new WeightsScene(options, rig, std::move(weights), std::move(plate)));
 }
 
 void WeightsScene::evaluate(double time_s, std::span<double> values) noexcept {

@@ -24,7 +24,7 @@ dts::sim::CopPosition between(dts::sim::CopPosition a, dts::sim::CopPosition b, 
 core::Result<CopRecording> CopRecording::load(const std::string& path) {
   CopRecording recording;
   const auto take = [&](std::span<const double> row, const std::string& place) { return recording.append(row, place); };
-  if (auto read = read_csv(path, kCopForm, take); !read) return tl::make_unexpected(read.error());
+  DTS_TRY(read_csv(path, kCopForm, take));
   recording.subtract_mean();
   return recording;
 }

@@ -54,27 +54,23 @@ core::Result<std::unique_ptr<Scene>> create_scene(const DeviceUri& uri, const Fl
 }  // namespace
 
 core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context) {
-  const auto options = read_floor_options(uri, context.rig.sensors.size());
-  if (!options) return tl::make_unexpected(options.error());
-  auto scene = create_scene(uri, *options, context.rig);
-  if (!scene) return tl::make_unexpected(scene.error());
-  const dts::sim::Daq daq(options->daq);
-  SimParts parts{.description = describe(uri, *options, daq, context.rig.plate),
-                 .converted_channels = options->converted_channels(),
+  DTS_TRY_ASSIGN(const auto options, read_floor_options(uri, context.rig.sensors.size()));
+  DTS_TRY_ASSIGN(auto scene, create_scene(uri, options, context.rig));
+  const dts::sim::Daq daq(options.daq);
+  SimParts parts{.description = describe(uri, options, daq, context.rig.plate),
+                 .converted_channels = options.converted_channels(),
                  .daq = daq,
-                 .clock_error_ppm = options->clock_error_ppm,
-                 .fault = options->fault,
-                 .scene = std::move(*scene)};
+                 .clock_error_ppm = options.clock_error_ppm,
+                 .fault = options.fault,
+                 .scene = std::move(scene)};
   return std::make_unique<SimDevice>(std::move(parts), context.clock);
 }
 
 core::Result<FloorScene> floor_scene(const DeviceUri& uri, const physics::RigModel& rig) {
-  const auto options = read_floor_options(uri, rig.sensors.size());
-  if (!options) return tl::make_unexpected(options.error());
-  auto scene = create_scene(uri, *options, rig);
-  if (!scene) return tl::make_unexpected(scene.error());
-  const dts::sim::Daq daq(options->daq);
-  return FloorScene{std::move(*scene), options->sensors, describe(uri, *options, daq, rig.plate).channels.size()};
+  DTS_TRY_ASSIGN(const auto options, read_floor_options(uri, rig.sensors.size()));
+  DTS_TRY_ASSIGN(auto scene, create_scene(uri, options, rig));
+  const dts::sim::Daq daq(options.daq);
+  return FloorScene{std::move(scene), options.sensors, describe(uri, options, daq, rig.plate).channels.size()};
 }
 
 }  // namespace dts::device::sim

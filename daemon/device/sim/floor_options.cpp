@@ -67,7 +67,7 @@ constexpr std::array kFloorDependencies = {
 };
 
 core::Status check_contact(const DeviceUri& uri, const UriOptions& options) {
-  if (auto checked = check_dependencies(uri, options, kFloorDependencies); !checked) return checked;
+  DTS_TRY(check_dependencies(uri, options, kFloorDependencies));
   const std::string& contact = options.text("contact");
   for (const auto& [kind, option] : {std::pair{"weights", "weights"}, std::pair{"gaps", "gaps_mm"}}) {
     if (contact != kind || options.is_given(option)) continue;
@@ -133,10 +133,8 @@ core::Status check_channels(const DeviceUri& uri, const FloorOptions& options, s
 std::span<const UriOption> floor_option_table() { return kFloorTable; }
 
 core::Result<FloorOptions> read_floor_options(const DeviceUri& uri, std::size_t rig_sensors) {
-  auto read = UriOptions::read(uri, kFloorTable);
-  if (!read) return tl::make_unexpected(read.error());
-  const UriOptions& options = *read;
-  if (auto checked = check_contact(uri, options); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY_ASSIGN(const auto options, UriOptions::read(uri, kFloorTable));
+  DTS_TRY(check_contact(uri, options));
 
   FloorOptions result;
   result.seed = static_cast<std::uint64_t>(options.number("seed"));
@@ -146,7 +144,7 @@ core::Result<FloorOptions> read_floor_options(const DeviceUri& uri, std::size_t 
   result.weights_file = options.text("weights");
   if (options.is_given("gaps_mm")) result.gaps_mm = options.numbers("gaps_mm");
   result.placement = placement(options);
-  if (auto checked = check_placement(uri, result.placement); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_placement(uri, result.placement));
   result.is_repeated = result.placement.repeats;
   result.is_plate_stiffening = options.text("plate") == "nonlinear";
   result.daq = {options.number("range_v"), static_cast<int>(options.number("bits")), options.number("noise_mv") * kMillivolt, result.seed};
@@ -157,10 +155,8 @@ core::Result<FloorOptions> read_floor_options(const DeviceUri& uri, std::size_t 
   if (result.sensors == 0) result.sensors = rig_sensors;
   result.extra = static_cast<std::size_t>(options.number("extra"));
   result.has_truth = options.number("truth") == 1.0;
-  if (auto checked = check_channels(uri, result, rig_sensors); !checked) return tl::make_unexpected(checked.error());
-  const auto fault = read_fault(uri, options, result.converted_channels());
-  if (!fault) return tl::make_unexpected(fault.error());
-  result.fault = *fault;
+  DTS_TRY(check_channels(uri, result, rig_sensors));
+  DTS_TRY_ASSIGN(result.fault, read_fault(uri, options, result.converted_channels()));
   return result;
 }
 

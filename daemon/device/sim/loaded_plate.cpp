@@ -14,18 +14,16 @@ core::Result<LoadedPlate> LoadedPlate::create(const FloorOptions& options, const
   LoadedPlate plate;
   plate.deflection_mm_.resize(probes.size());
   if (options.is_plate_stiffening) {
-    auto stiffening = physics::StiffeningPlate::create(rig.plate, rig.support, probes);
-    if (!stiffening) return tl::make_unexpected(stiffening.error());
-    for (const physics::Patch& patch : patches) plate.footprints_.push_back(stiffening->footprint(patch));
-    plate.stiffening_ = std::move(*stiffening);
+    DTS_TRY_ASSIGN(auto stiffening, physics::StiffeningPlate::create(rig.plate, rig.support, probes));
+    for (const physics::Patch& patch : patches) plate.footprints_.push_back(stiffening.footprint(patch));
+    plate.stiffening_ = std::move(stiffening);
     plate.restart();
     return plate;
   }
-  const auto table = physics::InfluenceTable::create(rig.plate, rig.support, probes);
-  if (!table) return tl::make_unexpected(table.error());
+  DTS_TRY_ASSIGN(const auto table, physics::InfluenceTable::create(rig.plate, rig.support, probes));
   for (const physics::Patch& patch : patches) {
     std::vector<double>& row = plate.mm_per_n_.emplace_back();
-    for (std::size_t i = 0; i < probes.size(); ++i) row.push_back(table->under_patch_mm_per_n(i, patch));
+    for (std::size_t i = 0; i < probes.size(); ++i) row.push_back(table.under_patch_mm_per_n(i, patch));
   }
   return plate;
 }

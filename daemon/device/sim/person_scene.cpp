@@ -17,23 +17,19 @@ core::Result<std::unique_ptr<Scene>> PersonScene::create(const FloorOptions& opt
     const auto recording = CopRecording::load(options.cop_file);
     if (!recording) return tl::make_unexpected(recording.error());
   }
-  auto person = dts::sim::StandingPerson::create(options.stance, rig.plate);
-  if (!person) return tl::make_unexpected(person.error());
-  auto plate = LoadedPlate::create(options, rig, person->patches());
-  if (!plate) return tl::make_unexpected(plate.error());
-  return std::unique_ptr<Scene>(new PersonScene(options, rig, *person, std::move(*plate)));
+  DTS_TRY_ASSIGN(auto person, dts::sim::StandingPerson::create(options.stance, rig.plate));
+  DTS_TRY_ASSIGN(auto plate, LoadedPlate::create(options, rig, person.patches()));
+  return std::unique_ptr<Scene>(new PersonScene(options, rig, person, std::move(plate)));
 }
 
 core::Status PersonScene::load() {
   if (options_.cop_file.empty()) return {};
-  auto recording = CopRecording::load(options_.cop_file);
-  if (!recording) return tl::make_unexpected(recording.error());
+  DTS_TRY_ASSIGN(auto recording, CopRecording::load(options_.cop_file));
   physics::Stance stance = options_.stance;
-  if (!options_.is_repeated) stance.step_off_s = std::min(stance.step_off_s, playing_from_s(stance) + recording->duration_s());
-  auto person = dts::sim::StandingPerson::create(stance, rig_.plate);
-  if (!person) return tl::make_unexpected(person.error());
-  recording_ = std::move(*recording);
-  person_ = *person;
+  if (!options_.is_repeated) stance.step_off_s = std::min(stance.step_off_s, playing_from_s(stance) + recording.duration_s());
+  DTS_TRY_ASSIGN(auto person, dts::sim::StandingPerson::create(stance, rig_.plate));
+  recording_ = std::move(recording);
+  person_ = person;
   return {};
 }
 

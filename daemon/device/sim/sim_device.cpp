@@ -34,7 +34,7 @@ core::Status SimDevice::open() {
     return core::fail(ErrorCode::NotFound, "cannot open " + parts_.description.uri + ": not plugged in",
                       "wait: the simulated device is plugged in again by itself");
   }
-  if (auto loaded = parts_.scene->load(); !loaded) return loaded;
+  DTS_TRY(parts_.scene->load());
   move_to(DeviceState::Open);
   return {};
 }
@@ -49,7 +49,7 @@ core::Result<core::Rate> SimDevice::start(const StartOptions& options) {
     return core::fail(ErrorCode::WrongState,
                       "cannot start " + parts_.description.uri + (is_closed ? ": it is not open" : ": it is streaming already"));
   }
-  if (auto checked = check_start(parts_.description, options); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_start(parts_.description, options));
 
   parts_.scene->restart();
   for (Cue old; cues_.pop(old);) {

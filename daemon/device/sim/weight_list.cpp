@@ -30,7 +30,7 @@ core::Result<std::vector<Weight>> load_weights(const std::string& path, const ph
     weights.push_back({position, row[2]});
     return {};
   };
-  if (auto read = read_csv(path, kWeightForm, take); !read) return tl::make_unexpected(read.error());
+  DTS_TRY(read_csv(path, kWeightForm, take));
   return weights;
 }
 

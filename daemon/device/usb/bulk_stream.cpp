@@ -25,7 +25,7 @@ core::Status check(const StreamShape& shape) {
 }  // namespace
 
 core::Result<std::unique_ptr<BulkStream>> BulkStream::create(UsbPort& port, const StreamShape& shape, core::Clock& clock) {
-  if (auto checked = check(shape); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check(shape));
   std::unique_ptr<BulkStream> stream(new BulkStream(port, shape, clock));
   if (auto prepared = port.prepare_transfers(shape.endpoint, shape.transfer_count, shape.transfer_bytes, *stream); !prepared) {
     stream->is_released_ = true;

@@ -130,7 +130,7 @@ std::vector<UriOption> common_daq_options() {
 }
 
 core::Result<DaqOptions> read_daq_options(const DeviceUri& uri, const UriOptions& options, const DaqLimits& limits) {
-  if (auto checked = check_dependencies(uri, options); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_dependencies(uri, options));
   std::optional<double> marker;
   if (options.number("marker") >= 0) marker = options.number("marker");
 
@@ -143,15 +143,15 @@ core::Result<DaqOptions> read_daq_options(const DeviceUri& uri, const UriOptions
       return refuse(uri, ErrorCode::InvalidArgument, "marker " + input_text(*marker) + " is not the last of channels");
     }
   }
-  if (auto checked = check_inputs(uri, limits, inputs); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_inputs(uri, limits, inputs));
 
   DaqOptions result;
   result.uri = uri.text;
   result.serial = options.text("serial");
   for (const double input : inputs) result.channels.push_back(static_cast<std::size_t>(input));
-  if (auto read = read_ranges(uri, options, limits, result); !read) return tl::make_unexpected(read.error());
+  DTS_TRY(read_ranges(uri, options, limits, result));
   if (!marker) return result;
-  if (auto read = read_marker(uri, options, result); !read) return tl::make_unexpected(read.error());
+  DTS_TRY(read_marker(uri, options, result));
   return result;
 }
 

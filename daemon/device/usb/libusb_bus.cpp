@@ -160,7 +160,7 @@ LibusbBus::~LibusbBus() {
 }
 
 core::Result<std::vector<UsbUnit>> LibusbBus::units(std::span<const UsbModel> models) {
-  if (auto begun = state_->begin(); !begun) return tl::make_unexpected(begun.error());
+  DTS_TRY(state_->begin());
   const DeviceList list(state_->context);
   if (list.error() != 0)
     return core::fail(ErrorCode::Failed, std::string("cannot list USB devices: ") + libusb_strerror(static_cast<int>(list.error())));
@@ -182,7 +182,7 @@ core::Result<std::vector<UsbUnit>> LibusbBus::units(std::span<const UsbModel> mo
 }
 
 core::Result<std::unique_ptr<UsbPort>> LibusbBus::open(const UsbUnit& unit) {
-  if (auto begun = state_->begin(); !begun) return tl::make_unexpected(begun.error());
+  DTS_TRY(state_->begin());
   const DeviceList list(state_->context);
   const auto devices = list.devices();
   const auto device = std::find_if(devices.begin(), devices.end(), [&](libusb_device* candidate) {
@@ -199,7 +199,7 @@ core::Result<std::unique_ptr<UsbPort>> LibusbBus::open(const UsbUnit& unit) {
   auto port = std::make_unique<LibusbPort>(unit, *device, opened, state_->clock, state_->log, [state = state_.get()] {
     state->open_ports.fetch_sub(1, std::memory_order_release);  // pairs with ~LibusbBus
   });
-  if (auto claimed = port->claim(); !claimed) return tl::make_unexpected(claimed.error());
+  DTS_TRY(port->claim());
   return port;
 }
 

@@ -117,9 +117,8 @@ bool UsbDaq::has_arrived() noexcept {
 /// `open_unit` asks each of them.
 core::Result<std::vector<UsbUnit>> UsbDaq::candidates() {
   const std::string what = "cannot open " + describe().uri;
-  auto found = bus_.units(driver_->models());
-  if (!found) return found;
-  std::vector<UsbUnit> wanted = *found;
+  DTS_TRY_ASSIGN(auto found, bus_.units(driver_->models()));
+  std::vector<UsbUnit> wanted = found;
   if (!options_.serial.empty()) {
     const auto has_it = [this](const UsbUnit& unit) { return unit.serial == options_.serial; };
     const bool is_there = std::any_of(wanted.begin(), wanted.end(), has_it);
@@ -128,7 +127,7 @@ core::Result<std::vector<UsbUnit>> UsbDaq::candidates() {
   if (wanted.empty()) {
     const std::string which = options_.serial.empty() ? "no such device" : "no unit with serial number " + options_.serial;
     return core::fail(ErrorCode::NotFound, what + ": " + which + " is plugged in",
-                      found->empty() ? what_is_there_instead() : list_of(*found, driver_->models()));
+                      found.empty() ? what_is_there_instead() : list_of(found, driver_->models()));
   }
   if (wanted.size() == 1 || !options_.serial.empty()) return wanted;
   return core::fail(ErrorCode::InvalidArgument, what + ": " + std::to_string(wanted.size()) + " units match",
@@ -168,7 +167,7 @@ core::Status UsbDaq::open_unit(const UsbUnit& unit) {
   auto port = bus_.open(unit);
   if (!port) return pass_on(port.error());
   std::vector<DeviceCheck> checks;
-  if (auto connected = driver_->connect(**port, checks); !connected) return connected;  // the port closes itself
+  DTS_TRY(driver_->connect(**port, checks));  // the port closes itself
   UnitIdentity who = driver_->identity();
   if (!unit.serial.empty()) who.serial = unit.serial;
   if (who.firmware.empty()) who.firmware = release_text(unit.release_bcd);
@@ -263,7 +262,7 @@ core::Status UsbDaq::launch(const StreamShape& shape, core::Rate rate) {
     return tl::make_unexpected(to_error(submitted, what + ": " + std::to_string(shape.transfer_count) + " transfers"));
   }
   prepare_host_time(rate);
-  if (auto begun = driver_->begin(*port_); !begun) return begun;
+  DTS_TRY(driver_->begin(*port_));
   if (driver_->waits_for_trigger()) return {};
   const auto health = driver_->health(*port_);
   if (!health) return pass_on(health.error());

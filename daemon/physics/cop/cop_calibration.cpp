@@ -77,21 +77,19 @@ core::Result<CopCalibration> calibrate_cop(CopMethod method, std::span<const Cop
   if (!is_utc_time(origin.created_utc)) {
     return refuse_calibration("the date '" + origin.created_utc + "' is not like 2026-01-31T12:00:00Z");
   }
-  auto fitted = fit_cop(method, samples);
-  if (!fitted) return tl::make_unexpected(fitted.error());
-  const std::vector<CopEstimate> left_out = fitted->left_out;
-  auto estimator = accept(method, std::move(*fitted), samples);
-  if (!estimator) return tl::make_unexpected(estimator.error());
+  DTS_TRY_ASSIGN(auto fitted, fit_cop(method, samples));
+  const std::vector<CopEstimate> left_out = fitted.left_out;
+  DTS_TRY_ASSIGN(auto estimator, accept(method, std::move(fitted), samples));
 
   std::vector<CopCalibrationPoint> points;
   std::vector<CopCalibrationPoint> checked;
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    points.push_back(compare(samples[k], estimator->estimate(samples[k].deflection_mm)));
+    points.push_back(compare(samples[k], estimator.estimate(samples[k].deflection_mm)));
     if (k < left_out.size() && std::isfinite(left_out[k].x_mm)) checked.push_back(compare(samples[k], left_out[k]));
   }
   CopCalibration calibration{.id = make_id(origin.created_utc, method, samples),
                              .origin = std::move(origin),
-                             .estimator = std::move(*estimator),
+                             .estimator = std::move(estimator),
                              .points = std::move(points),
                              .residuals = {},
                              .cross_validated = {}};

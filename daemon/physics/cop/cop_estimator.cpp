@@ -143,37 +143,32 @@ std::string cop_flags_text(std::uint8_t flags) {
 }
 
 core::Result<CopEstimator> CopEstimator::from_form(CopMethod method, CopForm form, CopValidity validity) {
-  const auto sensor_count = check_form(method, form, validity);
-  if (!sensor_count) return tl::make_unexpected(sensor_count.error());
+  DTS_TRY_ASSIGN(const auto sensor_count, check_form(method, form, validity));
   CopEstimator estimator;
   estimator.method_ = method;
-  estimator.sensor_count_ = *sensor_count;
+  estimator.sensor_count_ = sensor_count;
   estimator.form_ = std::move(form);
   estimator.validity_ = validity;
   if (const auto* const model = std::get_if<ModelForm>(&estimator.form_)) {
-    auto inverse = CopInverse::create(*model);
-    if (!inverse) return tl::make_unexpected(inverse.error());
-    estimator.inverse_ = std::move(*inverse);
+    DTS_TRY_ASSIGN(estimator.inverse_, CopInverse::create(*model));
   }
   return estimator;
 }
 
 core::Result<CopEstimator> CopEstimator::fit(CopMethod method, std::span<const CopSample> samples) {
-  auto fitted = fit_cop(method, samples);
-  if (!fitted) return tl::make_unexpected(fitted.error());
-  return accept(method, std::move(*fitted), samples);
+  DTS_TRY_ASSIGN(auto fitted, fit_cop(method, samples));
+  return accept(method, std::move(fitted), samples);
 }
 
 core::Result<CopEstimator> accept(CopMethod method, CopFit fitted, std::span<const CopSample> samples) {
-  auto estimator = CopEstimator::from_form(method, std::move(fitted.form), fitted.validity);
-  if (!estimator) return estimator;
+  DTS_TRY_ASSIGN(auto estimator, CopEstimator::from_form(method, std::move(fitted.form), fitted.validity));
   double squares = 0.0;
   for (const auto& sample : samples) {
-    const auto estimate = estimator->estimate(sample.deflection_mm);
+    const auto estimate = estimator.estimate(sample.deflection_mm);
     squares += std::pow(estimate.x_mm - sample.load_position.x.value, 2) + std::pow(estimate.y_mm - sample.load_position.y.value, 2);
   }
   const double misfit_mm = std::sqrt(squares / static_cast<double>(samples.size()));
-  const auto& [x_mm, y_mm, load_n] = estimator->validity();
+  const auto& [x_mm, y_mm, load_n] = estimator.validity();
   if (misfit_mm <= kLargestMisfit * std::min(x_mm.highest - x_mm.lowest, y_mm.highest - y_mm.lowest)) return estimator;
   return refuse_calibration("the result misses its own samples by " + std::to_string(misfit_mm) + " mm rms", kSensorOrderHint);
 }

@@ -75,13 +75,12 @@ core::Result<CopEvaluation> evaluate_cop(const RigModel& rig, const CopEstimator
         "the estimator is for " + std::to_string(estimator.sensor_count()) + " sensors, the rig has " + std::to_string(rig.sensors.size()),
         "evaluate it on the rig it was made for");
   }
-  const auto plate = SensedPlate::create(rig, options.behaviour, options.divisions);
-  if (!plate) return tl::make_unexpected(plate.error());
+  DTS_TRY_ASSIGN(const auto plate, SensedPlate::create(rig, options.behaviour, options.divisions));
   NoisySensors sensors(rig, options.seed);
   CopEvaluation evaluation;
   std::vector<CopCalibrationPoint> counted;
   for (const CopTrial& trial : trials) {
-    CopSample sample{.load_position = trial.centre, .load = {0.0}, .deflection_mm = plate->deflection_mm(trial.loads)};
+    CopSample sample{.load_position = trial.centre, .load = {0.0}, .deflection_mm = plate.deflection_mm(trial.loads)};
     for (const PlateLoad& load : trial.loads) sample.load = sample.load + load.force;
     if (options.noise == CopNoise::Realistic) sensors.measure(sample.deflection_mm);
     const CopEstimate estimate = estimator.estimate(sample.deflection_mm);

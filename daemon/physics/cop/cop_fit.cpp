@@ -49,14 +49,14 @@ core::Status check_samples(CopMethod method, std::span<const CopSample> samples)
                               "average the scans of each position");
   }
   const std::size_t sensor_count = samples.front().deflection_mm.size();
-  if (auto status = check_sensor_count(method, sensor_count); !status) return status;
+  DTS_TRY(check_sensor_count(method, sensor_count));
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const std::string name = "sample " + std::to_string(k);
     if (samples[k].deflection_mm.size() != sensor_count) {
       return refuse_calibration(name + " has " + std::to_string(samples[k].deflection_mm.size()) + " deflections, the first one " +
                                 std::to_string(sensor_count));
     }
-    if (auto status = check_sample(samples[k], name); !status) return status;
+    DTS_TRY(check_sample(samples[k], name));
   }
   return {};
 }
@@ -78,7 +78,7 @@ double sum_of(const CopSample& sample) noexcept {
 }
 
 core::Result<CopFit> fit_cop(CopMethod method, std::span<const CopSample> samples) {
-  if (const auto status = check_samples(method, samples); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check_samples(method, samples));
   const CopValidity validity = validity_of(samples);
   return method == CopMethod::Moment ? fit_moment(samples, validity) : fit_floor(method, samples, validity);
 }

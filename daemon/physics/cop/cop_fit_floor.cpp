@@ -121,15 +121,14 @@ core::Result<PolynomialFit> fit_polynomial(std::span<const CopSample> samples, c
     }
     problem.targets.insert(problem.targets.end(), {x_of(sample), y_of(sample), features.sum / sample.load.value});
   }
-  const auto solution = solve(problem);
-  if (!solution) return tl::make_unexpected(solution.error());
+  DTS_TRY_ASSIGN(const auto solution, solve(problem));
   for (std::size_t k = 0; k < terms.size(); ++k) {
     auto& coefficients = fit.polynomial.by_sum_power[terms[k].sum].coefficients[Quintic::index(terms[k].u, terms[k].v)];
-    std::copy_n(solution->coefficients.begin() + static_cast<std::ptrdiff_t>(k * kOutputs), kOutputs, coefficients.begin());
+    std::copy_n(solution.coefficients.begin() + static_cast<std::ptrdiff_t>(k * kOutputs), kOutputs, coefficients.begin());
     fit.polynomial.sum_power_count = std::max(fit.polynomial.sum_power_count, terms[k].sum + 1);
   }
   for (std::size_t k = 0; k < samples.size(); ++k) {
-    const double* const outputs = solution->left_out.data() + k * kOutputs;
+    const double* const outputs = solution.left_out.data() + k * kOutputs;
     fit.left_out.push_back({.x_mm = outputs[0], .y_mm = outputs[1], .load_n = sum_of(samples[k]) / outputs[2], .flags = 0});
   }
   return fit;
@@ -197,10 +196,9 @@ core::Result<CopFit> fit_poly3(std::span<const CopSample> samples, const CopVali
   for (const std::size_t degree : {Quintic::kDegree, std::size_t{3}}) {
     const std::size_t powers = sum_powers(layouts, degree);
     if (powers == 0) continue;
-    if (const auto order = check_order(samples); !order) return tl::make_unexpected(order.error());
-    auto fitted = fit_polynomial(samples, full_terms(degree, powers));
-    if (!fitted) return tl::make_unexpected(fitted.error());
-    return CopFit{.form = Poly3Form{fitted->polynomial}, .validity = validity, .left_out = std::move(fitted->left_out)};
+    DTS_TRY(check_order(samples));
+    DTS_TRY_ASSIGN(auto fitted, fit_polynomial(samples, full_terms(degree, powers)));
+    return CopFit{.form = Poly3Form{fitted.polynomial}, .validity = validity, .left_out = std::move(fitted.left_out)};
   }
   const Layout& worse = layouts.front().holds(4) ? layouts.back() : layouts.front();
   return refuse_calibration(std::to_string(worse.positions) + " positions in " + std::to_string(worse.columns) + " columns and " +
@@ -242,7 +240,7 @@ core::Status check_line(const Line& line) {
 /// Fits thesis eq. 4.1. In r - 1, which is 0 in the middle of the line, the five columns are well separated. The range is that of all
 /// samples, because ratios of single sensors are more extreme in the corners than on the mid-line.
 core::Result<RatioFit> fit_quartic(const Line& line, std::span<const CopSample> samples, RatioOf ratio_of) {
-  if (const auto status = check_line(line); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check_line(line));
   RatioFit fit;
   const auto [lowest, highest] =
       std::ranges::minmax(samples | std::views::transform([ratio_of](const CopSample& sample) { return ratio_of(sample.deflection_mm); }));
@@ -253,9 +251,8 @@ core::Result<RatioFit> fit_quartic(const Line& line, std::span<const CopSample> 
   for (const double ratio : line.ratio) {
     for (std::size_t power = 0; power < fit.quartic.size(); ++power) problem.system.push_back(std::pow(ratio - 1.0, power));
   }
-  const auto solution = solve(problem);
-  if (!solution) return tl::make_unexpected(solution.error());
-  std::copy(solution->coefficients.begin(), solution->coefficients.end(), fit.quartic.begin());
+  DTS_TRY_ASSIGN(const auto solution, solve(problem));
+  std::copy(solution.coefficients.begin(), solution.coefficients.end(), fit.quartic.begin());
   return fit;
 }
 
@@ -269,9 +266,8 @@ core::Result<std::vector<RatioFit>> fit_axis(const std::string& axis, Samples li
       one.position_mm.push_back(position(sample));
       one.ratio.push_back(ratio(sample.deflection_mm));
     }
-    const auto fit = fit_quartic(one, samples, ratio);
-    if (!fit) return tl::make_unexpected(fit.error());
-    fits.push_back(*fit);
+    DTS_TRY_ASSIGN(const auto fit, fit_quartic(one, samples, ratio));
+    fits.push_back(fit);
   }
   return fits;
 }
@@ -286,21 +282,18 @@ core::Result<CopFit> fit_thesis(CopMethod method, std::span<const CopSample> sam
     if (std::abs(x_of(sample) - middle_x) < kSamePositionMm) along_y.push_back(sample);
   }
   const ThesisRatios& ratios = ratios_of(method);
-  auto x = fit_axis("x", std::move(along_x), x_of, ratios.x, samples);
-  if (!x) return tl::make_unexpected(x.error());
-  auto y = fit_axis("y", std::move(along_y), y_of, ratios.y, samples);
-  if (!y) return tl::make_unexpected(y.error());
+  DTS_TRY_ASSIGN(auto x, fit_axis("x", std::move(along_x), x_of, ratios.x, samples));
+  DTS_TRY_ASSIGN(auto y, fit_axis("y", std::move(along_y), y_of, ratios.y, samples));
   const auto layouts = layouts_by_load(samples);
   auto terms = mid_line_terms();
   for (const std::size_t degree : {std::size_t{3}, Quintic::kDegree}) {
     if (const std::size_t powers = sum_powers(layouts, degree); powers > 0) terms = full_terms(degree, powers);
   }
-  auto load = fit_polynomial(samples, terms);
-  if (!load) return tl::make_unexpected(load.error());
-  for (Quintic& quintic : load->polynomial.by_sum_power) {
+  DTS_TRY_ASSIGN(auto load, fit_polynomial(samples, terms));
+  for (Quintic& quintic : load.polynomial.by_sum_power) {
     for (auto& outputs : quintic.coefficients) outputs[0] = outputs[1] = 0.0;  // the position is computed from the ratios
   }
-  return CopFit{.form = ThesisForm{.x = std::move(*x), .y = std::move(*y), .load = load->polynomial}, .validity = validity, .left_out = {}};
+  return CopFit{.form = ThesisForm{.x = std::move(x), .y = std::move(y), .load = load.polynomial}, .validity = validity, .left_out = {}};
 }
 
 }  // namespace

@@ -41,9 +41,8 @@ core::Result<Fitted> fit_ratio(std::span<const CopSample> samples, Point centre)
                            {1.0, (sample.load_position.x - centre.x).value, (sample.load_position.y - centre.y).value});
     for (double& ridge : problem.ridge) ridge += std::pow(kDeflectionNoiseMm / sample.load.value, 2);
   }
-  auto solution = solve(problem);
-  if (!solution) return tl::make_unexpected(solution.error());
-  Fitted fitted{.solution = std::move(*solution), .left_out = {}};
+  DTS_TRY_ASSIGN(auto solution, solve(problem));
+  Fitted fitted{.solution = std::move(solution), .left_out = {}};
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const double* const out = fitted.solution.left_out.data() + 3 * k;
     add_error(fitted, samples[k],
@@ -75,9 +74,8 @@ core::Result<Fitted> fit_quadratic(std::span<const CopSample> samples, Point cen
     }
     problem.targets.insert(problem.targets.end(), {(sample.load_position.x - centre.x).value, (sample.load_position.y - centre.y).value});
   }
-  auto solution = solve(problem);
-  if (!solution) return tl::make_unexpected(solution.error());
-  Fitted fitted{.solution = std::move(*solution), .left_out = {}};
+  DTS_TRY_ASSIGN(auto solution, solve(problem));
+  Fitted fitted{.solution = std::move(solution), .left_out = {}};
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const double* const out = fitted.solution.left_out.data() + 2 * k;
     add_error(fitted, samples[k],
@@ -102,19 +100,18 @@ core::Result<CopFit> fit_moment(std::span<const CopSample> samples, const CopVal
                               "measure at least " + std::to_string(2 * n) + " contacts");
   }
   MomentForm form{.centre = middle_of(validity)};
-  auto ratio = fit_ratio(samples, form.centre);
-  if (!ratio) return tl::make_unexpected(ratio.error());
-  form.load_n_per_mm = column(ratio->solution.coefficients, 0, 3);
-  form.x_moment_n = column(ratio->solution.coefficients, 1, 3);
-  form.y_moment_n = column(ratio->solution.coefficients, 2, 3);
+  DTS_TRY_ASSIGN(auto ratio, fit_ratio(samples, form.centre));
+  form.load_n_per_mm = column(ratio.solution.coefficients, 0, 3);
+  form.x_moment_n = column(ratio.solution.coefficients, 1, 3);
+  form.y_moment_n = column(ratio.solution.coefficients, 2, 3);
   for (std::size_t k = 0; k < n; ++k) {
     form.share.push_back(calibrated_range(samples, [k](const CopSample& sample) { return sample.deflection_mm[k] / sum_of(sample); }));
   }
-  auto left_out = ratio->left_out;
+  auto left_out = ratio.left_out;
   const std::size_t quadratic_terms = n * (n + 1) / 2;
   if (samples.size() >= 2 * quadratic_terms) {
-    const auto quadratic = fit_quadratic(samples, form.centre, *ratio);
-    if (quadratic && quadratic->squares_mm2 < ratio->squares_mm2) {
+    const auto quadratic = fit_quadratic(samples, form.centre, ratio);
+    if (quadratic && quadratic->squares_mm2 < ratio.squares_mm2) {
       form.x_quadratic_mm = column(quadratic->solution.coefficients, 0, 2);
       form.y_quadratic_mm = column(quadratic->solution.coefficients, 1, 2);
       left_out = quadratic->left_out;

@@ -56,11 +56,10 @@ struct Neighbours {
 }  // namespace
 
 core::Result<std::shared_ptr<const CopInverse>> CopInverse::create(const ModelForm& form) {
-  const auto table = InfluenceTable::create(form.plate, form.support, form.sensors);
-  if (!table) return tl::make_unexpected(table.error());
-  std::shared_ptr<CopInverse> inverse(new CopInverse(*table, form));
+  DTS_TRY_ASSIGN(const auto table, InfluenceTable::create(form.plate, form.support, form.sensors));
+  std::shared_ptr<CopInverse> inverse(new CopInverse(table, form));
   if (form.behaviour == PlateBehaviour::Stiffening) {
-    if (auto status = inverse->tabulate_stiffening(form); !status) return tl::make_unexpected(status.error());
+    DTS_TRY(inverse->tabulate_stiffening(form));
   }
   return std::shared_ptr<const CopInverse>(std::move(inverse));
 }
@@ -69,8 +68,7 @@ CopInverse::CopInverse(InfluenceTable table, const ModelForm& form)
     : table_(std::move(table)), a_mm_(form.plate.a.value), b_mm_(form.plate.b.value), heaviest_n_(form.heaviest.value) {}
 
 core::Status CopInverse::tabulate_stiffening(const ModelForm& form) {
-  const auto plate = StiffeningPlate::create(form.plate, form.support, form.sensors);
-  if (!plate) return tl::make_unexpected(plate.error());
+  DTS_TRY_ASSIGN(const auto plate, StiffeningPlate::create(form.plate, form.support, form.sensors));
   const std::size_t sensors = form.sensors.size();
   constexpr std::size_t kNodes = (kSideSteps + 1) * (kSideSteps + 1);
   stiffening_mm_per_n_.assign((kLoadSteps + 1) * kNodes * sensors, 0.0);
@@ -78,11 +76,11 @@ core::Status CopInverse::tabulate_stiffening(const ModelForm& form) {
   for (std::size_t node = 0; node < kNodes; ++node) {
     const Point position{{a_mm_ * static_cast<double>(node % (kSideSteps + 1)) / kSideSteps},
                          {b_mm_ * static_cast<double>(node / (kSideSteps + 1)) / kSideSteps}};
-    const auto footprint = plate->footprint({position, {}, {}});
-    auto state = plate->flat();
+    const auto footprint = plate.footprint({position, {}, {}});
+    auto state = plate.flat();
     for (std::size_t step = 1; step <= kLoadSteps; ++step) {  // light to heavy: each solution starts from the previous one
       const double load_n = heaviest_n_ * static_cast<double>(step) / kLoadSteps;
-      plate->deflect(std::span(&footprint, 1), std::span(&load_n, 1), state, deflection_mm);
+      plate.deflect(std::span(&footprint, 1), std::span(&load_n, 1), state, deflection_mm);
       for (std::size_t k = 0; k < sensors; ++k) {
         stiffening_mm_per_n_[(step * kNodes + node) * sensors + k] = deflection_mm[k] / load_n - footprint.probe_mm_per_n[k];
       }

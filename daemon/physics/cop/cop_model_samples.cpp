@@ -72,11 +72,10 @@ core::Result<CopEstimator> estimator_of_plate(const RigModel& rig, PlateBehaviou
   const double thicknesses = behaviour == PlateBehaviour::Linear ? 0.5 : 3.0;
   ModelForm form{.behaviour = behaviour, .heaviest = {}, .plate = rig.plate, .support = rig.support, .sensors = {}};
   for (const SensorModel& sensor : rig.sensors) form.sensors.push_back(sensor.position);
-  const auto table = InfluenceTable::create(rig.plate, rig.support, form.sensors);
-  if (!table) return tl::make_unexpected(table.error());
+  DTS_TRY_ASSIGN(const auto table, InfluenceTable::create(rig.plate, rig.support, form.sensors));
   double largest_mm_per_n = 0.0;
   for (std::size_t k = 0; k < form.sensors.size(); ++k) {
-    largest_mm_per_n = std::max(largest_mm_per_n, table->at_point_mm_per_n(k, SensorRectangle::of(rig).centre()));
+    largest_mm_per_n = std::max(largest_mm_per_n, table.at_point_mm_per_n(k, SensorRectangle::of(rig).centre()));
   }
   form.heaviest = {thicknesses * rig.plate.h.value / largest_mm_per_n};
   const CopValidity validity{.x_mm = {0.0, rig.plate.a.value}, .y_mm = {0.0, rig.plate.b.value}, .load_n = {0.0, form.heaviest.value}};
@@ -86,13 +85,12 @@ core::Result<CopEstimator> estimator_of_plate(const RigModel& rig, PlateBehaviou
 }  // namespace
 
 core::Result<std::vector<CopSample>> model_samples(CopMethod method, const RigModel& rig, PlateBehaviour behaviour) {
-  if (const auto status = check_sensors(method, rig); !status) return tl::make_unexpected(status.error());
-  const auto plate = SensedPlate::create(rig, behaviour);
-  if (!plate) return tl::make_unexpected(plate.error());
+  DTS_TRY(check_sensors(method, rig));
+  DTS_TRY_ASSIGN(const auto plate, SensedPlate::create(rig, behaviour));
   std::vector<CopSample> samples;
   if (method == CopMethod::Model) return samples;
   for (const CopTrial& trial : trials_for(method, rig)) {
-    CopSample sample{.load_position = trial.centre, .load = {0.0}, .deflection_mm = plate->deflection_mm(trial.loads)};
+    CopSample sample{.load_position = trial.centre, .load = {0.0}, .deflection_mm = plate.deflection_mm(trial.loads)};
     for (const PlateLoad& load : trial.loads) sample.load = sample.load + load.force;
     samples.push_back(std::move(sample));
   }
@@ -101,9 +99,8 @@ core::Result<std::vector<CopSample>> model_samples(CopMethod method, const RigMo
 
 core::Result<CopEstimator> CopEstimator::from_model(CopMethod method, const RigModel& rig, PlateBehaviour behaviour) {
   if (method == CopMethod::Model) return estimator_of_plate(rig, behaviour);
-  const auto samples = model_samples(method, rig, behaviour);
-  if (!samples) return tl::make_unexpected(samples.error());
-  return fit(method, *samples);
+  DTS_TRY_ASSIGN(const auto samples, model_samples(method, rig, behaviour));
+  return fit(method, samples);
 }
 
 }  // namespace dts::physics

@@ -31,13 +31,11 @@ core::Result<SensedPlate> SensedPlate::create(const RigModel& rig, PlateBehaviou
   std::vector<Point> probes;
   for (const SensorModel& sensor : rig.sensors) probes.push_back(sensor.position);
   if (behaviour == PlateBehaviour::Stiffening) {
-    const auto plate = StiffeningPlate::create(rig.plate, rig.support, probes, divisions);
-    if (!plate) return tl::make_unexpected(plate.error());
-    return SensedPlate(*plate);
+    DTS_TRY_ASSIGN(const auto plate, StiffeningPlate::create(rig.plate, rig.support, probes, divisions));
+    return SensedPlate(plate);
   }
-  const auto table = InfluenceTable::create(rig.plate, rig.support, probes, divisions);
-  if (!table) return tl::make_unexpected(table.error());
-  return SensedPlate(*table);
+  DTS_TRY_ASSIGN(const auto table, InfluenceTable::create(rig.plate, rig.support, probes, divisions));
+  return SensedPlate(table);
 }
 
 std::vector<double> SensedPlate::deflection_mm(std::span<const PlateLoad> loads) const {

@@ -18,18 +18,15 @@ core::Result<InfluenceTable> InfluenceTable::create(const Plate& plate, const Su
   }
   if (probes.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no probe", "add at least one sensor position");
   for (std::size_t k = 0; k < probes.size(); ++k) {
-    if (const auto status = check_on_plate(plate, probes[k], "probe " + std::to_string(k)); !status) {
-      return tl::make_unexpected(status.error());
-    }
+    DTS_TRY(check_on_plate(plate, probes[k], "probe " + std::to_string(k)));
   }
-  const auto supported = SupportedPlate::create(make_fdm(plate, support, divisions), plate, support);
-  if (!supported) return tl::make_unexpected(supported.error());
+  DTS_TRY_ASSIGN(const auto supported, SupportedPlate::create(make_fdm(plate, support, divisions), plate, support));
   InfluenceTable table;
-  table.rows_ = GridFields(supported->discretisation().grid());
+  table.rows_ = GridFields(supported.discretisation().grid());
   for (const Point& probe : probes) {
     // By reciprocity, the field of deflections under 1 N at the probe is the deflection of the probe under 1 N at any point.
     const Eigen::VectorXd row =
-        kMillimetresPerMetre * supported->bend(supported->vector(supported->discretisation().force({.centre = probe})));
+        kMillimetresPerMetre * supported.bend(supported.vector(supported.discretisation().force({.centre = probe})));
     table.rows_.add({row.begin(), row.end()});
   }
   return table;

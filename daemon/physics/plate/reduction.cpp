@@ -140,15 +140,13 @@ Eigen::MatrixXd sample(const Eigen::MatrixXd& shapes, const Discretisation& fine
 }  // namespace
 
 core::Result<Reduction> reduce(const Plate& plate, const Support& support, int divisions) {
-  const auto supported = SupportedPlate::create(make_fdm(plate, support, divisions), plate, support);
-  if (!supported) return tl::make_unexpected(supported.error());
-  const auto shapes = find_shapes(*supported, plate);
-  if (!shapes) return tl::make_unexpected(shapes.error());
+  DTS_TRY_ASSIGN(const auto supported, SupportedPlate::create(make_fdm(plate, support, divisions), plate, support));
+  DTS_TRY_ASSIGN(const auto shapes, find_shapes(supported, plate));
   const auto coarse = make_fdm(plate, support, std::max(divisions / kMembraneCoarsening, Grid::kMinDivisions));
   const Stretching stretching(*coarse, plate);
-  Reduction reduction{.plate = {stretching.energies(sample(*shapes, supported->discretisation(), *coarse))},
-                      .shapes = GridFields(supported->discretisation().grid())};
-  for (const auto& shape : shapes->colwise()) reduction.shapes.add({shape.begin(), shape.end()});
+  Reduction reduction{.plate = {stretching.energies(sample(shapes, supported.discretisation(), *coarse))},
+                      .shapes = GridFields(supported.discretisation().grid())};
+  for (const auto& shape : shapes.colwise()) reduction.shapes.add({shape.begin(), shape.end()});
   return reduction;
 }
 

@@ -43,7 +43,7 @@ core::Status check_load(const Plate& plate, const PlateLoad& load, const std::st
     return core::fail(core::ErrorCode::InvalidArgument, name + ": a side of its area is negative or not a number");
   }
   for (const double sign : {-0.5, 0.5}) {
-    if (auto on_plate = check_on_plate(plate, {centre.x + width * sign, centre.y + height * sign}, name); !on_plate) return on_plate;
+    DTS_TRY(check_on_plate(plate, {centre.x + width * sign, centre.y + height * sign}, name));
   }
   if (std::abs(load.force.value) <= kLargestForceN && load.force.value != 0.0) return {};
   return core::fail(core::ErrorCode::InvalidArgument, name + ": a force of " + std::to_string(load.force.value) +
@@ -52,9 +52,8 @@ core::Status check_load(const Plate& plate, const PlateLoad& load, const std::st
 
 /// Solves on one grid, without error estimates.
 core::Result<PlateSolution> solve_on(const PlateCase& plate_case, PlateMethod method, const SolveOptions& options, int divisions) {
-  auto supported = SupportedPlate::create(discretise(plate_case, method, divisions), plate_case.plate, plate_case.support);
-  if (!supported) return tl::make_unexpected(supported.error());
-  const Discretisation& discretisation = supported->discretisation();
+  DTS_TRY_ASSIGN(auto supported, SupportedPlate::create(discretise(plate_case, method, divisions), plate_case.plate, plate_case.support));
+  const Discretisation& discretisation = supported.discretisation();
   Weights loads;
   for (const auto& [area, force] : plate_case.loads) {
     const bool is_point = area.width.value == 0.0 && area.height.value == 0.0;
@@ -63,22 +62,21 @@ core::Result<PlateSolution> solve_on(const PlateCase& plate_case, PlateMethod me
     for (const auto& [dof, share] : weights) loads.push_back({dof, share * force.value});
   }
   Eigen::VectorXd dofs;
-  Eigen::VectorXd unbalanced_n = supported->whole(loads);
+  Eigen::VectorXd unbalanced_n = supported.whole(loads);
   int load_steps = 1;
   int newton_iterations = 0;
   if (options.is_nonlinear) {
-    auto state = bend_and_stretch(*supported, plate_case.plate, supported->vector(loads), options.report_progress);
-    if (!state) return tl::make_unexpected(state.error());
-    dofs = std::move(state->dofs);
-    unbalanced_n -= state->membrane_n;
-    load_steps = state->load_steps;
-    newton_iterations = state->newton_iterations;
+    DTS_TRY_ASSIGN(auto state, bend_and_stretch(supported, plate_case.plate, supported.vector(loads), options.report_progress));
+    dofs = std::move(state.dofs);
+    unbalanced_n -= state.membrane_n;
+    load_steps = state.load_steps;
+    newton_iterations = state.newton_iterations;
   } else {
-    dofs = supported->bend(supported->vector(loads));
+    dofs = supported.bend(supported.vector(loads));
   }
-  unbalanced_n -= supported->forces_n(dofs);
-  PlateSolution solution(std::make_shared<PlateSolution::Field>(supported->shared_discretisation(), std::move(dofs)));
-  solution.reactions_n = supported->reactions_n(unbalanced_n);
+  unbalanced_n -= supported.forces_n(dofs);
+  PlateSolution solution(std::make_shared<PlateSolution::Field>(supported.shared_discretisation(), std::move(dofs)));
+  solution.reactions_n = supported.reactions_n(unbalanced_n);
   solution.load_steps = load_steps;
   solution.newton_iterations = newton_iterations;
   for (const Point& probe : plate_case.probes) solution.probes.push_back({solution.deflection_mm(probe), kNan});
@@ -99,26 +97,26 @@ int default_divisions(PlateMethod method, bool is_nonlinear) noexcept {
 }
 
 core::Status check(const PlateCase& plate_case, PlateMethod method, const SolveOptions& options) {
-  if (auto status = check_plate(plate_case.plate); !status) return status;
-  if (auto status = check_support(plate_case.plate, plate_case.support); !status) return status;
+  DTS_TRY(check_plate(plate_case.plate));
+  DTS_TRY(check_support(plate_case.plate, plate_case.support));
   const int most = options.is_nonlinear ? kMostNonlinearDivisions : Grid::kMaxDivisions;
-  if (auto status = check_divisions(options.divisions, Grid::kMinDivisions, most); !status) return status;
+  DTS_TRY(check_divisions(options.divisions, Grid::kMinDivisions, most));
   if (method == PlateMethod::Fem && options.spreads_point_loads) {
     return core::fail(core::ErrorCode::InvalidArgument, "Simpson's load of thesis eq. 3.13 works only with the finite differences",
                       "use method fdm, or a patch load");
   }
   if (plate_case.loads.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no load", "add at least one load");
   for (std::size_t k = 0; k < plate_case.loads.size(); ++k) {
-    if (auto status = check_load(plate_case.plate, plate_case.loads[k], "load " + std::to_string(k + 1)); !status) return status;
+    DTS_TRY(check_load(plate_case.plate, plate_case.loads[k], "load " + std::to_string(k + 1)));
   }
   for (std::size_t k = 0; k < plate_case.probes.size(); ++k) {
-    if (auto status = check_on_plate(plate_case.plate, plate_case.probes[k], "probe " + std::to_string(k + 1)); !status) return status;
+    DTS_TRY(check_on_plate(plate_case.plate, plate_case.probes[k], "probe " + std::to_string(k + 1)));
   }
   return {};
 }
 
 core::Result<PlateSolution> solve(const PlateCase& plate_case, PlateMethod method, const SolveOptions& options) {
-  if (const auto status = check(plate_case, method, options); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check(plate_case, method, options));
   auto solution = solve_on(plate_case, method, options, options.divisions);
   const int half = options.divisions / 2;
   if (!solution || half < Grid::kMinDivisions) return solution;

@@ -125,12 +125,9 @@ StiffeningPlate::StiffeningPlate(std::shared_ptr<const Model> model) : model_(st
 
 core::Result<StiffeningPlate> StiffeningPlate::create(const Plate& plate, const Support& support, std::span<const Point> probes,
                                                       int divisions) {
-  auto table = InfluenceTable::create(plate, support, probes, divisions);
-  if (!table) return tl::make_unexpected(table.error());
-  auto reduced = reduce(plate, support, divisions);
-  if (!reduced) return tl::make_unexpected(reduced.error());
-  auto model =
-      std::make_shared<Model>(Model{reduced->plate, gentle_force(reduced->plate), std::move(*table), std::move(reduced->shapes), {}});
+  DTS_TRY_ASSIGN(auto table, InfluenceTable::create(plate, support, probes, divisions));
+  DTS_TRY_ASSIGN(auto reduced, reduce(plate, support, divisions));
+  auto model = std::make_shared<Model>(Model{reduced.plate, gentle_force(reduced.plate), std::move(table), std::move(reduced.shapes), {}});
   for (const Point& probe : probes) {
     Amplitudes shape_at_probe;
     for (std::size_t k = 0; k < ReducedPlate::kShapes; ++k) {

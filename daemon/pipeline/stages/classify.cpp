@@ -16,7 +16,7 @@ const StageDescription& Classify::description() {
 }
 
 core::Result<core::StreamFormat> Classify::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("classify", input, max_scans, ""); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("classify", input, max_scans, ""));
   if (model_ != nullptr) return input;
   return core::fail(core::ErrorCode::InvalidArgument, "stage 'classify' needs a model of trunk movement, but the rig has none",
                     "add model = \"FILE.toml\" to the rig file, see dtslab reach train; or remove the stage");

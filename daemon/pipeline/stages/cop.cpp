@@ -43,7 +43,7 @@ const StageDescription& Cop::description() {
 }
 
 core::Result<core::StreamFormat> Cop::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("cop", input, max_scans, "mm"); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("cop", input, max_scans, "mm"));
   auto estimator = make_estimator();
   if (!estimator) return core::fail(estimator.error().code, "stage cop: " + estimator.error().what, estimator.error().hint);
   if (input.channels.size() != estimator->sensor_count()) {
@@ -59,10 +59,9 @@ core::Result<core::StreamFormat> Cop::prepare(const core::StreamFormat& input, s
 }
 
 core::Result<physics::CopEstimator> Cop::make_estimator() const {
-  const auto method = physics::parse_cop_method(method_);
-  if (!method) return tl::make_unexpected(method.error());
-  if (calibration_ == nullptr) return physics::CopEstimator::from_model(*method, *rig_);
-  if (calibration_->estimator.method() == *method) return calibration_->estimator;
+  DTS_TRY_ASSIGN(const auto method, physics::parse_cop_method(method_));
+  if (calibration_ == nullptr) return physics::CopEstimator::from_model(method, *rig_);
+  if (calibration_->estimator.method() == method) return calibration_->estimator;
   return core::fail(core::ErrorCode::InvalidArgument,
                     "estimator is " + method_ + ", but calibration '" + calibration_->id + "' is for " +
                         std::string(physics::to_string(calibration_->estimator.method())),

@@ -58,7 +58,7 @@ const StageDescription& Guard::description() {
 }
 
 core::Result<core::StreamFormat> Guard::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("guard", input, max_scans, ""); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("guard", input, max_scans, ""));
   const std::size_t channels = input.channels.size();
   if (ranges_.empty() || ranges_.size() > channels) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage guard: " + std::to_string(ranges_.size()) + " sensors have a range, but " +
@@ -73,7 +73,7 @@ core::Result<core::StreamFormat> Guard::prepare(const core::StreamFormat& input,
   }
   core::StreamFormat output = input;
   output.channels.resize(ranges_.size());
-  if (auto checked = check_input("guard", output, max_scans, "V"); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("guard", output, max_scans, "V"));
 
   sensors_.clear();
   for (const StageContext::InputRange& range : ranges_) {

@@ -65,7 +65,7 @@ const StageDescription& Linearise::description() {
 }
 
 core::Result<core::StreamFormat> Linearise::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("linearise", input, max_scans, "V"); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("linearise", input, max_scans, "V"));
   if (input.channels.size() != rig_->sensors.size()) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage linearise: " + std::to_string(input.channels.size()) +
                                                             " channels arrive, but the rig has " + std::to_string(rig_->sensors.size()) +

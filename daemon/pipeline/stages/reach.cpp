@@ -43,7 +43,7 @@ const StageDescription& Reach::description() {
 }
 
 core::Result<core::StreamFormat> Reach::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("reach", input, max_scans, ""); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("reach", input, max_scans, ""));
   const bool is_transient = input.channels.size() == 3 && input.channels[0].unit == "mm" && input.channels[1].unit == "1";
   if (!is_transient) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage reach: the input is not a transient (mm, ratio, twist)",

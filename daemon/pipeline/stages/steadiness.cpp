@@ -49,7 +49,7 @@ const StageDescription& Steadiness::description() {
 }
 
 core::Result<core::StreamFormat> Steadiness::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("steadiness", input, max_scans, ""); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("steadiness", input, max_scans, ""));
   const bool is_cop =
       input.channels.size() == 3 && input.channels[0].unit == "mm" && input.channels[1].unit == "mm" && input.channels[2].unit == "N";
   if (!is_cop) {

@@ -70,7 +70,7 @@ const StageDescription& Transient::description() {
 }
 
 core::Result<core::StreamFormat> Transient::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("transient", input, max_scans, "mm"); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("transient", input, max_scans, "mm"));
   const auto chosen = choose_sensors(*rig_);
   if (!chosen) {
     return core::fail(

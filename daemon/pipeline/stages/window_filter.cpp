@@ -47,7 +47,7 @@ const StageDescription& WindowFilter::description() {
 }
 
 core::Result<core::StreamFormat> WindowFilter::prepare(const core::StreamFormat& input, std::size_t max_scans) {
-  if (auto checked = check_input("window_filter", input, max_scans, ""); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_input("window_filter", input, max_scans, ""));
   if (window_ms_ > 0.0) window_scans_ = input.rate.scans_in_ms(window_ms_);
   if (window_scans_ > kMaxWindowScans) {
     return core::fail(core::ErrorCode::LimitExceeded,

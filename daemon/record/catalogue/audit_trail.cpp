@@ -137,7 +137,7 @@ core::Result<std::uint64_t> AuditTrail::verify() const try {
     before = entry->hash;
     ++entries;
   }
-  if (auto agrees = verify_second(entries); !agrees) return tl::make_unexpected(agrees.error());
+  DTS_TRY(verify_second(entries));
   return entries;
 } catch (const SQLite::Exception& exception) {
   return database_->failure(exception);
@@ -155,7 +155,7 @@ core::Status AuditTrail::verify_second(std::uint64_t entries) const {
     const bool is_cut = file.fail();
     file.clear(file.rdstate() & ~std::ios::failbit);
     if (is_cut) continue;
-    if (auto agrees = verify_line(find, buffer.data()); !agrees) return agrees;
+    DTS_TRY(verify_line(find, buffer.data()));
   }
   return {};
 }

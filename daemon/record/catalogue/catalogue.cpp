@@ -116,16 +116,15 @@ Catalogue::Catalogue(std::unique_ptr<Implementation> implementation) : implement
 Catalogue::~Catalogue() = default;
 
 core::Result<std::unique_ptr<Catalogue>> Catalogue::open(const std::string& file) {
-  auto database = Database::open(file);
-  if (!database) return tl::make_unexpected(database.error());
-  if (auto migrated = migrate(*database, catalogue_migrations()); !migrated) return tl::make_unexpected(migrated.error());
+  DTS_TRY_ASSIGN(auto database, Database::open(file));
+  DTS_TRY(migrate(database, catalogue_migrations()));
   // After the migration, so that a database of another program is not changed.
   try {
-    database->execute("PRAGMA journal_mode = WAL");
+    database.execute("PRAGMA journal_mode = WAL");
   } catch (const SQLite::Exception& exception) {
-    return database->failure(exception);
+    return database.failure(exception);
   }
-  return std::unique_ptr<Catalogue>(new Catalogue(std::make_unique<Implementation>(std::move(*database))));
+  return std::unique_ptr<Catalogue>(new Catalogue(std::make_unique<Implementation>(std::move(database))));
 }
 
 core::Status Catalogue::begin_part(const SessionFacts& facts, const std::string& file) try {

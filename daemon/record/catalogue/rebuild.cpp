@@ -90,12 +90,11 @@ std::int64_t end_of(const PartRow& part) {
 }
 
 core::Result<FoundRecording> read_whole(const std::string& file, const SessionFacts& facts) {
-  auto recording = Recording::open(file);
-  if (!recording) return tl::make_unexpected(recording.error());
-  TrialCollector trials((*recording)->find_stream("raw"));
+  DTS_TRY_ASSIGN(auto recording, Recording::open(file));
+  TrialCollector trials(recording->find_stream("raw"));
   bool is_aborted = false;
   while (true) {
-    const auto item = (*recording)->next();
+    const auto item = recording->next();
     if (!item || !*item) break;  // `verify` reports what cannot be read
     trials.take(**item);
     const auto* timed = std::get_if<TimedEvent>(&**item);
@@ -108,12 +107,12 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   found.part.part = facts.part;
   found.part.file = file;
   found.part.started_utc_ns = facts.started_utc_ns;
-  found.part.losses = (*recording)->losses();
+  found.part.losses = recording->losses();
   const auto verified = verify(file);
   if (verified) {
     set_state(*verified, found.part);
   } else {
-    set_damaged(verified.error(), **recording, found.part);
+    set_damaged(verified.error(), *recording, found.part);
   }
   for (TrialRow& trial : found.trials) {
     trial.session_id = facts.session_id;
@@ -164,7 +163,7 @@ core::Status Rebuild::fill_in_losses() {
     if (!recording) continue;
     part.losses = (*recording)->losses();
     part.duration_s = (*recording)->duration_s();
-    if (auto updated = catalogue_.update_part(part); !updated) return updated;
+    DTS_TRY(catalogue_.update_part(part));
     ++result_.read_again;
   }
   return {};
@@ -215,7 +214,7 @@ core::Status Rebuild::mark_missing() {
     if (part.state == PartState::Missing) continue;
     part.state = PartState::Missing;
     part.reason = "the file is missing";
-    if (auto updated = catalogue_.update_part(part); !updated) return updated;
+    DTS_TRY(catalogue_.update_part(part));
   }
   return {};
 }
@@ -237,22 +236,19 @@ std::string reason_of(const Verification& verified, const std::string& file) {
 }
 
 core::Result<FoundRecording> read_recording(const std::string& file) {
-  const auto facts = read_session_facts(file);
-  if (!facts) return tl::make_unexpected(facts.error());
-  return read_whole(file, *facts);
+  DTS_TRY_ASSIGN(const auto facts, read_session_facts(file));
+  return read_whole(file, facts);
 }
 
 core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
-  const auto files = recordings_in(folder);
-  if (!files) return tl::make_unexpected(files.error());
-  auto known = catalogue.parts();
-  if (!known) return tl::make_unexpected(known.error());
-  Rebuild rebuilding(catalogue, std::move(*known));
-  if (auto filled = rebuilding.fill_in_losses(); !filled) return tl::make_unexpected(filled.error());
-  for (const std::string& file : *files) {
-    if (auto considered = rebuilding.consider(file); !considered) return tl::make_unexpected(considered.error());
+  DTS_TRY_ASSIGN(const auto files, recordings_in(folder));
+  DTS_TRY_ASSIGN(auto known, catalogue.parts());
+  Rebuild rebuilding(catalogue, std::move(known));
+  DTS_TRY(rebuilding.fill_in_losses());
+  for (const std::string& file : files) {
+    DTS_TRY(rebuilding.consider(file));
   }
-  if (auto marked = rebuilding.mark_missing(); !marked) return tl::make_unexpected(marked.error());
+  DTS_TRY(rebuilding.mark_missing());
   return rebuilding.take_result();
 }
 

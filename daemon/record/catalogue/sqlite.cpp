@@ -105,7 +105,7 @@ std::uint32_t Statement::count32(int column) const {
 }
 
 core::Result<Database> Database::open(const std::string& file) {
-  if (auto created = create_private(file); !created) return tl::make_unexpected(created.error());
+  DTS_TRY(create_private(file));
   std::error_code error;
   const auto path = std::filesystem::absolute(file, error);  // SQLite gives some relative names a special meaning, such as ":memory:"
   if (error) return core::fail_errno(error.value(), "cannot open the catalogue " + file);

@@ -71,9 +71,7 @@ core::Status BidsSink::create_files() {
     for (int number = 2; !taken.insert(motion.facts.tracking_system).second; ++number) {
       motion.facts.tracking_system = wanted + std::to_string(number);
     }
-    auto file = files_.create(names_.path(motion.facts.tracking_system, "motion.tsv"));
-    if (!file) return tl::make_unexpected(file.error());
-    motion.file = *file;
+    DTS_TRY_ASSIGN(motion.file, files_.create(names_.path(motion.facts.tracking_system, "motion.tsv")));
     motion.stream = stream;
     motion.times.emplace(origin_s_, *info.rate);
   }
@@ -92,9 +90,7 @@ core::Status BidsSink::create_events() {
   if (owner == nullptr) {
     return core::fail(core::ErrorCode::InvalidArgument, "the recording has no scans: BIDS needs scans", "export it as CSV");
   }
-  auto file = files_.create(names_.path(owner->facts.tracking_system, "events.tsv"));
-  if (!file) return tl::make_unexpected(file.error());
-  events_ = *file;
+  DTS_TRY_ASSIGN(events_, files_.create(names_.path(owner->facts.tracking_system, "events.tsv")));
   events_->append("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails\n");
   return files_.put(names_.path(owner->facts.tracking_system, "events.json"), events_description());
 }
@@ -158,30 +154,28 @@ std::string lower_case(std::string text) {
 
 core::Status BidsSink::add_participant() {
   const std::string row = names_.subject() + "\t" + tsv_cell(recording_.session().value_or(SessionFacts{}).subject) + "\n";
-  auto list = read_list(files_.path("participants.tsv"), kParticipants);
-  if (!list) return tl::make_unexpected(list.error());
-  if (list->find("\n" + row) != std::string::npos) return {};
-  if (lower_case(*list).find("\n" + lower_case(names_.subject()) + "\t") != std::string::npos) {
+  DTS_TRY_ASSIGN(auto list, read_list(files_.path("participants.tsv"), kParticipants));
+  if (list.find("\n" + row) != std::string::npos) return {};
+  if (lower_case(list).find("\n" + lower_case(names_.subject()) + "\t") != std::string::npos) {
     return core::fail(core::ErrorCode::WrongState,
                       "another subject ID of this data set becomes " + names_.subject() +
                           " too: BIDS allows only letters and digits, and many disks ignore the difference of upper and lower case",
                       "export into a new folder");
   }
-  return files_.replace("participants.tsv", *list + row);
+  return files_.replace("participants.tsv", list + row);
 }
 
 core::Status BidsSink::add_scans() {
-  auto list = read_list(files_.path(names_.scans_table()), kScans);
-  if (!list) return tl::make_unexpected(list.error());
+  DTS_TRY_ASSIGN(auto list, read_list(files_.path(names_.scans_table()), kScans));
   std::string begin = "n/a";
   if (const auto& session = recording_.session()) {
     std::int64_t utc_ns = 0;
     if (!__builtin_add_overflow(to_ns(origin_s_), session->utc_minus_monotonic_ns, &utc_ns)) begin = core::utc_text(utc_ns);
   }
   for (const Motion& motion : motions_) {
-    if (motion.file != nullptr) *list += names_.path_in_session(motion.facts.tracking_system, "motion.tsv") + "\t" + begin + "\n";
+    if (motion.file != nullptr) list += names_.path_in_session(motion.facts.tracking_system, "motion.tsv") + "\t" + begin + "\n";
   }
-  return files_.replace(names_.scans_table(), *list);
+  return files_.replace(names_.scans_table(), list);
 }
 
 core::Status BidsSink::write_documents() {
@@ -191,11 +185,9 @@ core::Status BidsSink::write_documents() {
     const auto put = [&](const std::string& suffix, const std::string& text) {
       return files_.put(names_.path(motion.facts.tracking_system, suffix), text);
     };
-    auto written =
-        put("channels.tsv", channels_table(info)).and_then([&] { return put("channels.json", channels_description()); }).and_then([&] {
-          return put("motion.json", motion_description(recording_, info, motion.facts));
-        });
-    if (!written) return written;
+    DTS_TRY(put("channels.tsv", channels_table(info)).and_then([&] { return put("channels.json", channels_description()); }).and_then([&] {
+      return put("motion.json", motion_description(recording_, info, motion.facts));
+    }));
   }
   // Our facts that BIDS does not define: BIDS validators ignore the folder sourcedata.
   return files_
@@ -231,15 +223,13 @@ core::Status prepare_dataset(const Recording& recording, OutputFiles& files) {
 }  // namespace
 
 core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress) {
-  const auto origin_s = find_origin(recording);
-  if (!origin_s) return tl::make_unexpected(origin_s.error());
+  DTS_TRY_ASSIGN(const auto origin_s, find_origin(recording));
   OutputFiles files(folder);
-  BidsSink sink(recording, *origin_s, files);
-  auto exported = prepare_dataset(recording, files)
-                      .and_then([&] { return sink.create_files(); })
-                      .and_then([&] { return walk(recording, sink, progress); })
-                      .and_then([&] { return sink.write_documents(); });
-  if (!exported) return tl::make_unexpected(exported.error());
+  BidsSink sink(recording, origin_s, files);
+  DTS_TRY(prepare_dataset(recording, files)
+              .and_then([&] { return sink.create_files(); })
+              .and_then([&] { return walk(recording, sink, progress); })
+              .and_then([&] { return sink.write_documents(); }));
   return files.commit().map([&](OutputFiles::Written&& written) {
     return Exported{.files = std::move(written.files), .rows = sink.rows(), .bytes = written.bytes};
   });

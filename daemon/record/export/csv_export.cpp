@@ -72,21 +72,18 @@ class CsvSink : public ExportSink {
 core::Status CsvSink::create_files() {
   for (std::size_t stream = 0; stream < columns_.size(); ++stream) {
     if (recording_.streams()[stream].value_type == ValueType::Text || recording_.sample_count(stream) == 0) continue;
-    if (auto created = create_file(stream); !created) return created;
+    DTS_TRY(create_file(stream));
   }
-  auto events = files_.create(file_stem(recording_) + "_events.csv");
-  if (!events) return tl::make_unexpected(events.error());
-  events_ = *events;
+  DTS_TRY_ASSIGN(events_, files_.create(file_stem(recording_) + "_events.csv"));
   events_->append("t_s,segment,scan,event,text,details\n");
   return {};
 }
 
 core::Status CsvSink::create_file(std::size_t stream) {
   const StreamInfo& info = recording_.streams()[stream];
-  auto file = files_.create(file_stem(recording_) + "_" + unused_name(info.name) + ".csv");
-  if (!file) return tl::make_unexpected(file.error());
+  DTS_TRY_ASSIGN(auto file, files_.create(file_stem(recording_) + "_" + unused_name(info.name) + ".csv"));
   Column& column = columns_[stream];
-  column.file = *file;
+  column.file = file;
   column.type = info.value_type;
   column.channels = info.channels.size();
   if (info.rate) column.times.emplace(origin_s_, *info.rate);
@@ -148,13 +145,12 @@ core::Status CsvSink::write_documents() {
 }  // namespace
 
 core::Result<Exported> export_csv(Recording& recording, const std::string& folder, const Progress& progress) {
-  const auto origin_s = find_origin(recording);
-  if (!origin_s) return tl::make_unexpected(origin_s.error());
+  DTS_TRY_ASSIGN(const auto origin_s, find_origin(recording));
   OutputFiles files(folder);
-  CsvSink sink(recording, *origin_s, files);
-  if (auto created = sink.create_files(); !created) return tl::make_unexpected(created.error());
-  if (auto walked = walk(recording, sink, progress); !walked) return tl::make_unexpected(walked.error());
-  if (auto written = sink.write_documents(); !written) return tl::make_unexpected(written.error());
+  CsvSink sink(recording, origin_s, files);
+  DTS_TRY(sink.create_files());
+  DTS_TRY(walk(recording, sink, progress));
+  DTS_TRY(sink.write_documents());
   return files.commit().map([&](OutputFiles::Written&& written) {
     return Exported{.files = std::move(written.files), .rows = sink.rows(), .bytes = written.bytes};
   });

@@ -106,7 +106,7 @@ core::Status OutputFiles::replace(const std::string& name, std::string_view text
 
 core::Result<OutputFile*> OutputFiles::open(const std::string& name, bool may_replace) {
   const std::string full = path(name);
-  if (auto made = make_folder(full.substr(0, full.rfind('/'))); !made) return tl::make_unexpected(made.error());
+  DTS_TRY(make_folder(full.substr(0, full.rfind('/'))));
   struct stat there {};
   if (!may_replace && ::lstat(full.c_str(), &there) == 0) return tl::make_unexpected(already_there(full).error());
   const std::string temporary = temporary_name(full);
@@ -131,7 +131,7 @@ core::Status OutputFiles::make_folder(const std::string& path) {
   const int why = errno;
   const std::size_t slash = path.rfind('/');
   if (why != ENOENT || slash == std::string::npos) return core::fail_errno(why, "cannot create the folder '" + path + "'", kOtherFolder);
-  if (auto above = make_folder(path.substr(0, slash)); !above) return above;
+  DTS_TRY(make_folder(path.substr(0, slash)));
   if (::mkdir(path.c_str(), kFolderMode) != 0) return core::fail_errno(errno, "cannot create the folder '" + path + "'", kOtherFolder);
   made_folders_.push_back(path);
   return {};
@@ -141,7 +141,7 @@ core::Result<OutputFiles::Written> OutputFiles::commit() {
   Written written;
   for (const auto& file : files_) {
     file->close();
-    if (auto whole = file->status(); !whole) return tl::make_unexpected(whole.error());
+    DTS_TRY(file->status());
   }
   // Files that replace existing ones are last: then only their own renames can still fail.
   std::vector<std::string> new_files;

@@ -105,28 +105,26 @@ std::size_t usual_lanes() { return std::clamp<std::size_t>(std::thread::hardware
 }  // namespace
 
 core::Result<double> find_origin(Recording& recording) {
-  if (auto begun = recording.rewind(); !begun) return tl::make_unexpected(begun.error());
+  DTS_TRY(recording.rewind());
   Beginnings beginnings(recording);
   for (bool is_first = true; is_first || !beginnings.is_complete(); is_first = false) {
-    const auto item = recording.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) break;
-    beginnings.take(**item);
+    DTS_TRY_ASSIGN(const auto item, recording.next());
+    if (!item) break;
+    beginnings.take(*item);
   }
   return recording.rewind().map([&] { return beginnings.origin_s(); });
 }
 
 core::Status walk(Recording& recording, ExportSink& sink, const Progress& progress) {
-  if (auto begun = recording.rewind(); !begun) return begun;
+  DTS_TRY(recording.rewind());
   Lanes lanes(usual_lanes(), [&sink](const RecordedItem& item) { return hand_over(item, sink); });
   const std::vector<std::size_t> shares = share_out(recording, lanes.count());
   std::uint64_t reported = 0;
   while (!lanes.has_failed()) {
-    auto item = recording.next();
-    if (!item) return tl::make_unexpected(item.error());
-    if (!*item) break;
-    if (!fits(recording, **item)) return core::fail(core::ErrorCode::Internal, "a recorded item does not fit its stream");
-    lanes.give(lane_of(**item, shares), std::move(**item));
+    DTS_TRY_ASSIGN(auto item, recording.next());
+    if (!item) break;
+    if (!fits(recording, *item)) return core::fail(core::ErrorCode::Internal, "a recorded item does not fit its stream");
+    lanes.give(lane_of(*item, shares), std::move(*item));
     if (!progress || recording.offset() - reported < kReportEveryBytes) continue;
     reported = recording.offset();
     if (!progress(reported, recording.size()))

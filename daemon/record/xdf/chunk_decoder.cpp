@@ -67,10 +67,9 @@ core::Status ChunkDecoder::decode_stream_header(std::uint32_t number, std::strin
   if (streams_.contains(number)) return core::fail(kDamaged, "a second header of stream " + std::to_string(number));
   header_bytes_ += xml.size();
   if (header_bytes_ > kMaxHeaderBytes || streams_.size() >= kMaxStreams) return core::fail(kDamaged, "too many streams");
-  auto info = stream_info_of_xml(xml);
-  if (!info) return tl::make_unexpected(info.error());
-  streams_.emplace(number, Stream{.type = info->value_type, .channels = info->channels.size(), .grid = {.rate = info->rate}});
-  chunk.content = StreamHeader{.stream = number, .info = std::move(*info)};
+  DTS_TRY_ASSIGN(auto info, stream_info_of_xml(xml));
+  streams_.emplace(number, Stream{.type = info.value_type, .channels = info.channels.size(), .grid = {.rate = info.rate}});
+  chunk.content = StreamHeader{.stream = number, .info = std::move(info)};
   return {};
 }
 

@@ -61,11 +61,11 @@ core::Status ChunkStream::append_bytes(std::size_t count) {
 
 /// Returns the length of tag and content; leaves the length prefix in `chunk_`.
 core::Result<std::uint64_t> ChunkStream::read_length() {
-  if (auto status = append_bytes(1); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(append_bytes(1));
   const auto length_bytes = static_cast<unsigned char>(chunk_.front());
   if (length_bytes != 1 && length_bytes != 4 && length_bytes != 8) return damaged("no chunk");
   if (size_ - offset_ < 1U + length_bytes) return damaged("chunk torn");
-  if (auto status = append_bytes(length_bytes); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(append_bytes(length_bytes));
   std::uint64_t length = 0;
   if (!ByteCursor(chunk_).take_length(length) || length < sizeof(std::uint16_t)) return damaged("chunk without a tag");
   if (length > kMaxChunkBytes) return damaged("chunk of " + std::to_string(length) + " bytes (at most 64 MiB are allowed)");
@@ -76,10 +76,9 @@ core::Result<std::uint64_t> ChunkStream::read_length() {
 core::Result<std::optional<RawChunk>> ChunkStream::next() {
   if (offset_ >= size_) return std::optional<RawChunk>();
   chunk_.clear();
-  const auto length = read_length();
-  if (!length) return tl::make_unexpected(length.error());
+  DTS_TRY_ASSIGN(const auto length, read_length());
   const std::size_t prefix_bytes = chunk_.size();
-  if (auto status = append_bytes(static_cast<std::size_t>(*length)); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(append_bytes(static_cast<std::size_t>(length)));
   RawChunk raw{.offset = offset_, .bytes = chunk_};
   ByteCursor cursor(raw.bytes.substr(prefix_bytes));
   if (!cursor.take(raw.tag)) return damaged("chunk without a tag");

@@ -69,7 +69,7 @@ DurableFile::DurableFile(std::string name) : name_(std::move(name)), part_name_(
 
 core::Result<std::unique_ptr<DurableFile>> DurableFile::create(const std::string& name, NotedChunk first) {
   std::unique_ptr<DurableFile> file(new DurableFile(name));
-  if (auto status = file->open_both(); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(file->open_both());
   if (auto status = file->begin(std::move(first)); !status) {
     file->discard();
     return tl::make_unexpected(status.error());
@@ -90,8 +90,8 @@ core::Status DurableFile::open_both() {
 }
 
 core::Status DurableFile::begin(NotedChunk first) {
-  if (auto status = write_bytes(kMagic); !status) return status;
-  if (auto status = append({&first, 1}); !status) return status;
+  DTS_TRY(write_bytes(kMagic));
+  DTS_TRY(append({&first, 1}));
   // fsync, not fdatasync: the files are new, so their metadata must be on the disk too.
   if (::fsync(file_) != 0) return core::fail_errno(errno, "cannot synchronise " + part_name_, kRoomHint);
   if (::fsync(index_) != 0) return core::fail_errno(errno, "cannot synchronise " + index_name_, kRoomHint);
@@ -131,7 +131,7 @@ core::Status DurableFile::append(std::span<NotedChunk> chunks) {
     if (chunks.size() > 1) joined += chunk.bytes;
   }
   if (chunks.empty()) return {};
-  if (auto status = write_bytes(chunks.size() > 1 ? joined : chunks.front().bytes); !status) return status;
+  DTS_TRY(write_bytes(chunks.size() > 1 ? joined : chunks.front().bytes));
   return write_index(chunks);
 }
 
@@ -166,9 +166,9 @@ core::Status DurableFile::rename_to_final() {
 }
 
 core::Status DurableFile::publish() {
-  if (auto status = synchronise(); !status) return status;
-  if (auto status = rename_to_final(); !status) return status;
-  if (auto status = synchronise_folder(name_); !status) return status;
+  DTS_TRY(synchronise());
+  DTS_TRY(rename_to_final());
+  DTS_TRY(synchronise_folder(name_));
   // Only a protection against mistakes, so a failure is ignored: file systems without permissions reject it.
   [[maybe_unused]] const int ignored = ::fchmod(file_, kClosed) + ::fchmod(index_, kClosed);
   return {};

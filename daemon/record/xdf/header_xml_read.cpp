@@ -77,7 +77,7 @@ core::Result<core::Rate> exact_rate(pugi::xml_node node, double nominal_hz) {
 /// Returns the rate; nothing for an irregular stream. Files of other programs have only nominal_srate.
 core::Result<std::optional<core::Rate>> rate_of(pugi::xml_node info) {
   std::optional<double> nominal_hz;
-  if (auto status = read_number(info, "nominal_srate", nominal_hz); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(read_number(info, "nominal_srate", nominal_hz));
   if (nominal_hz.value_or(0.0) == 0.0) return std::optional<core::Rate>();
   const pugi::xml_node exact = info.child("desc").child("dts").child("rate");
   const auto rate = exact ? exact_rate(exact, *nominal_hz) : core::Rate::from_hz(*nominal_hz);
@@ -104,15 +104,14 @@ core::Result<ChannelInfo> channel_of(pugi::xml_node node) {
 /// Returns `channel_count` channels: other programs may describe fewer or more than that.
 core::Result<std::vector<ChannelInfo>> channels_of(pugi::xml_node info) {
   std::optional<std::uint64_t> count;
-  if (auto status = read_number(info, "channel_count", count); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(read_number(info, "channel_count", count));
   if (count.value_or(0) < 1 || *count > kMaxChannels)
     return core::fail(kDamaged, "channel_count " + std::to_string(count.value_or(0)) + " is not within 1 to 4096");
   std::vector<ChannelInfo> channels;
   for (const pugi::xml_node node : info.child("desc").child("channels").children("channel")) {
     if (channels.size() == *count) break;
-    auto channel = channel_of(node);
-    if (!channel) return tl::make_unexpected(channel.error());
-    channels.push_back(std::move(*channel));
+    DTS_TRY_ASSIGN(auto channel, channel_of(node));
+    channels.push_back(std::move(channel));
   }
   channels.resize(static_cast<std::size_t>(*count));
   return channels;
@@ -122,30 +121,25 @@ core::Result<std::vector<ChannelInfo>> channels_of(pugi::xml_node info) {
 
 core::Result<FileHeader> file_header_of_xml(std::string_view xml) {
   pugi::xml_document document;
-  const auto info = parse(document, xml);
-  if (!info) return tl::make_unexpected(info.error());
-  const std::string_view version = trimmed(info->child("version").text().get());
+  DTS_TRY_ASSIGN(const auto info, parse(document, xml));
+  const std::string_view version = trimmed(info.child("version").text().get());
   if (version != "1" && !version.starts_with("1."))
     return core::fail(core::ErrorCode::Unsupported, "XDF version '" + clean_text(version.substr(0, 40)) + "'; only 1.x is supported");
-  return FileHeader{.facts = facts_of(info->child("desc"))};
+  return FileHeader{.facts = facts_of(info.child("desc"))};
 }
 
 core::Result<StreamInfo> stream_info_of_xml(std::string_view xml) {
   pugi::xml_document document;
-  const auto info = parse(document, xml);
-  if (!info) return tl::make_unexpected(info.error());
-  const auto type = type_of(*info);
-  if (!type) return tl::make_unexpected(type.error());
-  const auto rate = rate_of(*info);
-  if (!rate) return tl::make_unexpected(rate.error());
-  auto channels = channels_of(*info);
-  if (!channels) return tl::make_unexpected(channels.error());
-  const pugi::xml_node ours = info->child("desc").child("dts");
+  DTS_TRY_ASSIGN(const auto info, parse(document, xml));
+  DTS_TRY_ASSIGN(const auto type, type_of(info));
+  DTS_TRY_ASSIGN(const auto rate, rate_of(info));
+  DTS_TRY_ASSIGN(auto channels, channels_of(info));
+  const pugi::xml_node ours = info.child("desc").child("dts");
   std::optional<std::int64_t> delay_ns;
-  if (auto status = read_number(ours, "delay_ns", delay_ns); !status) return tl::make_unexpected(status.error());
-  StreamInfo stream{.name = text_of_child(*info, "name"), .content = text_of_child(*info, "type"), .value_type = *type};
-  stream.rate = *rate;
-  stream.channels = std::move(*channels);
+  DTS_TRY(read_number(ours, "delay_ns", delay_ns));
+  StreamInfo stream{.name = text_of_child(info, "name"), .content = text_of_child(info, "type"), .value_type = type};
+  stream.rate = rate;
+  stream.channels = std::move(channels);
   stream.delay_ns = delay_ns.value_or(0);
   for (const pugi::xml_node node : ours.children("fact"))
     stream.facts.emplace_back(clean_text(node.attribute("name").value()), clean_text(node.text().get()));
@@ -154,14 +148,13 @@ core::Result<StreamInfo> stream_info_of_xml(std::string_view xml) {
 
 core::Result<StreamFooter> stream_footer_of_xml(std::string_view xml) {
   pugi::xml_document document;
-  const auto info = parse(document, xml);
-  if (!info) return tl::make_unexpected(info.error());
+  DTS_TRY_ASSIGN(const auto info, parse(document, xml));
   StreamFooter footer;
   for (const auto& status :
-       {read_number(*info, "first_timestamp", footer.first_time_s), read_number(*info, "last_timestamp", footer.last_time_s),
-        read_number(*info, "sample_count", footer.sample_count)})
+       {read_number(info, "first_timestamp", footer.first_time_s), read_number(info, "last_timestamp", footer.last_time_s),
+        read_number(info, "sample_count", footer.sample_count)})
     if (!status) return tl::make_unexpected(status.error());
-  footer.facts = facts_of(info->child("desc"));
+  footer.facts = facts_of(info.child("desc"));
   return footer;
 }
 

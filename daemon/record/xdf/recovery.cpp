@@ -102,17 +102,14 @@ ChunkNote Copier::note_of(const RawChunk& raw, const Chunk& chunk) {
 }
 
 core::Status Copier::take(const RawChunk& raw, const std::string& copy) {
-  const auto chunk = decoder_.decode(raw);
-  if (!chunk) return tl::make_unexpected(chunk.error());
-  NotedChunk noted{.bytes = std::string(raw.bytes), .note = note_of(raw, *chunk)};
+  DTS_TRY_ASSIGN(const auto chunk, decoder_.decode(raw));
+  NotedChunk noted{.bytes = std::string(raw.bytes), .note = note_of(raw, chunk)};
   if (!file_) {
-    auto file = DurableFile::create(copy, std::move(noted));
-    if (!file) return tl::make_unexpected(file.error());
-    file_ = std::move(*file);
+    DTS_TRY_ASSIGN(file_, DurableFile::create(copy, std::move(noted)));
     return {};
   }
-  if (is_left_out(*chunk)) return {};
-  if (const auto* offset = std::get_if<ClockOffset>(&chunk->content)) {
+  if (is_left_out(chunk)) return {};
+  if (const auto* offset = std::get_if<ClockOffset>(&chunk.content)) {
     auto& offsets = offsets_[offset->stream];
     if (offsets.size() < kMaxFooterOffsets) offsets.emplace_back(offset->stream_time_s, offset->offset_s);
   }
@@ -122,11 +119,10 @@ core::Status Copier::take(const RawChunk& raw, const std::string& copy) {
 core::Status Copier::copy_chunks(ChunkStream& stream, const std::string& copy, const Progress& progress) {
   ProgressMeter meter(progress, found_.end);
   while (stream.offset() < found_.end) {
-    const auto raw = stream.next();
-    if (!raw) return tl::make_unexpected(raw.error());
-    if (!*raw) return core::fail(core::ErrorCode::Failed, "the file was cut while it was copied");
-    if (auto status = take(**raw, copy); !status) return status;
-    if (auto status = meter.advance(stream.offset()); !status) return status;
+    DTS_TRY_ASSIGN(const auto raw, stream.next());
+    if (!raw) return core::fail(core::ErrorCode::Failed, "the file was cut while it was copied");
+    DTS_TRY(take(*raw, copy));
+    DTS_TRY(meter.advance(stream.offset()));
   }
   return {};
 }
@@ -143,7 +139,7 @@ core::Status Copier::close(const Ending& ending) {
     put(content, number);
     footers.push_back({.bytes = make_chunk(ChunkTag::StreamFooter, content.append(stream_footer_xml(summary)))});
   }
-  if (auto status = file_->append(footers); !status) return status;
+  DTS_TRY(file_->append(footers));
   return file_->publish();
 }
 
@@ -177,15 +173,13 @@ core::Result<Recovery> recover(const std::string& file, const std::string& copy,
   // Two passes, each half of the work: only the first pass finds which chunks to keep.
   const auto first_half = [&progress](std::uint64_t done, std::uint64_t of) { return !progress || progress(done, 2 * of); };
   const auto second_half = [&progress](std::uint64_t done, std::uint64_t of) { return !progress || progress(of + done, 2 * of); };
-  const auto found = survey(file, first_half);
-  if (!found) return tl::make_unexpected(found.error());
-  if (auto status = check_recoverable(file, *found); !status) return tl::make_unexpected(status.error());
-  auto stream = ChunkStream::open(file);
-  if (!stream) return tl::make_unexpected(stream.error());
+  DTS_TRY_ASSIGN(const auto found, survey(file, first_half));
+  DTS_TRY(check_recoverable(file, found));
+  DTS_TRY_ASSIGN(auto stream, ChunkStream::open(file));
   remove_leftovers(copy);
-  Copier copier(*found, index_name(file));
-  const Ending ending = ending_of(*found);
-  auto status = copier.copy_chunks(**stream, copy, second_half);
+  Copier copier(found, index_name(file));
+  const Ending ending = ending_of(found);
+  auto status = copier.copy_chunks(*stream, copy, second_half);
   if (status) status = copier.close(ending);
   if (!status) {
     copier.discard();
@@ -193,10 +187,10 @@ core::Result<Recovery> recover(const std::string& file, const std::string& copy,
   }
   return Recovery{.file = copy,
                   .sha256 = copier.file().sha256(),
-                  .kept_bytes = found->end,
-                  .dropped_bytes = found->size - found->end,
-                  .chunks = found->chunks,
-                  .duration_s = found->duration_s(),
+                  .kept_bytes = found.end,
+                  .dropped_bytes = found.size - found.end,
+                  .chunks = found.chunks,
+                  .duration_s = found.duration_s(),
                   .lost_s_at_most = ending.lost_s_at_most,
                   .reason = ending.reason};
 }

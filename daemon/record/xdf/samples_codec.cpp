@@ -157,7 +157,7 @@ core::Result<Samples> decode_samples(std::string_view content, ValueType type, s
   std::uint64_t count = 0;
   if (!cursor.take_length(count)) return core::fail(kDamaged, "no count of samples");
   const Layout layout = layout_of(type);
-  if (auto status = check_count(count, cursor.left().size(), layout, channels); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(check_count(count, cursor.left().size(), layout, channels));
   Samples samples;
   samples.times_s.reserve(static_cast<std::size_t>(count));
   if (type == ValueType::Text) {
@@ -166,8 +166,8 @@ core::Result<Samples> decode_samples(std::string_view content, ValueType type, s
     samples.values.reserve(static_cast<std::size_t>(count) * channels);
   }
   for (std::uint64_t sample = 0; sample < count; ++sample) {
-    if (auto status = take_stamp(cursor, samples, grid); !status) return tl::make_unexpected(status.error());
-    if (auto status = layout.take(cursor, samples, channels); !status) return tl::make_unexpected(status.error());
+    DTS_TRY(take_stamp(cursor, samples, grid));
+    DTS_TRY(layout.take(cursor, samples, channels));
   }
   if (!cursor.left().empty()) return core::fail(kDamaged, std::to_string(cursor.left().size()) + " bytes left over after the samples");
   return samples;

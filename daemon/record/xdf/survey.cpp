@@ -57,8 +57,7 @@ class Surveyor {
 
 core::Result<Survey> Surveyor::run(const Progress& progress) {
   ProgressMeter meter(progress, survey_.size);
-  while (step())
-    if (auto status = meter.advance(survey_.end); !status) return tl::make_unexpected(status.error());
+  while (step()) DTS_TRY(meter.advance(survey_.end));
   finish_index();
   survey_.sha256 = hexadecimal_sha256(hash_);
   return std::move(survey_);
@@ -170,9 +169,8 @@ core::Status ProgressMeter::advance(std::uint64_t done) {
 }
 
 core::Result<Survey> survey(const std::string& file, const Progress& progress) {
-  auto stream = ChunkStream::open(file);
-  if (!stream) return tl::make_unexpected(stream.error());
-  return Surveyor(std::move(*stream), file).run(progress);
+  DTS_TRY_ASSIGN(auto stream, ChunkStream::open(file));
+  return Surveyor(std::move(stream), file).run(progress);
 }
 
 }  // namespace dts::record

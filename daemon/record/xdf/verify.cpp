@@ -33,26 +33,23 @@ core::Status check(const Survey& found) {
   if (found.fault) return tl::make_unexpected(*found.fault);
   if (!found.has_file_header) return core::fail(core::ErrorCode::DataDamaged, "the file ends before its file header");
   if (found.index_fault) return tl::make_unexpected(*found.index_fault);
-  for (const auto& [number, stream] : found.streams)
-    if (auto status = check_footer(stream); !status) return status;
+  for (const auto& [number, stream] : found.streams) DTS_TRY(check_footer(stream));
   return {};
 }
 
 }  // namespace
 
 core::Result<Verification> verify(const std::string& file, const Progress& progress) {
-  const auto found = survey(file, progress);
-  if (!found) return tl::make_unexpected(found.error());
-  if (auto status = check(*found); !status) return core::fail(status.error().code, file + ": " + status.error().what, status.error().hint);
-  const StreamSurvey* const longest = found->longest_stream();
-  Verification verification{
-      .sha256 = found->sha256, .bytes = found->size, .chunks = found->chunks, .scans = longest ? longest->samples : 0};
-  verification.duration_s = found->duration_s();
-  verification.has_index = found->is_all_indexed;
-  verification.is_closed = found->is_closed();
-  verification.incomplete = found->footer_fact("incomplete");
-  verification.is_recovered = !found->footer_fact("recovered").empty();
-  const double lost_s = number_of<double>(found->footer_fact("lost_s_at_most")).value_or(0.0);
+  DTS_TRY_ASSIGN(const auto found, survey(file, progress));
+  if (auto status = check(found); !status) return core::fail(status.error().code, file + ": " + status.error().what, status.error().hint);
+  const StreamSurvey* const longest = found.longest_stream();
+  Verification verification{.sha256 = found.sha256, .bytes = found.size, .chunks = found.chunks, .scans = longest ? longest->samples : 0};
+  verification.duration_s = found.duration_s();
+  verification.has_index = found.is_all_indexed;
+  verification.is_closed = found.is_closed();
+  verification.incomplete = found.footer_fact("incomplete");
+  verification.is_recovered = !found.footer_fact("recovered").empty();
+  const double lost_s = number_of<double>(found.footer_fact("lost_s_at_most")).value_or(0.0);
   verification.lost_s_at_most = std::isfinite(lost_s) ? std::max(lost_s, 0.0) : 0.0;
   return verification;
 }

@@ -39,9 +39,8 @@ class FileReader : public XdfReader {
 }  // namespace
 
 core::Result<std::unique_ptr<XdfReader>> XdfReader::open(const std::string& file) {
-  auto stream = ChunkStream::open(file);
-  if (!stream) return tl::make_unexpected(stream.error());
-  return std::make_unique<FileReader>(std::move(*stream));
+  DTS_TRY_ASSIGN(auto stream, ChunkStream::open(file));
+  return std::make_unique<FileReader>(std::move(stream));
 }
 
 }  // namespace dts::record

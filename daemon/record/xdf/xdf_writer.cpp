@@ -152,7 +152,7 @@ core::Status XdfWriter::Implementation::synchronise() {
 core::Status XdfWriter::Implementation::write_footers(const std::string& incomplete) {
   // Also cuts off a torn chunk of an earlier error, or the footers of an earlier attempt.
   if (!before_footers_) before_footers_ = file_->mark();
-  if (auto status = file_->cut_back(*before_footers_); !status) return status;
+  DTS_TRY(file_->cut_back(*before_footers_));
   std::vector<NotedChunk> footers;
   for (std::uint32_t number = 1; number <= streams_.size(); ++number) {
     const Stream& stream = *find(number);
@@ -170,8 +170,8 @@ core::Status XdfWriter::Implementation::write_footers(const std::string& incompl
 core::Result<XdfWriter::Closed> XdfWriter::Implementation::close(const std::string& incomplete) {
   if (is_over_) return core::fail(core::ErrorCode::WrongState, "the recording is closed");
   if (error_ && incomplete.empty()) return tl::make_unexpected(*error_);
-  if (auto status = keep_error(write_footers(incomplete)); !status) return tl::make_unexpected(status.error());
-  if (auto status = keep_error(file_->publish()); !status) return tl::make_unexpected(status.error());
+  DTS_TRY(keep_error(write_footers(incomplete)));
+  DTS_TRY(keep_error(file_->publish()));
   abandon();
   return Closed{.file = file_->name(), .sha256 = file_->sha256(), .bytes = file_->bytes()};
 }
@@ -180,9 +180,8 @@ core::Result<std::unique_ptr<XdfWriter>> XdfWriter::create(const std::string& na
                                                            const std::vector<std::pair<std::string, std::string>>& facts) {
   const std::string xml = file_header_xml(facts);
   if (xml.size() > kMaxXmlBytes) return core::fail(core::ErrorCode::LimitExceeded, "the facts of a recording are longer than 8 MiB");
-  auto file = DurableFile::create(name, {.bytes = make_chunk(ChunkTag::FileHeader, xml)});
-  if (!file) return tl::make_unexpected(file.error());
-  return std::unique_ptr<XdfWriter>(new XdfWriter(std::make_unique<Implementation>(std::move(*file), fact(facts, "session_id"))));
+  DTS_TRY_ASSIGN(auto file, DurableFile::create(name, {.bytes = make_chunk(ChunkTag::FileHeader, xml)}));
+  return std::unique_ptr<XdfWriter>(new XdfWriter(std::make_unique<Implementation>(std::move(file), fact(facts, "session_id"))));
 }
 
 XdfWriter::XdfWriter(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
@@ -195,9 +194,8 @@ void XdfWriter::add_fact(std::uint32_t stream, const std::string& name, const st
 }
 
 core::Status XdfWriter::write_samples(std::uint32_t stream, double first_time_s, std::span<const double> values, Position position) {
-  const auto found = implementation_->usable(stream, false);
-  if (!found) return tl::make_unexpected(found.error());
-  const auto& info = (*found)->info;
+  DTS_TRY_ASSIGN(const auto found, implementation_->usable(stream, false));
+  const auto& info = found->info;
   const std::size_t count = values.size() / info.channels.size();
   if (!info.rate || count * info.channels.size() != values.size())
     return core::fail(kWrong, "stream " + info.name + (info.rate ? ": half a scan" : " is irregular: every sample needs its time"));
@@ -211,9 +209,8 @@ core::Status XdfWriter::write_samples(std::uint32_t stream, double first_time_s,
 
 core::Status XdfWriter::write_timed(std::uint32_t stream, std::span<const double> times_s, std::span<const double> values,
                                     Position position) {
-  const auto found = implementation_->usable(stream, false);
-  if (!found) return tl::make_unexpected(found.error());
-  const auto& info = (*found)->info;
+  DTS_TRY_ASSIGN(const auto found, implementation_->usable(stream, false));
+  const auto& info = found->info;
   if (times_s.size() * info.channels.size() != values.size())
     return core::fail(
         kWrong, "stream " + info.name + ": " + std::to_string(times_s.size()) + " times, " + std::to_string(values.size()) + " values");
@@ -223,10 +220,8 @@ core::Status XdfWriter::write_timed(std::uint32_t stream, std::span<const double
 }
 
 core::Status XdfWriter::write_texts(std::uint32_t stream, std::span<const std::pair<double, std::string>> texts, Position position) {
-  const auto found = implementation_->usable(stream, true);
-  if (!found) return tl::make_unexpected(found.error());
-  for (const auto& [time_s, text] : texts)
-    if (auto status = check_times({&time_s, 1}); !status) return status;
+  DTS_TRY(implementation_->usable(stream, true));
+  for (const auto& [time_s, text] : texts) DTS_TRY(check_times({&time_s, 1}));
   if (texts.empty()) return {};
   return implementation_->write_samples(stream, encode_texts(stream, texts), texts.size(), texts.front().first, texts.back().first,
                                         position);

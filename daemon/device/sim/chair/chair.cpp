@@ -37,28 +37,26 @@ DeviceDescription describe(const DeviceUri& uri, const ChairOptions& options, co
 }  // namespace
 
 core::Result<std::unique_ptr<Device>> create_chair(const DeviceUri& uri, const DeviceContext& context) {
-  const auto options = read_chair_options(uri, context.rig.sensors.size());
-  if (!options) return tl::make_unexpected(options.error());
-  auto scene = ChairScene::create(*options, context.rig);
+  DTS_TRY_ASSIGN(const auto options, read_chair_options(uri, context.rig.sensors.size()));
+  auto scene = ChairScene::create(options, context.rig);
   if (!scene) {
     core::Error error = scene.error();
     error.what = "device \"" + uri.text + "\": " + error.what;
     return tl::make_unexpected(error);
   }
-  const dts::sim::Daq daq(options->daq);
-  SimParts parts{.description = describe(uri, *options, daq, context.rig.plate),
-                 .converted_channels = options->converted_channels(),
+  const dts::sim::Daq daq(options.daq);
+  SimParts parts{.description = describe(uri, options, daq, context.rig.plate),
+                 .converted_channels = options.converted_channels(),
                  .daq = daq,
-                 .clock_error_ppm = options->clock_error_ppm,
-                 .fault = options->fault,
+                 .clock_error_ppm = options.clock_error_ppm,
+                 .fault = options.fault,
                  .scene = std::move(*scene)};
   return std::make_unique<SimDevice>(std::move(parts), context.clock);
 }
 
 core::Result<dts::sim::SeatedPersonOptions> chair_person(const DeviceUri& uri, const physics::RigModel& rig) {
-  const auto options = read_chair_options(uri, rig.sensors.size());
-  if (!options) return tl::make_unexpected(options.error());
-  return options->person;
+  DTS_TRY_ASSIGN(const auto options, read_chair_options(uri, rig.sensors.size()));
+  return options.person;
 }
 
 }  // namespace dts::device::sim

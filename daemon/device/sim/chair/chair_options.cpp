@@ -118,17 +118,13 @@ core::Result<std::pair<std::size_t, std::size_t>> channel_pair(const DeviceUri& 
 core::Result<SensorFaults> sensor_faults(const DeviceUri& uri, const UriOptions& options, std::size_t sensors) {
   SensorFaults faults{.from_s = options.number("sensor_fault_at_s")};
   for (const auto& [name, list] : {std::pair{"dead", &faults.dead}, std::pair{"saturated", &faults.saturated}}) {
-    auto channels = channel_list(uri, options, name, sensors);
-    if (!channels) return tl::make_unexpected(channels.error());
-    *list = std::move(*channels);
+    DTS_TRY_ASSIGN(*list, channel_list(uri, options, name, sensors));
   }
   if (options.is_given("sensor_fault_at_s") && faults.dead.empty() && faults.saturated.empty()) {
     return refuse(uri, ErrorCode::InvalidArgument, "sensor_fault_at_s has an effect only with dead=... or saturated=...");
   }
   if (!options.is_given("swapped")) return faults;
-  auto pair = channel_pair(uri, options.text("swapped"), sensors);
-  if (!pair) return tl::make_unexpected(pair.error());
-  faults.swapped = *pair;
+  DTS_TRY_ASSIGN(faults.swapped, channel_pair(uri, options.text("swapped"), sensors));
   return faults;
 }
 
@@ -153,15 +149,13 @@ core::Status check_stay(const DeviceUri& uri, const dts::sim::SeatedPersonOption
 std::span<const UriOption> chair_option_table() { return kChairTable; }
 
 core::Result<ChairOptions> read_chair_options(const DeviceUri& uri, std::size_t rig_sensors) {
-  auto read = UriOptions::read(uri, kChairTable);
-  if (!read) return tl::make_unexpected(read.error());
-  const UriOptions& options = *read;
-  if (auto checked = check_dependencies(uri, options, kChairDependencies); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY_ASSIGN(const auto options, UriOptions::read(uri, kChairTable));
+  DTS_TRY(check_dependencies(uri, options, kChairDependencies));
 
   ChairOptions result;
   result.seed = static_cast<std::uint64_t>(options.number("seed"));
   result.person = person(options, result.seed);
-  if (auto checked = check_stay(uri, result.person); !checked) return tl::make_unexpected(checked.error());
+  DTS_TRY(check_stay(uri, result.person));
   result.daq = {options.number("range_v"), static_cast<int>(options.number("bits")), options.number("noise_mv") * kMillivolt, result.seed};
   result.clock_error_ppm = options.number("clock_ppm");
   result.gain_spread = options.number("gain_spread");
@@ -171,13 +165,9 @@ core::Result<ChairOptions> read_chair_options(const DeviceUri& uri, std::size_t 
   if (result.sensors == 0) result.sensors = rig_sensors;
   result.has_emg = options.text("aux") == "emg";
   result.has_truth = options.number("truth") == 1.0;
-  if (auto checked = check_channels(uri, result, rig_sensors); !checked) return tl::make_unexpected(checked.error());
-  auto faults = sensor_faults(uri, options, result.sensors);
-  if (!faults) return tl::make_unexpected(faults.error());
-  result.sensor_faults = std::move(*faults);
-  const auto fault = read_fault(uri, options, result.converted_channels());
-  if (!fault) return tl::make_unexpected(fault.error());
-  result.fault = *fault;
+  DTS_TRY(check_channels(uri, result, rig_sensors));
+  DTS_TRY_ASSIGN(result.sensor_faults, sensor_faults(uri, options, result.sensors));
+  DTS_TRY_ASSIGN(result.fault, read_fault(uri, options, result.converted_channels()));
   return result;
 }
 

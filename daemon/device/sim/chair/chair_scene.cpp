@@ -19,9 +19,8 @@ constexpr double kBeyondAnyRangeV = 100.0;
 core::Result<std::unique_ptr<Scene>> ChairScene::create(const ChairOptions& options, const physics::RigModel& rig) {
   std::vector<physics::Point> probes;
   for (std::size_t i = 0; i < options.sensors; ++i) probes.push_back(rig.sensors[i].position);
-  auto plate = dts::sim::SeatPlate::create(rig.plate, rig.support, probes, options.person.habits.contact);
-  if (!plate) return tl::make_unexpected(plate.error());
-  return std::unique_ptr<Scene>(new ChairScene(options, rig, std::move(*plate)));
+  DTS_TRY_ASSIGN(auto plate, dts::sim::SeatPlate::create(rig.plate, rig.support, probes, options.person.habits.contact));
+  return std::unique_ptr<Scene>(new ChairScene(options, rig, std::move(plate)));
 }
 
 ChairScene::ChairScene(const ChairOptions& options, const physics::RigModel& rig, dts::sim::SeatPlate plate)

@@ -76,7 +76,7 @@ std::vector<std::string> HealthView::table(std::size_t columns) const {
               {std::to_string(rig.gaps_total())},
               {std::to_string(rig.dropped_blocks_total())},
               {percent_text(rig.ring_fill())},
-              {cli::decimal(rig.pipeline_us_per_scan(), 1)},
+              {rig.has_pipeline_us_per_scan() ? cli::decimal(rig.pipeline_us_per_scan(), 1) : "-"},
               {milliseconds_text(latency_ms(rig, kMedian))},
               {milliseconds_text(latency_ms(rig, kNearlyAll))},
               {session_line(rig.session())}});
@@ -110,7 +110,7 @@ cli::Json HealthView::rig_json(const v1::RigStatus& rig) const {
   for (const v1::LossCount& loss : rig.losses()) out["losses"].push_back(to_json(loss));
   out["dropped_blocks_total"] = rig.dropped_blocks_total();
   out["ring_fill"] = to_json(rig.ring_fill());
-  cli::set_number(out, "pipeline_us_per_scan", rig.pipeline_us_per_scan());
+  if (rig.has_pipeline_us_per_scan()) cli::set_number(out, "pipeline_us_per_scan", rig.pipeline_us_per_scan());
   cli::set_number(out, "latency_p50_ms", latency_ms(rig, kMedian).value_or(std::numeric_limits<double>::quiet_NaN()));
   cli::set_number(out, "latency_p95_ms", latency_ms(rig, kNearlyAll).value_or(std::numeric_limits<double>::quiet_NaN()));
   if (!rig.session().session_id().empty()) {

@@ -41,7 +41,8 @@ std::string status_line(const v1::StatusSnapshot& status) {
   std::string line = "dtsd " + status.version() + ", up " + cli::duration(status.uptime_s());
   for (const v1::RigStatus& rig : status.rigs()) {
     line += (line.find(':') == std::string::npos ? ": " : "; ") + rig.rig().name() + " " +
-            enumerator_word(*v1::DeviceState_descriptor(), rig.device()) + " " + cli::decimal(rig.measured_rate_hz(), 2) + " Hz, lost " +
+            enumerator_word(*v1::DeviceState_descriptor(), rig.device()) + " " +
+            (rig.measured_rate_hz() > 0.0 ? cli::decimal(rig.measured_rate_hz(), 2) : "-") + " Hz, lost " +
             std::to_string(rig.lost_scans_total());
   }
   return cli::printable(line);

@@ -44,12 +44,16 @@ class DataSource {
 
 inline constexpr std::chrono::milliseconds kFirstReconnect{100};
 inline constexpr std::chrono::milliseconds kSlowestReconnect{1000};
+/// How long a local source waits for the daemon's answer when it connects; the answer takes less than 1 ms.
+inline constexpr std::chrono::milliseconds kFirstHandshake{500};
+inline constexpr std::chrono::milliseconds kReconnectHandshake{20};
 
 struct SourceOptions {
   std::string endpoint;
   int queue_messages = 0;
   std::size_t largest_message = 0;  ///< A peer that announces more is disconnected.
   std::optional<Key> key;
+  std::chrono::milliseconds handshake_limit = kFirstHandshake;
 };
 
 /// Opens the source for an endpoint: `ipc://` without libzmq, everything else with it. Fails with InvalidArgument if the endpoint cannot be

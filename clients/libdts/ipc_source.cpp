@@ -17,7 +17,7 @@ constexpr std::string_view kScheme = "ipc://";
 constexpr std::size_t kFirstBuffer = std::size_t{64} << 10U;
 constexpr std::size_t kFrameHeaders = 18;  // of two frames
 constexpr std::size_t kLongestCommand = 1024;
-constexpr milliseconds kHandshakeLimit{500};  // it takes less than 1 ms
+constexpr std::size_t kMostPending = 64U << 10U;  // subscriptions; a daemon that does not read gets no more answers to its pings
 
 int poll_one(int socket, short events, milliseconds timeout) {
   pollfd waited{.fd = socket, .events = events, .revents = 0};
@@ -44,8 +44,7 @@ Result<std::unique_ptr<IpcSource>> IpcSource::open(const SourceOptions& options)
   std::memcpy(address.sun_path, path.data(), path.size());
   const auto bytes = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size() + (is_abstract ? 0 : 1));
   std::unique_ptr<IpcSource> source(new IpcSource(address, bytes, options.largest_message));
-  source->connect_if_due();
-  source->wait_until_open();
+  source->connect_if_due(options.handshake_limit);
   return source;
 }
 
@@ -64,7 +63,7 @@ void IpcSource::unsubscribe(const std::string& prefix) {
   send_pending();
 }
 
-void IpcSource::connect_if_due() {
+void IpcSource::connect_if_due(milliseconds handshake_limit) {
   if (state_ != State::Away || Clock::now() < retry_at_) return;
   socket_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
   // Connecting to a local socket does not wait for the peer; if its queue is full, SO_SNDTIMEO ends the call, and the next attempt follows.
@@ -77,11 +76,13 @@ void IpcSource::connect_if_due() {
   pending_ = zmtp::greeting();
   zmtp::append_ready(pending_, "SUB");
   send_pending();
+  wait_until_open(handshake_limit);
 }
 
-/// Waits until a daemon that runs knows the subscriptions: what it publishes from now on arrives. Does not wait for one that does not run.
-void IpcSource::wait_until_open() {
-  const auto deadline = Clock::now() + kHandshakeLimit;
+/// Waits for the answer of a daemon that runs, so that the subscriptions are on their way. A daemon gives up handshakes that take long, and
+/// the caller may not call for long.
+void IpcSource::wait_until_open(milliseconds limit) {
+  const auto deadline = Clock::now() + limit;
   while (state_ == State::Greeting || state_ == State::Handshake) {
     if (shake_hands()) return;
     const auto left = std::chrono::ceil<milliseconds>(deadline - Clock::now());
@@ -168,7 +169,7 @@ bool IpcSource::shake_hands() {
 void IpcSource::obey(std::span<const std::byte> body) {
   const auto command = zmtp::command_of(body);
   if (!command || command->name == "ERROR") return go_away(true);
-  if (command->name != "PING") return;
+  if (command->name != "PING" || pending_.size() > kMostPending) return;
   zmtp::append_pong(pending_, command->data);
   send_pending();
 }
@@ -220,14 +221,14 @@ std::optional<RawMessage> IpcSource::parse() {
 
 std::optional<RawMessage> IpcSource::take() {
   begin_ += std::exchange(taken_, 0);
-  if (!has_fault_) connect_if_due();
+  if (!has_fault_) connect_if_due(kReconnectHandshake);
   while (true) {
     if (std::exchange(has_fault_, false)) return RawMessage{};
     if (state_ != State::Away) {
       if (auto message = parse()) return message;
       if (has_fault_) continue;
     }
-    if (state_ == State::Away || is_drained_ || !read(MSG_DONTWAIT)) return std::nullopt;
+    if (state_ == State::Away || std::exchange(is_drained_, false) || !read(MSG_DONTWAIT)) return std::nullopt;
   }
 }
 
@@ -239,7 +240,7 @@ void IpcSource::send_pending() {
     } else if (sent < 0 && errno == EAGAIN) {
       return;  // `wait` continues
     } else if (sent == 0 || errno != EINTR) {
-      return go_away(false);
+      return pending_.clear();  // the daemon has ended: `read` finds that behind its last messages
     }
   }
 }
@@ -248,7 +249,7 @@ Waited IpcSource::wait_away(milliseconds timeout) {
   const auto left = std::chrono::ceil<milliseconds>(retry_at_ - Clock::now());
   const Waited slept = waited(poll_one(-1, 0, std::clamp(left, milliseconds::zero(), timeout)));
   if (slept == Waited::Interrupted) return slept;
-  connect_if_due();
+  connect_if_due(kReconnectHandshake);
   return left < timeout ? Waited::Ready : Waited::TimedOut;
 }
 

@@ -17,7 +17,7 @@ namespace dts::client {
 ///     Away --connect--> Greeting --64 bytes--> Handshake --READY--> Open     any fault or a closed peer: Away, and connect again later
 ///
 /// While the caller does not call `take` or `wait`, messages wait in the kernel's buffer and then in the daemon, which drops what exceeds
-/// the queue of this subscriber. Memory is bounded by two frames of the largest message.
+/// the queue of this subscriber. Memory is bounded by two frames of the largest message, and 64 KiB to send.
 class IpcSource final : public DataSource {
  public:
   [[nodiscard]] static Result<std::unique_ptr<IpcSource>> open(const SourceOptions& options);
@@ -35,8 +35,8 @@ class IpcSource final : public DataSource {
   IpcSource(const sockaddr_un& address, socklen_t address_bytes, std::size_t largest_message)
       : address_(address), address_bytes_(address_bytes), largest_message_(largest_message) {}
 
-  void connect_if_due();
-  void wait_until_open();
+  void connect_if_due(std::chrono::milliseconds handshake_limit);
+  void wait_until_open(std::chrono::milliseconds limit);
   void close() noexcept;
   void go_away(bool is_fault);
   [[nodiscard]] std::span<const std::byte> unread() const noexcept { return std::span(buffer_).subspan(begin_, end_ - begin_); }

@@ -20,7 +20,8 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, like the daemon's host times
 
 constexpr std::string_view kStatusTopic = "dtsd/status";
-constexpr std::size_t kLongestPrefix = 200;  // the daemon disconnects clients with subscriptions beyond 512 bytes
+constexpr std::size_t kLongestPrefix = 200;  // the daemon disconnects clients with longer subscriptions,
+constexpr std::size_t kMostTopics = 127;     // or more than 256: a change of topics has the old and the new ones for a moment
 constexpr int kMaxQueue = 1'000'000;
 constexpr milliseconds kLongestWait = std::chrono::hours(24);
 constexpr milliseconds kShortestSilence{10};
@@ -52,6 +53,9 @@ Result<void> check_topics(const std::vector<std::string>& topics) {
   if (std::ranges::any_of(topics, [](const std::string& prefix) { return prefix.size() > kLongestPrefix; })) {
     return fail(ErrorCode::InvalidArgument, "a topic prefix is longer than " + std::to_string(kLongestPrefix) + " bytes");
   }
+  if (topics.size() > kMostTopics) {
+    return fail(ErrorCode::InvalidArgument, "more than " + std::to_string(kMostTopics) + " topics", "use shorter prefixes");
+  }
   return {};
 }
 
@@ -77,7 +81,7 @@ class Subscriber::Implementation {
       : options_(options), inbox_(options.mode, asks_for_status(options.topics), read_boot_id()) {}
 
   /// Connects, in the place of an earlier connection. Fails as `open_source` does, and keeps the earlier connection then.
-  [[nodiscard]] Result<void> connect();
+  [[nodiscard]] Result<void> connect(milliseconds handshake_limit);
   std::optional<Message> receive(milliseconds timeout) {
     const auto deadline = Clock::now() + std::clamp<milliseconds>(timeout, milliseconds::zero(), kLongestWait);
     return options_.mode == Mode::All ? receive_all(deadline) : receive_latest(deadline);
@@ -104,11 +108,12 @@ class Subscriber::Implementation {
   Inbox inbox_;
 };
 
-Result<void> Subscriber::Implementation::connect() {
+Result<void> Subscriber::Implementation::connect(milliseconds handshake_limit) {
   DTS_TRY_ASSIGN(auto source, open_source({.endpoint = options_.endpoint,
                                            .queue_messages = options_.queue_messages,
                                            .largest_message = kDataSocketBytes,
-                                           .key = options_.key}));
+                                           .key = options_.key,
+                                           .handshake_limit = handshake_limit}));
   source->subscribe(std::string(kStatusTopic));
   for (const std::string& prefix : options_.topics) source->subscribe(prefix);
   source_ = std::move(source);
@@ -180,14 +185,14 @@ bool Subscriber::Implementation::wait(Clock::time_point deadline) {
   const auto now = Clock::now();
   silence_ += std::min(now - looked_, slice);
   looked_ = now;
-  if (silence_ >= options_.reconnect_after) std::ignore = connect();
+  if (silence_ >= options_.reconnect_after) std::ignore = connect(kReconnectHandshake);
   return now < deadline;
 }
 
 Result<Subscriber> Subscriber::open(const SubscriberOptions& options) {
   DTS_TRY(check_options(options));
   auto implementation = std::make_unique<Implementation>(options);
-  DTS_TRY(implementation->connect());
+  DTS_TRY(implementation->connect(kFirstHandshake));
   return Subscriber(std::move(implementation));
 }
 

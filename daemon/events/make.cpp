@@ -81,9 +81,11 @@ v1::Sway preliminary(const core::SwayEvent& event) {
   out.set_end_segment(event.segment);
   out.set_end_scan(event.scan.value + 1);
   out.set_profile(std::string(posturography::name(posturography::Profile::Lp10)));
-  out.set_rate_hz(event.values.rate_hz);
   out.set_samples(event.values.samples);
-  out.set_duration_s(event.values.rate_hz > 0.0 ? static_cast<double>(event.values.samples) / event.values.rate_hz : 0.0);
+  if (event.values.rate_hz > 0.0) {
+    out.set_rate_hz(event.values.rate_hz);
+    out.set_duration_s(static_cast<double>(event.values.samples) / event.values.rate_hz);
+  }
   out.set_flags(0);
   out.set_is_valid(true);
   add(event.values, out);

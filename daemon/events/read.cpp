@@ -72,6 +72,9 @@ core::Result<core::ClassEvent> class_of(const v1::Event& event) {
   if (static_cast<std::size_t>(told.probability_size()) != movement.probability.size()) {
     return tl::make_unexpected(damaged(event, "probability"));
   }
+  if (!std::ranges::all_of(told.probability(), [](double share) { return share >= 0.0 && share <= 1.0; })) {
+    return tl::make_unexpected(damaged(event, "probability"));
+  }
   movement.trunk_class = static_cast<core::TrunkClass>(told.trunk_class());
   std::ranges::copy(told.probability(), movement.probability.begin());
   movement.trunk_deg = known(told.has_trunk_deg(), told.trunk_deg());
@@ -92,6 +95,7 @@ core::Result<posturography::Analysis> analysis_of(const v1::Sway& sway) {
   if (!(analysis.duration_s > 0.0) || analysis.duration_s > 1e9) return damaged("its \"duration_s\" is missing or impossible");
   if (sway.samples() == 0) return damaged("its \"samples\" are missing");
   analysis.samples = sway.samples();
+  if (!sway.has_flags()) return damaged("its \"flags\" are missing");
   analysis.flags = sway.flags();
   analysis.missing = sway.missing();
   analysis.interpolated = sway.interpolated();

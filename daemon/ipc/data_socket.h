@@ -13,7 +13,7 @@ class DataSocket {
   virtual ~DataSocket() = default;
 
   /// Sends one message to every subscriber of a prefix of `topic`, at the latest at the next `flush`. Never blocks: drops the message for a
-  /// subscriber whose queue is full, and that subscriber sees the drop in the sequence numbers.
+  /// subscriber whose queue is full, and that subscriber sees a dropped block in the sequence numbers.
   virtual void send(std::string_view topic, const google::protobuf::MessageLite& message) = 0;
   virtual void flush() {}
   /// Sleeps until the descriptor `bell_fd` is readable, a subscriber's message arrives, or the timeout ends.

@@ -20,15 +20,15 @@
 
 namespace dts::ipc {
 
-/// DataSocket on a Unix socket that speaks ZMTP 3.0 itself: SUB sockets of every ZeroMQ library connect to it. Nothing here grows with what a
-/// peer sends or does not read, and no peer delays another one: that is why libzmq does not serve local subscribers (its version 4.3 bounds
-/// neither subscriptions nor handshakes, and one peer with 400,000 subscriptions silences all others for seconds).
+/// DataSocket on a Unix socket that speaks ZMTP 3.0 itself: SUB sockets of every ZeroMQ library connect to it. Nothing here grows with what
+/// a peer sends or does not read, and no peer delays another one: that is why libzmq does not serve local subscribers (its version 4.3
+/// bounds neither subscriptions nor handshakes, and one peer with 400,000 subscriptions silences all others for seconds).
 ///
 ///     send: frames --> queue of each subscriber whose prefix matches        flush: one system call per subscriber with a queue
 ///     wait, take_subscriptions: new peers, handshakes, subscriptions, PING; subscribers that can be written again
 ///
-/// A message that finds no room in a subscriber's queue is dropped for that subscriber alone; sequence numbers and scan indices show it the
-/// exact loss.
+/// A message that finds no room in a subscriber's queue is dropped for that subscriber alone. Sequence numbers and scan indices show it the
+/// exact loss of blocks; events have no numbers.
 class LocalPublisher final : public DataSocket {
  public:
   static constexpr std::size_t kMostPeers = 256;
@@ -64,11 +64,11 @@ class LocalPublisher final : public DataSocket {
     int pid = 0;
     State state = State::Greeting;
     std::int64_t handshake_until_ns = 0;
-    std::string in;             ///< An incomplete frame.
-    std::string out;            ///< Messages that the kernel has not accepted yet,
-    std::size_t written = 0;    ///< apart from so many bytes.
-    bool is_blocked = false;    ///< The kernel accepts nothing at the moment; epoll reports when it does.
-    bool is_skipping = false;   ///< Within a message of several frames, which no subscriber sends.
+    std::string in;            ///< An incomplete frame.
+    std::string out;           ///< Messages that the kernel has not accepted yet,
+    std::size_t written = 0;   ///< apart from so many bytes.
+    bool is_blocked = false;   ///< The kernel accepts nothing at the moment; epoll reports when it does.
+    bool is_skipping = false;  ///< Within a message of several frames, which no subscriber sends.
     std::set<std::string, std::less<>> prefixes;
     std::unordered_map<std::string, bool> matches;  ///< Of the topics sent so far; empty after each change of `prefixes`.
   };
@@ -97,9 +97,11 @@ class LocalPublisher final : public DataSocket {
   std::map<int, Peer> peers_;  ///< By descriptor.
   std::size_t handshakes_ = 0;
   int bell_fd_ = -1;
+  bool is_listening_ = true;
   std::vector<epoll_event> events_;  ///< Of the last `wait`.
   std::string topic_;                ///< Reused, as the next one.
   std::string frames_;
+  std::string body_;
   std::uint64_t dropped_ = 0;
   bool has_warned_of_subscriptions_ = false;
   bool has_warned_of_peers_ = false;

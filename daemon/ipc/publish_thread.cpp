@@ -85,6 +85,7 @@ void PublishThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
     bell_.clear();
+    is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;  // first: new subscribers get what is published now
     turns_.fetch_add(1, std::memory_order_relaxed);
     // Tries once per request. The control thread retries.
     if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
@@ -94,7 +95,6 @@ void PublishThread::run(const std::stop_token& stop) {
       socket_->flush();
     }
     send_outbox();
-    is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;
     if (is_retained_due_) send_retained();
   }
   for (Source& source : sources_) publish(source);

@@ -52,18 +52,23 @@ Json value_of(const Json& object, const char* key) {
   return found == object.end() ? Json(nullptr) : *found;
 }
 
+/// Returns a number without the sign of zero, which the present form does not keep; anything else as it is.
+Json unsigned_zero(const Json& value) { return value.is_number_float() ? Json(value.get<double>() + 0.0) : value; }
+
 /// Copies the values of the keys that the event has.
 void copy_keys(const Json& old, std::initializer_list<const char*> keys, Json& out) {
   for (const char* key : keys) {
-    if (const auto found = old.find(key); found != old.end()) out[key] = *found;
+    if (const auto found = old.find(key); found != old.end()) out[key] = unsigned_zero(*found);
   }
 }
 
-/// "p1" of ReachStep was "REACH_STEP_P1" with this prefix. A word that is no text is invalid, and so is the name that this returns then.
-std::string enumerator(const char* prefix, const Json& word) {
+/// "p1" of ReachStep was "REACH_STEP_P1" with this prefix. Returns the number of the enumerator; 0 if the word is
+/// unknown.
+int enumerator(const char* prefix, const Json& word, const google::protobuf::EnumDescriptor& type) {
   std::string name = word.is_string() ? word.get<std::string>() : std::string("?");
   std::ranges::transform(name, name.begin(), [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
-  return prefix + name;
+  const auto* value = type.FindValueByName(prefix + name);
+  return value == nullptr ? 0 : value->number();
 }
 
 /// Adds the difference of two numbers if both are known.
@@ -72,12 +77,12 @@ void add_difference(const Json& minuend, const Json& subtrahend, const char* key
 }
 
 Json reach_of(const Json& old) {
-  Json out = {{"step", enumerator("REACH_STEP_", value_of(old, "step"))}};
+  Json out = {{"step", enumerator("REACH_STEP_", value_of(old, "step"), *v1::ReachStep_descriptor())}};
   copy_keys(old, {"number", "hold_mm", "rise_s", "rest_ratio", "ratio_change", "twist", "smoothness", "flags", "resumed"}, out);
   for (const char* point : {"p1", "p2", "p3"}) {
     const std::string name(point);
     if (const Json mm = value_of(old, (name + "_mm").c_str()); !mm.is_null()) {
-      out[name] = {{"scan", value_of(old, (name + "_scan").c_str())}, {"value_mm", mm}};
+      out[name] = {{"scan", value_of(old, (name + "_scan").c_str())}, {"value_mm", unsigned_zero(mm)}};
     }
   }
   add_difference(value_of(old, "p1_mm"), value_of(old, "p2_mm"), "d1_mm", out);
@@ -102,7 +107,7 @@ Json result_of(const Json& old) {
 }
 
 Json trial_of(const Json& old) {
-  Json out = {{"step", enumerator("TRIAL_EVENT_KIND_", value_of(old, "phase"))}};
+  Json out = {{"step", enumerator("TRIAL_EVENT_KIND_", value_of(old, "phase"), *v1::TrialEventKind_descriptor())}};
   copy_keys(old, {"trial", "attempt", "block", "condition", "target_cm", "rest_s"}, out);
   for (const auto& [key, value] : old.items()) {
     const bool is_label = value.is_string() && !is_own_key(key) && std::ranges::find(kTrialKeys, key) == kTrialKeys.end();
@@ -120,8 +125,9 @@ Json sway_of(const Json& old) {
   const Json measures = value_of(old, "measures");
   if (!measures.is_object()) return out;
   for (const auto& [symbol, entry] : measures.items()) {
+    if (!entry.is_object() || !value_of(entry, "value").is_number()) return Json::array();  // invalid: absent would read as 0
     Json measure = {{"symbol", symbol}};
-    if (entry.is_object()) copy_keys(entry, {"value", "unit"}, measure);
+    copy_keys(entry, {"value", "unit"}, measure);
     out["measures"].push_back(std::move(measure));
   }
   return out;
@@ -133,7 +139,7 @@ Json session_of(const Json& old) {
   if (value_of(old, "state") == "aborted") {
     out["is_aborted"] = true;
   } else {
-    out["state"] = enumerator("SESSION_STATE_", value_of(old, "state"));
+    out["state"] = enumerator("SESSION_STATE_", value_of(old, "state"), *v1::SessionState_descriptor());
   }
   return out;
 }
@@ -162,20 +168,21 @@ Json renewed(const Json& old) {
   } else if (word == "segment") {
     copy_keys(old, {"host_time_ns"}, out);
     out["segment_start"] = copied(old, {"missing_scans", "is_exact"});
-    if (old.contains("reason")) out["segment_start"]["reason"] = enumerator("GAP_REASON_", value_of(old, "reason"));
+    if (old.contains("reason"))
+      out["segment_start"]["reason"] = enumerator("GAP_REASON_", value_of(old, "reason"), *v1::GapReason_descriptor());
   } else if (word == "session") {
     out["session"] = session_of(old);
   } else if (word == "device") {
     out["device"] = copied(old, {"message"});
-    out["device"]["state"] = enumerator("DEVICE_STATE_", value_of(old, "state"));
+    out["device"]["state"] = enumerator("DEVICE_STATE_", value_of(old, "state"), *v1::DeviceState_descriptor());
   } else if (word == "trigger") {
     out["trigger"] = copied(old, {"channel"});
-    out["trigger"]["edge"] = enumerator("TRIGGER_EDGE_", value_of(old, "edge"));
+    out["trigger"]["edge"] = enumerator("TRIGGER_EDGE_", value_of(old, "edge"), *v1::TriggerEdge_descriptor());
   } else if (word == "marker") {
     out["marker"] = copied(old, {"text"});
   } else if (word == "loss") {
     out["loss"] = copied(old, {"scans"});
-  } else if (word == "figure") {
+  } else if (word == "figure" && value_of(old, "value").is_number()) {  // absent would read as 0
     out["figure"] = copied(old, {"name", "value", "unit", "details"});
   } else {
     return nullptr;

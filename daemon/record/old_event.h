@@ -10,7 +10,8 @@
 /// only place that knows that form. Thread: any.
 namespace dts::record {
 
-/// Returns the event; nothing if the text is not of this form, has an unknown word in "event", a value of the wrong type or out of range,
+/// Returns the event; nothing if the text is not of this form, has an unknown word in "event", a value that the present form
+/// cannot hold,
 /// more than 64 keys or 64 KiB, or is nested too deeply.
 [[nodiscard]] std::optional<v1::Event> old_event_of(const std::string& text);
 

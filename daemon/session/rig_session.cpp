@@ -216,6 +216,7 @@ void RigSession::end_recording_if_judged(const Moment& moment) {
   if (is_aborted_) {  // in the recording too, because the catalogue may be rebuilt from it
     v1::Event aborted = to_event(session_.view(moment.now_ns));
     aborted.mutable_session()->set_is_aborted(true);
+    aborted.mutable_session()->clear_state();  // it has been recorded
     aborted.mutable_session()->set_message(record::clean_text(end_reason_));
     note(std::move(aborted), moment.at);
   }

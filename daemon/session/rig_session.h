@@ -82,7 +82,7 @@ class RigSession {
   /// Returns nothing if the protocol has no trials.
   [[nodiscard]] std::optional<TrialView> trial_view(std::int64_t now_ns) const;
   /// Returns the events to publish since the last call, oldest first: changes of the session, steps and results of its trials. They are
-  /// already in the recording.
+  /// already in the recording, unless it has failed.
   [[nodiscard]] std::vector<v1::Event> take_events() { return std::exchange(events_, {}); }
 
  private:

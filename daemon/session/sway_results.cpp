@@ -2,7 +2,7 @@
 #include "session/sway_results.h"
 
 #include <algorithm>
-#include <new>
+#include <exception>
 
 namespace dts::session {
 namespace {
@@ -38,8 +38,8 @@ std::optional<CopCut> samples_of(SwayTrialResult& result, const CopTrace& trace,
 core::Result<posturography::Analysis> analyse(const CopCut& samples) {
   try {
     return posturography::analyse(samples.series(), {.preparation = posturography::kReportPreparation});
-  } catch (const std::bad_alloc&) {
-    return core::fail(core::ErrorCode::LimitExceeded, "too little memory: analyse the recording with dtslab sway");
+  } catch (const std::exception& error) {  // no memory: not a reason to end the daemon
+    return core::fail(core::ErrorCode::LimitExceeded, std::string(error.what()) + ": analyse the recording with dtslab sway");
   }
 }
 

@@ -51,7 +51,8 @@ struct MissingQuotient {
 
 /// Computes results from the centre of pressure and the events of a protocol, with the report's definition (lp10, 100 Hz). Depends only on
 /// its inputs, so that daemon, report and laboratory agree on the same recording. Memory is bounded: keeps at most `CopTrace::kMostSamples`
-/// samples. Thread: one at a time; the analyses, which need up to 0.5 s each, run on the worker.
+/// samples, and those of trials that wait for their analysis. Thread: one at a time; the analyses, which need up to 0.5 s each, run on the
+/// worker.
 class SwayResults {
  public:
   static constexpr std::size_t kMostAttempts = std::size_t{2} * kMostTrials;

@@ -176,7 +176,10 @@ class Folder {
     if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the recordings");
     path_ = name;
   }
-  ~Folder() { std::filesystem::remove_all(path_); }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
   Folder(const Folder&) = delete;
   Folder& operator=(const Folder&) = delete;
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
@@ -186,8 +189,8 @@ class Folder {
 };
 
 std::unique_ptr<session::Recordings> open_recordings(const std::string& folder, core::Clock& clock) {
-  auto recordings = session::Recordings::open(
-      {.directory = folder, .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0}, clock, core::Log());
+  auto recordings = session::Recordings::open({.directory = folder, .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0},
+                                              clock, core::Log());
   if (!recordings) throw std::runtime_error(core::to_string(recordings.error()));
   return std::move(*recordings);
 }
@@ -197,8 +200,9 @@ class Runner {
   Runner(const Case& golden, const Scans& scans)
       : golden_(golden),
         scans_(scans),
-        supervisor_(clock_, core::Log(), nullptr,
-                    {.recordings = *recordings_, .worker = worker_, .protocols = golden.protocols, .software = "dtsd 0", .boot_id = "boot"}),
+        supervisor_(
+            clock_, core::Log(), nullptr,
+            {.recordings = *recordings_, .worker = worker_, .protocols = golden.protocols, .software = "dtsd 0", .boot_id = "boot"}),
         handler_(supervisor_, clock_, {.instance_id = kInstance, .version = "0", .boot_id = "boot", .started_ns = kStartNs}, {},
                  ipc::KeyCommands(nullptr, clock_, {})) {
     auto device = std::make_unique<PlayedDevice>(golden.rig.device_uri, scans.channels);
@@ -226,6 +230,7 @@ class Runner {
     post_status();
     supervisor_.stop();
     publish_notices();
+    pass_barrier();  // answers do not go through the publish thread
     answer_waiting();
     publisher_->stop();
     return sent_.lines();
@@ -301,6 +306,7 @@ class Runner {
     supervisor_.tick();
     finish_pending();
     publish_notices();
+    pass_barrier();  // answers do not go through the publish thread
     answer_waiting();
     pass_barrier();
   }
@@ -310,6 +316,11 @@ class Runner {
     while (rig_->tap().waiting() > rig_->tap().capacity() / 2) std::this_thread::sleep_for(std::chrono::microseconds(50));
     worker_.run([] {}).wait();
     supervisor_.tick();
+    finish_stop();
+  }
+
+  /// Waits until the recording of a session that stops is closed.
+  void finish_stop() {
     if (supervisor_.states().front().session.state != session::SessionState::Stopping) return;
     recordings_->wait_until_closed(kPatience);
     supervisor_.tick();
@@ -353,8 +364,9 @@ class Runner {
     } else {
       sent_.add_line(line_of("", answer.response));
     }
-    finish_pending();
+    finish_stop();
     publish_notices();
+    pass_barrier();  // answers do not go through the publish thread
     answer_waiting();
     pass_barrier();
   }

@@ -24,7 +24,7 @@ from weave import weave
 BUILD = TOP / "build" / "mutated"
 WOVEN = WORK / "woven"
 REACH_BYTES = 8 << 16  # mutation.h: kPlaces
-ROOMS = ["core", "pipeline", "record", "session", "ipc", "device", "classifier", "posturography", "physics", "sim", "files", "access", "app",
+ROOMS = ["core", "pipeline", "record", "session", "ipc", "device", "classifier", "posturography", "physics", "sim", "events", "files", "access", "app",
          "libdts", "gateway", "ctl", "cli", "report", "lab"]
 # Programs that judge a room beside its unit program: what they test lives in that room.
 SUBJECT = {"device": ["contract_device", "usb_umockdev"], "pipeline": ["contract_stage", "golden_cases"], "session": ["golden_cases"],

@@ -59,7 +59,7 @@ class Installed(unittest.TestCase):
 
     def test_RigsOfTheConfiguration_AreSoundOnceTheyAreNoCommentAnyMore(self) -> None:
         text = TABLE.sub("", (self.etc / "dtsd.toml").read_text())
-        first, second = text.index("[[rig]]"), text.index("# No DAQ at hand")
+        first, second = text.index("[[rig]]"), text.index("# Without a DAQ")
         hardware, simulated = text[:second], text[:first] + text[second:]
         for name, whole, rigs in (("hardware", hardware, 1), ("simulated", simulated, 2)):
             file = self.etc / f"{name}.toml"
@@ -112,7 +112,7 @@ class Installed(unittest.TestCase):
                 status = gateway.wait(PATIENCE_S)
 
         self.assertRegex(said, r"^listening on http://127\.0\.0\.1:\d+/$")
-        self.assertIn(b"<title>dtsd</title>", title)
+        self.assertIn(b"<title>Tactile sensing (dtsd)</title>", title)
         self.assertEqual(status, 0)
 
     def test_GatewayRefusesAConfigurationWithAnUnknownWord(self) -> None:

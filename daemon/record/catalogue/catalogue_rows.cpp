@@ -12,7 +12,8 @@ namespace dts::record {
 bool is_valid(const TrialRow& trial) {
   if (trial.outcome != "done") return false;
   const auto result = event_of_text(trial.result);
-  return !result || !result->has_sway() || result->sway().is_valid();
+  if (!result) return trial.result.empty();  // a result that cannot be read proves nothing
+  return !result->has_sway() || result->sway().is_valid();
 }
 
 std::string state_of(const SessionRow& session) {

@@ -109,6 +109,7 @@ EventCells cells_of(const TimedEvent& timed) {
     rest->GetReflection()->ClearField(rest.get(), field);
     break;
   }
+  if (timed.event.session().is_aborted()) cells.text = "aborted";
   cells.details = wire::to_json(*rest);
   if (timed.event.has_segment_start() && timed.event.has_host_time_ns()) {  // ties the recording to the host's clock
     const std::string host_time = "{\"host_time_ns\":\"" + std::to_string(timed.event.host_time_ns()) + "\"";

@@ -15,11 +15,11 @@ namespace dts::wire {
 
 inline constexpr std::size_t kLongestEventJson = std::size_t{64} << 10U;
 
-/// Returns one line. Drops bytes that are not UTF-8.
+/// Returns one line, always the same for the same message. Drops bytes that are not UTF-8.
 [[nodiscard]] std::string to_json(const google::protobuf::Message& message);
 
-/// Reads an event from any source. Returns nothing if the text has more than 64 KiB, is no JSON of an event, is nested too deeply, has a
-/// number out of range, or has no body that this version knows. Skips keys that this version does not know.
+/// Reads an event from any source. Returns nothing if the text has more than 64 KiB, is not JSON of an event, has a value of another type
+/// or a number out of range, or has no body that this version knows. Skips keys and names of enumerators that this version does not know.
 [[nodiscard]] std::optional<v1::Event> event_of_json(std::string_view text);
 
 }  // namespace dts::wire

@@ -154,7 +154,7 @@ TEST(Events, Analysis_ComesBackToTheLastBit) {
 }
 
 TEST(Events, MeasuresThatAreUnknownOrInAnotherUnit_AreSkipped) {
-  const std::string good = "sway { profile: 'lp10' rate_hz: 100 samples: 1 duration_s: 1 ";
+  const std::string good = "sway { profile: 'lp10' rate_hz: 100 samples: 1 duration_s: 1 flags: 0 ";
   const auto read = analysis_of(test::event_of(good + "measures { symbol: 'LATER' value: 1 unit: 'mm' }"
                                                       "measures { symbol: 'MVELO' value: 1 unit: 'cm/s' }"
                                                       "measures { symbol: 'RDIST' value: 3 unit: 'mm' } }")
@@ -163,9 +163,10 @@ TEST(Events, MeasuresThatAreUnknownOrInAnotherUnit_AreSkipped) {
   EXPECT_EQ(read->measures.count(), 1U);
   EXPECT_EQ(read->measures.get(Measure::Rdist), 3.0);
   for (const char* bad :
-       {"sway {}", "sway { profile: 'x' rate_hz: 100 samples: 1 duration_s: 1 }",
-        "sway { profile: 'lp10' rate_hz: nan samples: 1 duration_s: 1 }", "sway { profile: 'lp10' samples: 1 duration_s: 1 }",
-        "sway { profile: 'lp10' rate_hz: 100 duration_s: 1 }", "sway { profile: 'lp10' rate_hz: 100 samples: 1 }"}) {
+       {"sway {}", "sway { profile: 'x' rate_hz: 100 samples: 1 duration_s: 1 flags: 0 }",
+        "sway { profile: 'lp10' rate_hz: nan samples: 1 duration_s: 1 flags: 0 }",
+        "sway { profile: 'lp10' samples: 1 duration_s: 1 flags: 0 }", "sway { profile: 'lp10' rate_hz: 100 duration_s: 1 flags: 0 }",
+        "sway { profile: 'lp10' rate_hz: 100 samples: 1 flags: 0 }", "sway { profile: 'lp10' rate_hz: 100 samples: 1 duration_s: 1 }"}) {
     EXPECT_FALSE(analysis_of(test::event_of(bad).sway())) << bad;
   }
   EXPECT_FALSE(analysis_of(test::event_of(good + "measures { symbol: 'RDIST' value: inf unit: 'mm' } }").sway()));

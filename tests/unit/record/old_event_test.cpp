@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "dts/wire/event_json.h"
@@ -58,12 +60,28 @@ TEST(OldEvent, OfEveryKind_SaysTheSame) {
 }
 
 TEST(OldEvent, WhatIsNone_IsRefused) {
-  for (const char* text :
-       {"", "press", "[]", "3", "{}", R"({"event":3})", R"({"event":"later","x":1})", R"({"event":"marker","segment":-1})",
-        R"({"event":"marker","segment":4294967296})", R"({"event":"marker","scan":1.5})", R"({"event":"marker","text":7})",
-        R"({"event":"marker")", R"({"event":"loss","scans":-3})", R"({"event":"reach","step":"p1","p2_mm":1,"p2_scan":1.5})",
-        R"({"event":"reach","step":"p1","rise_s":"long"})", R"({"event":"sway","labels":{"eyes":1}})", R"({"event":"sway","labels":[]})",
-        R"({"event":"sway","measures":{"MVELO":{"value":"x","unit":"mm/s"}}})", "{\"event\":\"\xFF\"}"}) {
+  for (const char* text : {"",
+                           "press",
+                           "[]",
+                           "3",
+                           "{}",
+                           R"({"event":3})",
+                           R"({"event":"later","x":1})",
+                           R"({"event":"marker","segment":-1})",
+                           R"({"event":"marker","segment":4294967296})",
+                           R"({"event":"marker","scan":1.5})",
+                           R"({"event":"marker","text":7})",
+                           R"({"event":"marker")",
+                           R"({"event":"loss","scans":-3})",
+                           R"({"event":"reach","step":"p1","p2_mm":1,"p2_scan":1.5})",
+                           R"({"event":"reach","step":"p1","rise_s":"long"})",
+                           R"({"event":"sway","labels":{"eyes":1}})",
+                           R"({"event":"sway","labels":[]})",
+                           R"({"event":"sway","measures":{"MVELO":{"value":"x","unit":"mm/s"}}})",
+                           R"({"event":"sway","measures":{"MVELO":{"unit":"mm/s"}}})",
+                           R"({"event":"sway","measures":{"MVELO":{"value":null,"unit":"mm/s"}}})",
+                           R"({"event":"figure","name":"x","value":null})",
+                           "{\"event\":\"\xFF\"}"}) {
     EXPECT_EQ(renewed(text), "") << text;
   }
 }
@@ -82,6 +100,12 @@ TEST(OldEvent, TooMuchOfAnything_IsRefused) {
   EXPECT_FALSE(old_event_of(R"({"event":"marker","text":")" + std::string(64U << 10U, 'x') + "\"}"));
   EXPECT_FALSE(old_event_of(R"({"event":"marker","deep":)" + std::string(30'000, '[') + std::string(30'000, ']') + "}"));
   EXPECT_TRUE(old_event_of(R"({"event":"marker","text":"[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[\"["})")) << "brackets in a text are none";
+}
+
+TEST(OldEvent, NegativeZero_IsZeroAsInThePresentForm) {
+  const v1::Event event = old_event_of(R"({"event":"reach","step":"p1","twist":-0.0,"p1_scan":4,"p1_mm":-0.0})").value();
+  EXPECT_FALSE(std::signbit(event.reach().twist()));
+  EXPECT_FALSE(std::signbit(event.reach().p1().value_mm()));
 }
 
 TEST(OldCells, AreThoseOfTheRecordedObject) {

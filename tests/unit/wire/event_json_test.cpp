@@ -69,9 +69,20 @@ TEST(EventJson, WhatIsNoEvent_IsRefused) {
                            R"({"reach":{"flags":1.5}})",
                            R"({"reach":{"number":-1}})",
                            R"({"class":{"trunk_class":2}})",
+                           "{marker:{text:'a'}}",
+                           R"({"marker":{"text":"a"},})",
                            "{\"marker\":{\"text\":\"\xFF\"}}"}) {
     EXPECT_FALSE(event_of_json(text)) << text;
   }
+}
+
+TEST(EventJson, SameEvent_IsAlwaysTheSameText) {
+  const v1::Event event = event_of(
+      "trial { trial: 1 labels { key: 'surface' value: 'firm' } labels { key: 'eyes' value: 'open' } labels { key: 'feet' value: 'two' } "
+      "}");
+  const std::string text = to_json(event);
+  EXPECT_NE(text.find(R"("labels":{"eyes":"open","feet":"two","surface":"firm"})"), std::string::npos) << text;
+  for (int copy = 0; copy < 100; ++copy) EXPECT_EQ(to_json(*event_of_json(text)), text);
 }
 
 TEST(EventJson, TooMuchOfAnything_IsRefusedOrHarmless) {

@@ -148,7 +148,7 @@ def _losses_of(events: list[Event], table: "_SegmentTable", reference: XdfStream
         if event.kind == "loss":
             reason, scans = "ring_full", event.fields.get("scans")
         elif event.kind == "segment" and has_begun:
-            reason, scans = str(event.fields.get("reason", "unknown")), event.fields.get("missing_scans")
+            reason, scans = str(event.fields.get("reason", "none")), event.fields.get("missing_scans")
         else:
             has_begun = has_begun or event.kind == "segment"
             continue

@@ -177,11 +177,12 @@ TEST_F(PlateCaseTest, PlatesThatTheTheoryDoesNotHoldFor_AreWarnedOf) {
     std::vector<std::string> options;
     std::string says;
   };
-  const std::string lifts = "; the plate lifts off this support unless something holds it down, and then bends otherwise\n";
+  const std::string lifts = " (upward); unless the plate is held down there, it lifts off this support and bends differently\n";
   const std::vector<Warned> cases{
       {under(215.0, 9.80665),
        {},
-       "warning: the plate bends by 3.55 mm, more than half its thickness (4.00 mm): linear theory is wrong there, real plates stiffen by "
+       "warning: the plate bends by 3.55 mm, more than half its thickness (4.00 mm): linear theory is not valid here, because real plates "
+       "stiffen by "
        "stretching; use --nonlinear\n"},  // no probe: wherever it bends
       {under(215.0, 9.80665), {"--nonlinear"}, ""},
       {under(215.0, 200.0),

@@ -189,7 +189,7 @@ TEST_F(RunTest, ReplayOfWhatIsTornOrNoneOfOurs_ExitsAsTheManualSays) {
       foreign->add_stream({.name = "EEG", .content = "EEG", .rate = core::Rate::create(100, 1).value(), .channels = {{.label = "Fz"}}});
   ASSERT_TRUE(foreign->write_samples(number, 1.0, std::vector<double>(100, 1.0), {}));
   ASSERT_TRUE(foreign->close());
-  EXPECT_THAT(refusal_of({"replay", path("foreign.xdf")}), HasSubstr("no recording of dtsd"));
+  EXPECT_THAT(refusal_of({"replay", path("foreign.xdf")}), HasSubstr("not a recording of dtsd"));
 
   EXPECT_EQ(run_with({"replay", path("none.xdf")}), cli::kUsage);
   EXPECT_EQ(run_with({"replay", write("text.xdf", "no XDF at all")}), cli::exit_status(core::ErrorCode::DataDamaged));

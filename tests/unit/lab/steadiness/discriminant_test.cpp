@@ -219,7 +219,7 @@ TEST(SteadinessModel, Damage_IsNamed) {
   EXPECT_THAT(damaged("\"offsets\": [", "\"offsets\": [0.5,"), HasSubstr("'offsets'"));
   EXPECT_THAT(damaged("\"offsets\": [", "\"offsets\": [1e999,"), HasSubstr("not JSON"));
   EXPECT_THAT(damaged("\"weights\": [", "\"weights\": [[],"), HasSubstr("'weights'"));
-  EXPECT_THAT(damaged("\"a\"", "\"b\""), HasSubstr("do not rise"));
+  EXPECT_THAT(damaged("\"a\"", "\"b\""), HasSubstr("is not in alphabetical order"));
   EXPECT_THAT(damaged("\"least\"", "\"lowest\""), HasSubstr("'least' is missing"));
   for (std::size_t length = 0; length + 2 < text.size(); length += 7)
     EXPECT_FALSE(read_model_text(text.substr(0, length), "cut")) << length;

@@ -139,8 +139,26 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
   trials.print(console);
 }
 
+/// For a session in which no trial has a result: the columns of no task would help.
+void print_without_results(cli::Console& console, const v1::SessionRecord& session) {
+  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", ">PART", ">SEGMENT", ">FROM .. TO SCAN"});
+  for (const v1::TrialRecord& trial : session.trials()) {
+    trials.add({{std::to_string(trial.trial())},
+                {std::to_string(trial.attempt())},
+                {std::to_string(trial.block())},
+                {trial.condition()},
+                outcome_cell(trial),
+                {std::to_string(trial.part())},
+                {std::to_string(trial.segment())},
+                {place_text(trial)}});
+  }
+  if (session.trials_size() > 0) console.out << '\n';
+  trials.print(console);
+}
+
 void print_trials(cli::Console& console, const v1::SessionRecord& session) {
   if (std::ranges::any_of(session.trials(), &v1::TrialRecord::has_sway)) return print_standing(console, session);
+  if (std::ranges::none_of(session.trials(), &v1::TrialRecord::has_result)) return print_without_results(console, session);
   cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", ">P1 mm", ">P2 mm", ">P3 mm", "TRUNK", "p 1 2 3",
                      ">DEG (90 %)", ">PART", ">SEGMENT", ">FROM .. TO SCAN"});
   for (const v1::TrialRecord& trial : session.trials()) {

@@ -53,7 +53,7 @@ class Inbox {
     TopicName name;  ///< Views into `text`.
     const StreamFormat* format = nullptr;
     v1::StreamBlock block;
-    bool is_pending = false;  ///< `block` has not been handed out.
+    bool is_pending = false;  ///< The reader has not received `block` yet.
     bool is_queued = false;   ///< `ready_` has an entry for `block`.
     LossTracker tracker;
     std::uint64_t lost_scans = 0;

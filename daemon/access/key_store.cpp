@@ -128,7 +128,7 @@ core::Status KeyStore::add(const ClientKey& key) {
     return core::fail(core::ErrorCode::WrongState, "another client has this public key already");
   if (all.size() == kMostKeys)
     return core::fail(core::ErrorCode::LimitExceeded, "there are 1000 keys already",
-                      "revoke the keys that nobody uses: dtsctl key list shows them");
+                      "revoke keys that are no longer needed; dtsctl key list shows all of them with their dates");
   all.push_back(key);
   return write(std::move(all));
 }

@@ -19,7 +19,8 @@ bool needs_plate_model(const pipeline::RigConfig& rig) {
   return rig.kind == "floor" && (!rig.cop_calibration || rig.device_uri.starts_with("sim:"));
 }
 
-/// Returns the deflection of the plate's centre under one foot; nothing if the plate is invalid, which is reported when the rig is created.
+/// Returns how far the plate's centre bends when a subject stands there on one foot; nothing if the plate is invalid, which is reported
+/// when the rig is created.
 std::optional<double> deflection_mm(const physics::RigModel& model, const physics::Stance& stance) {
   const std::array centre{physics::Point{model.plate.a * 0.5, model.plate.b * 0.5}};
   const auto plate = physics::StiffeningPlate::create(model.plate, model.support, centre);

@@ -15,9 +15,9 @@ namespace dts::app {
 /// through its pipeline and the publish thread runs. A plain timer would keep a frozen daemon alive for ever.
 ///
 /// If an acquire thread opens a device for longer than `kOpeningNs` (a driver that does not return), its rig is hung. A hung rig counts as
-/// stuck only if no other rig has a session, because the restart would interrupt that session. Does not check the record thread. The
-/// control thread is checked because it makes this call: it also writes the catalogue, so a disk that hangs for longer than WatchdogSec
-/// ends the daemon. Thread: control.
+/// stuck only if no other rig has a session, because the restart would interrupt that session. The record thread is not checked: a slow
+/// disk may hold it while the stream goes well. The control thread is checked because it makes this call: it also writes the catalogue, so
+/// a disk that hangs for longer than WatchdogSec ends the daemon. Thread: control.
 class ProgressWatch {
  public:
   /// `patience_ns`: longest time without progress.

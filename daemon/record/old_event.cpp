@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxKeys = 64;
 constexpr int kMaxDepth = 32;
-/// Keys of the main text. The first key that the event has is used.
+/// JSON keys that can hold the main text of an event. The first one that the event has is used.
 constexpr std::array<std::string_view, 5> kMainKeys{"text", "phase", "state", "edge", "reason"};
 /// Keys of a trial; every other key with a text is a label.
 constexpr std::array<std::string_view, 7> kTrialKeys{"phase", "trial", "attempt", "block", "condition", "target_cm", "rest_s"};

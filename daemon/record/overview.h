@@ -23,7 +23,7 @@ struct Overview {
   std::optional<SessionFacts> session;
   std::string damage;     ///< Why the file is not whole; empty: it is.
   std::uint64_t end = 0;  ///< End of the last readable chunk, in bytes.
-  /// From our events; without them, from the time stamps of the reference stream.
+  /// From the events that dtsd recorded; if the file has none, from the time stamps of the reference stream.
   SegmentTable segments;
   bool has_segment_events = false;
   /// Rate of the reference stream: "raw", or the fastest stream without one. Events count its scans.

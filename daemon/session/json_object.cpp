@@ -10,7 +10,7 @@ namespace {
 
 /// RFC 8259 section 7. Replaces bytes outside ASCII by '?': names of conditions are words from a protocol file, and invalid UTF-8 would
 /// make the whole document unreadable.
-std::string quoted(std::string_view words) {
+std::string json_text(std::string_view words) {
   std::string text = "\"";
   for (const char letter : words) {
     const auto byte = static_cast<unsigned char>(letter);
@@ -39,11 +39,11 @@ void JsonObject::add(std::string_view name, std::optional<double> value) {
 
 void JsonObject::add(std::string_view name, std::size_t count) { add_json(name, std::to_string(count)); }
 
-void JsonObject::add(std::string_view name, const std::string& words) { add_json(name, quoted(words)); }
+void JsonObject::add(std::string_view name, const std::string& words) { add_json(name, json_text(words)); }
 
 void JsonObject::add_json(std::string_view name, const std::string& json) {
   if (!members_.empty()) members_ += ',';
-  members_ += quoted(name) + ":" + json;
+  members_ += json_text(name) + ":" + json;
 }
 
 }  // namespace dts::session

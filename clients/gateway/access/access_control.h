@@ -68,7 +68,7 @@ class AccessControl {
   /// Returns the number of logins that failed, or were refused because too many failed or wait.
   [[nodiscard]] virtual std::uint64_t refused_logins_total() const noexcept = 0;
   /// Writes the newest of the delayed logins to log and audit trail, with the number of the others, as soon as the limits allow; with
-  /// `is_end` at once. Every login does the same. Call it about every second, and at the end.
+  /// `is_end` at once. Every login also does this. Call it about every second, and at the end.
   virtual void report_rest(bool is_end) = 0;
 
  protected:

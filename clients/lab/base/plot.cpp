@@ -17,7 +17,7 @@ constexpr auto kPalette =
     "set tics out nomirror\n";
 
 /// Quotes a text in gnuplot's single quotes.
-std::string quoted(const std::string& text) {
+std::string gnuplot_text(const std::string& text) {
   std::string safe = "'";
   for (const char letter : text) {
     if (letter == '\'') safe += '\'';
@@ -75,7 +75,8 @@ std::string map_script(const PlateMap& map) {
   write_patches(script, map.patches);
   const std::string a = std::to_string(map.plate.a.value);
   const std::string b = std::to_string(map.plate.b.value);
-  script << kPalette << "set title " << quoted(map.title) << " noenhanced\nset cblabel " << quoted(map.quantity) << " noenhanced\n"
+  script << kPalette << "set title " << gnuplot_text(map.title) << " noenhanced\nset cblabel " << gnuplot_text(map.quantity)
+         << " noenhanced\n"
          << "set cblabel offset 1.5\nset xlabel 'x (mm)'\nset ylabel 'y (mm)'\nset size ratio -1\nset key below\n"
          << "set xrange [" << -0.04 * map.plate.a.value << ':' << 1.04 * map.plate.a.value << "]\nset yrange [" << -0.04 * map.plate.b.value
          << ':' << 1.04 * map.plate.b.value << "]\n"
@@ -90,7 +91,7 @@ std::string map_script(const PlateMap& map) {
     if (map.marks[k].points.empty()) continue;
     script << ", $marks" << k << " using 1:2 with points pt " << map.marks[k].symbol << " ps " << 1.4 * map.marks[k].size
            << " lc rgb 'white' notitle, $marks" << k << " using 1:2 with points pt " << map.marks[k].symbol << " ps " << map.marks[k].size
-           << " lc rgb '#d1495b' title " << quoted(map.marks[k].name);
+           << " lc rgb '#d1495b' title " << gnuplot_text(map.marks[k].name);
   }
   script << '\n';
   return script.str();
@@ -115,8 +116,8 @@ std::string style_of(CurveStyle style, std::size_t k) {
 core::Status draw_curves(const CurvePlot& plot, const std::string& file) {
   std::ostringstream script;
   script.precision(9);
-  script << "set title " << quoted(plot.title) << " noenhanced\nset xlabel " << quoted(plot.x_label) << "\nset ylabel "
-         << quoted(plot.y_label) << "\nset key below\nset grid\n"
+  script << "set title " << gnuplot_text(plot.title) << " noenhanced\nset xlabel " << gnuplot_text(plot.x_label) << "\nset ylabel "
+         << gnuplot_text(plot.y_label) << "\nset key below\nset grid\n"
          << (plot.is_from_zero ? "set yrange [0:*]\n" : "");
   for (std::size_t k = 0; k < plot.curves.size(); ++k) {
     script << "$curve" << k << " << END\n";
@@ -126,7 +127,7 @@ core::Status draw_curves(const CurvePlot& plot, const std::string& file) {
   script << "plot ";
   for (std::size_t k = 0; k < plot.curves.size(); ++k) {
     script << (k == 0 ? "" : ", ") << "$curve" << k << " using 1:2 with " << style_of(plot.curves[k].style, k) << " title "
-           << quoted(plot.curves[k].name);
+           << gnuplot_text(plot.curves[k].name);
   }
   script << '\n';
   return draw(script.str(), file);

@@ -17,7 +17,7 @@ struct PlacementTimes {
 /// The object at one moment.
 struct Placement {
   std::size_t index = 0;  ///< Number of the object, from 0.
-  double part = 0.0;      ///< Part of its load: 0 .. 1.
+  double part = 0.0;      ///< Share of the object's load that rests on the plate: 0 .. 1.
 };
 
 ///     part 1       ______            ______

@@ -50,7 +50,7 @@ DeviceCheck describe_loss(std::int64_t missing_ns, std::int64_t limit_ns) {
   using enum DeviceCheck::Outcome;
   std::array<char, 192> text{};
   std::snprintf(text.data(), text.size(),
-                "the newest scans arrive %.1f ms later than those before; above %.1f ms scans are missing, or its clock is far too slow",
+                "lateness rose by %.1f ms; more than %.1f ms would mean missing scans, or a device clock that is far too slow",
                 static_cast<double>(missing_ns) * 1e-6, static_cast<double>(limit_ns) * 1e-6);
   return {kLossCheck, missing_ns <= limit_ns ? Passed : Failed, text.data()};
 }

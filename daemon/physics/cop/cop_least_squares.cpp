@@ -10,7 +10,7 @@ namespace {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// If a solution follows a row exactly, no other row can check it.
+/// Below this, the fit passes through the row whatever its value, so the other rows cannot check it.
 constexpr double kSmallestFreedom = 1e-6;
 
 std::vector<double> flat(const Rows& matrix) { return {matrix.data(), matrix.data() + matrix.size()}; }

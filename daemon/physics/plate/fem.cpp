@@ -115,8 +115,8 @@ class Fem final : public Discretisation {
   }
 
   /// Returns the 2 x 2 Gauss points, with the slopes of the chords across the cell. These are constant along the chords, like the gradients
-  /// of the bilinear in-plane displacements that must balance them. The true slopes lock: 0.5 % too stiff at 686 N and 40 divisions; chords
-  /// 0.01 %.
+  /// of the bilinear in-plane displacements that must balance them. With the true slopes the element locks (0.5 % too stiff at 686 N and
+  /// 40 divisions); with the chords it is 0.01 % too stiff.
   [[nodiscard]] std::vector<MembranePoint> membrane_points() const override;
 
  private:

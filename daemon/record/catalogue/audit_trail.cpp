@@ -111,7 +111,7 @@ core::Status AuditTrail::append_second(const AuditEntry& entry) const {
   if (file >= 0) ::close(file);
   if (written == static_cast<ssize_t>(line.size())) return {};
   return core::fail_errno(written < 0 ? error : ENOSPC,
-                          "entry " + std::to_string(entry.number) + " stands in the catalogue, but not in " + second_file_,
+                          "audit entry " + std::to_string(entry.number) + " is in the catalogue, but was not written to " + second_file_,
                           "make room, or make the file writable for dtsd");
 }
 

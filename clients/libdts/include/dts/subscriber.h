@@ -52,8 +52,8 @@ struct SubscriberStatistics {
 class Subscriber {
  public:
   /// Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start later, and is connected
-  /// in the background. If a local daemon runs, the topics are on their way to it when this returns: it serves them within its next turn,
-  /// some milliseconds.
+  /// in the background. If a local daemon runs, the subscriptions are sent before this returns; the daemon serves them some milliseconds
+  /// later.
   [[nodiscard]] static Result<Subscriber> open(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(Subscriber&&) noexcept;

@@ -46,7 +46,7 @@ export const health = {
     4: 'rejected: signal unsteady',
     5: 'rejected: faulty sensor',
   } as Readonly<Record<number, string>>,
-  diskStates: { 1: 'fine', 2: 'low', 3: 'full', 4: 'not writable' } as Readonly<Record<number, string>>,
+  diskStates: { 1: 'OK', 2: 'low', 3: 'full', 4: 'not writable' } as Readonly<Record<number, string>>,
   gap: (time: string, reason: string, scans: string, isExact: boolean) => `${time}: ${reason}, ${isExact ? '' : 'about '}${scans} scans lost`,
   gapReasons: {
     0: 'unknown reason',
@@ -83,7 +83,7 @@ export const health = {
   },
   latency: {
     title: 'Latency',
-    sentence: 'Age of the newest scan of each block when it arrives in this tab, since the page was opened. Bars: share of blocks by age in ms.',
+    sentence: 'How old the newest data were when they reached this page. Bars: share of data packets by age in ms.',
     description: (median: string, p95: string) => `Half within ${median}, 95 % within ${p95}.`,
     bar: (end: string, share: string) => `to ${end} ms: ${share} %`,
     more: 'more',

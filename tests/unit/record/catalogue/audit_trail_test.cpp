@@ -175,7 +175,7 @@ TEST_F(Audit, SecondTrailGone_Shows) {
 TEST_F(Audit, SecondTrailCannotBeWritten_IsToldAndTheEntryStands) {
   std::filesystem::create_directory(second());
   const auto appended = catalogue().append_audit({.who = "local"});
-  EXPECT_THAT(what(appended), HasSubstr("entry 1 stands in the catalogue, but not in"));
+  EXPECT_THAT(what(appended), HasSubstr("audit entry 1 is in the catalogue, but was not written to"));
   EXPECT_EQ(catalogue().audit(10)->size(), 1U);
 }
 

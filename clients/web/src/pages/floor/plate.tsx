@@ -40,7 +40,7 @@ const sensorAt = (frame: Frame, rig: RigInfo, x: number, y: number): number =>
 interface Canvases {
   /** Plate, grid and labels: redrawn only when they change. */
   readonly ground: HTMLCanvasElement;
-  /** Everything that moves. */
+  /** Layer of what moves: redrawn often. */
   readonly top: HTMLCanvasElement;
 }
 

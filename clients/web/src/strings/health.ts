@@ -46,7 +46,7 @@ export const health = {
     4: 'rejected: signal unsteady',
     5: 'rejected: faulty sensor',
   } as Readonly<Record<number, string>>,
-  diskStates: { 1: 'OK', 2: 'low', 3: 'full', 4: 'not writable' } as Readonly<Record<number, string>>,
+  diskStates: { 1: 'fine', 2: 'low', 3: 'full', 4: 'not writable' } as Readonly<Record<number, string>>,
   gap: (time: string, reason: string, scans: string, isExact: boolean) => `${time}: ${reason}, ${isExact ? '' : 'about '}${scans} scans lost`,
   gapReasons: {
     0: 'unknown reason',

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Commands from a stranger, from the bytes of a message to the bytes of its answer: parser, gate, handler. Two daemons without sockets hear
-// each: one with a rig and protocols that records nothing, one with a catalogue and no rig. What they know grows during a run, so that a
-// find may need the inputs before it; sessions and keys are undone after each.
+// each: one with a rig and protocols on a disk that is too full for a session, one with a catalogue and no rig. What they know grows during
+// a run, so that a find may need the inputs before it; sessions and keys are undone after each.
 //
 // Input: [peer][length, 2 bytes][Request] ... , see Pieces.
 #include <google/protobuf/stubs/logging.h>
@@ -12,6 +12,7 @@
 
 #include "../clients/libdts/wire_check.h"
 #include "access/gate.h"
+#include "core/worker.h"
 #include "dts/wire/options.h"
 #include "fuzz/fuzz_support.h"
 #include "ipc/audit_trail.h"
@@ -53,8 +54,9 @@ class Daemons {
       : keys_(access::KeyStore::open(folder_.file("keys")).value()),
         gate_(keys_.get()),
         recordings_(session::Recordings::open({.directory = folder_.file("state")}, clock_, {}).value()),
-        with_rig_(clock_, {}, nullptr, {.protocols = protocols()}),
-        with_catalogue_(clock_, {}, nullptr, {.recordings = recordings_.get()}),
+        full_disk_(session::Recordings::open({.directory = folder_.file("full"), .refuse_below_min = 1e15}, clock_, {}).value()),
+        with_rig_(clock_, {}, nullptr, {.recordings = *full_disk_, .worker = worker_, .protocols = protocols()}),
+        with_catalogue_(clock_, {}, nullptr, {.recordings = *recordings_, .worker = worker_}),
         rig_handler_(with_rig_, clock_, kIdentity, {"a notice"}, {keys_.get(), clock_, {}}),
         catalogue_handler_(with_catalogue_, clock_, kIdentity, {},
                            {keys_.get(), clock_, {.control = "tcp://*:5555", .data = "tcp://*:5556"}}) {
@@ -130,7 +132,9 @@ class Daemons {
   core::Doorbell bell_;
   std::unique_ptr<access::KeyStore> keys_;
   access::Gate gate_;
+  core::Worker worker_{"analyse"};
   std::unique_ptr<session::Recordings> recordings_;
+  std::unique_ptr<session::Recordings> full_disk_;
   session::Supervisor with_rig_;
   session::Supervisor with_catalogue_;
   ipc::CommandHandler rig_handler_;

@@ -44,7 +44,7 @@ class DataSource {
 
 inline constexpr std::chrono::milliseconds kFirstReconnect{100};
 inline constexpr std::chrono::milliseconds kSlowestReconnect{1000};
-/// How long a local source waits for the daemon's answer when it connects; the answer takes less than 1 ms.
+/// How long a local source waits for the daemon's answer when it connects.
 inline constexpr std::chrono::milliseconds kFirstHandshake{500};
 inline constexpr std::chrono::milliseconds kReconnectHandshake{20};
 

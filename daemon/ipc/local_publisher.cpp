@@ -20,7 +20,7 @@ constexpr std::string_view kScheme = "ipc://";
 constexpr int kBacklog = 64;
 constexpr std::size_t kEventsPerTurn = 16;  // and so peers whose input is read in one turn
 constexpr int kAcceptsPerTurn = 16;
-constexpr std::size_t kBytesPerTurn = 1024;  ///< Read from one peer: some hundred subscriptions, which need less than 0.1 ms.
+constexpr std::size_t kBytesPerTurn = 1024;  ///< Read from one peer: some hundred subscriptions.
 constexpr std::size_t kLongestFrame = 512;   ///< From a peer: READY with its properties, or a subscription.
 constexpr std::size_t kKeptCapacity = std::size_t{64} << 10U;
 

@@ -7,7 +7,7 @@
 namespace dts::session {
 namespace {
 
-/// The analysis needs 5 ms for 1 min at 100 Hz, and 0.5 s and 100 MB for 10 min at 1500 Hz.
+/// The analysis needs 5 ms for 1 min at 100 Hz, and about 0.5 s for 10 min at 1500 Hz (sway_bench).
 constexpr double kLongestTrialS = 600.0;
 constexpr double kLastWordMs = 200.0;  // waits for the last event of the stage `steadiness`, 80 ms and one block after the end
 

@@ -24,7 +24,7 @@ struct SubscriberOptions {
   std::vector<std::string> topics;  ///< Prefixes: "floor/cop", "floor/", "" for all. Byte-wise: "floor" also matches "floor2/cop".
   Mode mode = Mode::All;
   /// Messages kept while the caller does not call `receive` (1..1000000). Only for a daemon on another machine. A local daemon keeps
-  /// 384 kB for each subscriber, and the kernel about 200 kB.
+  /// 384 kB for each subscriber, besides the buffer of the kernel.
   int queue_messages = 8192;
   /// For mode Latest after a stall: the queued blocks are old, and newer ones follow. `receive` reads on until the blocks are as fresh as
   /// before the stall, but no longer than this.

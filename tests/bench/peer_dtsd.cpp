@@ -32,8 +32,8 @@
 #include "core/worker.h"
 #include "dts/subscriber.h"
 #include "ipc/control_server.h"
+#include "ipc/local_publisher.h"
 #include "ipc/publish_thread.h"
-#include "ipc/xpub_socket.h"
 #include "session/recordings.h"
 #include "session/supervisor.h"
 
@@ -44,8 +44,6 @@ constexpr std::size_t kChannels = 16;
 constexpr const char* kRig = "bench";
 constexpr const char* kDefaultEndpoint = "tcp://127.0.0.1:5599";
 constexpr int kServeMs = 20;
-constexpr double kSubscriberQueueMs = 2000.0;  // as the daemon
-constexpr int kShortestSubscriberQueue = 1000;
 constexpr std::uint64_t kInstance = 1;
 
 /// For what a benchmark cannot go on without.
@@ -148,8 +146,8 @@ class Producer {
     rig_ = rig.get();
     need(supervisor_.add(std::move(rig)));
     schedule_zmq(context_, arguments, std::max(0, fifo_priority - 3));
-    auto xpub = need(ipc::LocalPublisher::bind(arguments.text("ep", kDefaultEndpoint), clock_, core::Log()));
-    auto timed = std::make_unique<TimedSocket>(std::move(xpub), plan.warm_scans(), config_.rate, clock_, figures_);
+    auto socket = need(ipc::LocalPublisher::bind(arguments.text("ep", kDefaultEndpoint), clock_, core::Log()));
+    auto timed = std::make_unique<TimedSocket>(std::move(socket), plan.warm_scans(), config_.rate, clock_, figures_);
     publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), clock_, kInstance);
     for (const std::string& refused : publisher_->start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());
     keys_ = need(access::KeyStore::open(directory_.path() + "/keys"));
@@ -157,7 +155,7 @@ class Producer {
                      std::vector<std::string>{}, ipc::KeyCommands(keys_.get(), clock_, {}));
     std::vector<ipc::ControlSocket> sockets;
     sockets.push_back(need(ipc::ControlSocket::bind(context_, "ipc://" + directory_.path() + "/control.sock")));
-    server_.emplace(std::move(sockets), access::Gate(keys_.get()), supervisor_, *handler_, *publisher_, clock_, core::Log(), kInstance);
+    server_.emplace(std::move(sockets), access::Gate(keys_.get()), supervisor_, *handler_, *publisher_, clock_, core::Log());
     supervisor_.start();
   }
 
@@ -181,13 +179,6 @@ class Producer {
   [[nodiscard]] JsonLine report();
 
  private:
-  /// As app/daemon.cpp: what a slow subscriber may lag behind.
-  [[nodiscard]] int subscriber_queue() const {
-    const double blocks_per_s = plan_.rate_hz / static_cast<double>(plan_.chunk);
-    const double messages = kSubscriberQueueMs * 1e-3 * blocks_per_s * static_cast<double>(config_.published.size());
-    return std::max(kShortestSubscriberQueue, static_cast<int>(messages));
-  }
-
   Plan plan_;
   pipeline::RigConfig config_;
   core::SystemClock clock_;

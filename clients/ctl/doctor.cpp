@@ -75,10 +75,9 @@ Check check_losses(const v1::RigStatus& rig) {
 Check check_queues(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " queues";
   const v1::RingFill& fill = rig.ring_fill();
-  const std::string finding = "highest fill in the last 30 s: " + cli::decimal(fill.scans_percent(), 0) + " % before the pipeline, " +
-                              cli::decimal(fill.frames_percent(), 0) + " % before the data socket, " +
+  const std::string finding = "highest fill in the last 30 s: " + cli::decimal(fill.frames_percent(), 0) + " % before the data socket, " +
                               cli::decimal(fill.record_percent(), 0) + " % before the recorder";
-  if (std::max({fill.scans_percent(), fill.frames_percent(), fill.record_percent()}) < kFullestPercent) return good(name, finding);
+  if (std::max(fill.frames_percent(), fill.record_percent()) < kFullestPercent) return good(name, finding);
   return bad(name, finding, "end other programs and allow SCHED_FIFO; if the queue before the recorder is full, check the disk");
 }
 

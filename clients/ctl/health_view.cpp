@@ -22,8 +22,7 @@ constexpr double kNearlyAll = 0.95;
 std::string milliseconds_text(const std::optional<double>& ms) { return ms ? cli::decimal(*ms, 1) : "-"; }
 
 std::string percent_text(const v1::RingFill& fill) {
-  return cli::decimal(fill.scans_percent(), 0) + " " + cli::decimal(fill.frames_percent(), 0) + " " +
-         cli::decimal(fill.record_percent(), 0);
+  return cli::decimal(fill.frames_percent(), 0) + " " + cli::decimal(fill.record_percent(), 0);
 }
 
 /// Returns "floor: lost 150 scans in 1 gap: overrun".

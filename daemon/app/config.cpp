@@ -66,7 +66,7 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
   realtime.fifo_priority = static_cast<int>(reader.integer("fifo_priority", realtime.fifo_priority, 0, 95));
   if (realtime.fifo_priority > 0 && realtime.fifo_priority <= kStepsBelow) {
     reader.report("fifo_priority",
-                  "fifo_priority must be 0 (off) or above " + std::to_string(kStepsBelow) + ": four threads use the priorities below it");
+                  "fifo_priority must be 0 (off) or above " + std::to_string(kStepsBelow) + ": three threads use the priorities below it");
   }
   realtime.locks_memory = reader.boolean("lock_memory", realtime.locks_memory);
   const auto cores = static_cast<std::int64_t>(std::max(1U, std::thread::hardware_concurrency()));
@@ -135,8 +135,7 @@ void read_rig(files::TomlReader& reader, DaemonConfig& config, files::Problems& 
   rig.name = name;
   rig.device_uri = device;
   if (auto definition = files::rig_definition(rig_file)) rig.definition = std::move(*definition);
-  rig.acquire_policy = config.realtime.policy(0);
-  rig.pipeline_policy = config.realtime.policy(1);
+  rig.policy = config.realtime.policy(0);
   config.rigs.push_back({.rig = std::move(rig), .rig_file = rig_file, .where = reader.position("device")});
 }
 

@@ -232,10 +232,10 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   access::KeyStore* const keys = opened_keys ? opened_keys->get() : nullptr;
   zmq::context_t context(config.network ? 2 : 1);  // network threads: the second one serves other machines (ipc::bind_remote)
   // Not with [network]: the policy applies to all threads of libzmq, and work caused by remote clients must not delay the recorder.
-  if (!config.network) schedule_zmq(context, config.realtime.policy(3));
+  if (!config.network) schedule_zmq(context, config.realtime.policy(2));
   DTS_TRY_ASSIGN(auto sockets, Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()), log));
   ipc::PublishThread publisher(std::move(sockets.data), bell, supervisor.rigs(), clock, identity.instance_id);
-  for (std::string& refused : publisher.start(config.realtime.policy(2))) notices.push_back(std::move(refused));
+  for (std::string& refused : publisher.start(config.realtime.policy(1))) notices.push_back(std::move(refused));
   for (const std::string& notice : notices) log.warning(notice);
   ipc::CommandHandler handler(supervisor, clock, identity, notices,
                               {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},

@@ -43,12 +43,12 @@ std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs
     const std::string rig = "rig '" + state.rig.config().name + "'";
     const session::AcquisitionReport& acquired = state.acquisition;
     const bool is_streaming = acquired.device == device::DeviceState::Streaming && !acquired.is_silent && !acquired.is_armed;
-    const bool is_behind = state.pipeline.segment != acquired.segment || state.pipeline.next_scan.value != acquired.next_scan;
+    const bool is_behind = state.pipeline.end.segment != acquired.segment || state.pipeline.next_scan.value != acquired.next_scan;
     // The mark changes with every scan. If two marks are equal by chance, the next call sees a different one.
-    const std::uint64_t processed = (std::uint64_t{state.pipeline.segment} << 48U) ^ state.pipeline.next_scan.value;
-    if (is_stuck("acquire " + rig, acquired.scans_total, is_streaming, now_ns, patience_ns_)) stuck = "the acquire thread of " + rig;
-    if (may_restart && hung_rigs_.contains(state.rig.config().name)) stuck = "the acquire thread of " + rig + ", which opens its device,";
-    if (is_stuck("pipeline " + rig, processed, is_streaming && is_behind, now_ns, patience_ns_)) stuck = "the pipeline of " + rig;
+    const std::uint64_t processed = (std::uint64_t{state.pipeline.end.segment} << 48U) ^ state.pipeline.next_scan.value;
+    if (is_stuck("acquire " + rig, acquired.scans_total, is_streaming, now_ns, patience_ns_)) stuck = "the device of " + rig;
+    if (may_restart && hung_rigs_.contains(state.rig.config().name)) stuck = "the device of " + rig + ", which is being opened,";
+    if (is_stuck("pipeline " + rig, processed, is_streaming && is_behind, now_ns, patience_ns_)) stuck = "a stage of " + rig;
   }
   return stuck;
 }

@@ -5,12 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <variant>
 
 #include "core/block.h"
 #include "core/reach.h"
-#include "core/spsc_ring.h"
 #include "core/sway.h"
 
 namespace dts::core {
@@ -85,41 +83,5 @@ void for_each(const FrameEvents& events, Use use) {
   while (next != classes.end()) use(Event(*next++));
   for (const SwayEvent& sway : events.sways.all_of()) use(Event(sway));
 }
-
-/// The ring for the events of the frames in another ring. Events are rare: storing them in the frames would need 2.9 kB per slot;
-/// this ring of 2048 events of 176 bytes needs 360 kB in total.
-///
-///     producer:  push(events)   frame.event_count = take_count()   commit the frame
-///     consumer:  for each frame: event_count times front() and release()
-///
-/// If the publisher's ring of frames is full, the publisher's next frame counts these events.
-class EventLane {
- public:
-  /// The default of 2048 events is enough for a trigger in every scan at 1500 Hz for longer than the publisher's ring of frames lasts,
-  /// and for 250 events per second while the recorder's ring of frames lasts.
-  explicit EventLane(std::size_t capacity = 2048) : ring_(capacity) {}
-
-  /// Returns the number of dropped events; does not count preliminary sway, since the next sway event supersedes it.
-  /// Thread: producer. Realtime-safe: yes.
-  std::uint64_t push(const FrameEvents& events) noexcept {
-    std::uint64_t lost = 0;
-    for_each(events, [&](const Event& event) {
-      const bool has_room = ring_.push(event);
-      if (has_room) ++count_;
-      if (!has_room && !std::holds_alternative<SwayEvent>(event)) ++lost;
-    });
-    return lost;
-  }
-  /// Returns the number of events that no frame has counted yet, and resets it. Thread: producer. Realtime-safe: yes.
-  [[nodiscard]] std::uint32_t take_count() noexcept { return std::exchange(count_, 0); }
-
-  /// Returns the oldest event, in place, or nullptr; call `release` after use. Thread: consumer. Realtime-safe: yes.
-  [[nodiscard]] const Event* front() noexcept { return ring_.front(); }
-  void release() noexcept { ring_.release(); }
-
- private:
-  SpscRing<Event> ring_;
-  std::uint32_t count_ = 0;  ///< Owned by the producer.
-};
 
 }  // namespace dts::core

@@ -17,7 +17,7 @@ enum class GapReason : std::uint8_t {
   Overrun = 1,    ///< A buffer for the device's data was full.
   Unplugged = 2,  ///< The device was unplugged.
   Silence = 3,    ///< The device is present but stopped delivering.
-  RingFull = 4,   ///< The pipeline was too slow; the number of missing scans is exact.
+  RingFull = 4,   ///< The pipeline was too slow. Only in recordings of dtsd 0.1; later versions report Overrun.
   Integrity = 5,  ///< The device's data failed a check (marker, checksum, counter, time of arrival).
   Stall = 6,      ///< The device halted its data endpoint.
 };
@@ -65,13 +65,12 @@ struct Acquired {
 /// has no values (for example, a window is not full yet).
 struct Frame {
   std::vector<Block> streams{};
-  std::uint32_t event_count = 0;  ///< Number of events of this frame; they are in a separate ring (core/event.h).
   Gap gap_before{};
   std::uint32_t segment = 0;
   std::int64_t host_time_ns = 0;
   std::uint64_t lost_scans_total = 0;
 
-  /// Copies everything but `event_count` from `other`, a frame of the same pipeline; does not allocate. Realtime-safe: yes.
+  /// Copies everything from `other`, a frame of the same pipeline; does not allocate. Realtime-safe: yes.
   void copy_from(const Frame& other) noexcept {
     for (std::size_t s = 0; s < std::min(streams.size(), other.streams.size()); ++s) streams[s].copy_from(other.streams[s]);
     gap_before = other.gap_before;

@@ -107,10 +107,11 @@ struct ReadResult {
 /// | exact_rate | ok            | ok              | ok                | ok                  |
 /// | report     | ok            | ok              | ok                | ok                  |
 /// | has_arrived| ok            | ok              | ok                | ok                  |
+/// | has_more   | false         | false           | ok                | false               |
 /// | set_sync_output | WrongState | ok            | ok                | DeviceGone          |
 /// | hear       | no effect     | no effect       | ok                | no effect           |
 ///
-/// Thread: open, start, stop, close and has_arrived on one owner thread; `read` on one thread, between start and stop;
+/// Thread: open, start, stop, close and has_arrived on one owner thread; `read` and `has_more` on one thread, between start and stop;
 /// `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.
 class Device {
  public:
@@ -137,6 +138,9 @@ class Device {
   /// until `stop`.
   /// Realtime-safe: yes while scans flow; if the device falls silent, a request for its state may take up to 100 ms.
   [[nodiscard]] virtual ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept = 0;
+  /// Returns true if the next `read` of a full block would not wait. false is always correct: the caller then publishes block by block.
+  /// Thread: that of `read`. Realtime-safe: yes.
+  [[nodiscard]] virtual bool has_more() noexcept { return false; }
   /// Makes a waiting `read` return within 100 ms. Thread: any. Realtime-safe: yes.
   virtual void interrupt() noexcept = 0;
   /// Drives the digital line that signals the start of a session to other instruments. Fails with Unsupported if the device has no

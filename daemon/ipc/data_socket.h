@@ -3,11 +3,12 @@
 
 #include <google/protobuf/message_lite.h>
 
+#include <cstddef>
 #include <string_view>
 
 namespace dts::ipc {
 
-/// The sending end of the data bus, as a SUB socket of ZeroMQ sees it. Thread: publish, for all functions.
+/// The sending end of the data bus, as a SUB socket of ZeroMQ sees it. Thread: `wait` only the publish thread; the others one at a time.
 class DataSocket {
  public:
   virtual ~DataSocket() = default;
@@ -15,7 +16,11 @@ class DataSocket {
   /// Sends one message to every subscriber of a prefix of `topic`, at the latest at the next `flush`. Never blocks: drops the message for a
   /// subscriber whose queue is full, and that subscriber sees a dropped block in the sequence numbers.
   virtual void send(std::string_view topic, const google::protobuf::MessageLite& message) = 0;
-  virtual void flush() {}
+  /// Gives the messages to the system for at most `most_peers` subscribers. Returns false if it left out others.
+  [[nodiscard]] virtual bool flush(std::size_t most_peers) {
+    static_cast<void>(most_peers);
+    return true;
+  }
   /// Sleeps until the descriptor `bell_fd` is readable, a subscriber's message arrives, or the timeout ends.
   virtual void wait(int bell_fd, int timeout_ms) = 0;
   /// Handles a bounded number of subscribers' messages if the last `wait` saw any. Returns true if there was a new subscription.

@@ -35,10 +35,9 @@ static_assert(core::quality::kUntared == dts::v1::QUALITY_UNTARED && core::quali
 
 void add_health(const session::RigState& state, dts::v1::RigStatus& out) {
   add_losses(state.acquisition.losses, *out.mutable_losses());
-  out.mutable_ring_fill()->set_scans_percent(state.ring_fill.scans_percent);
   out.mutable_ring_fill()->set_frames_percent(state.ring_fill.frames_percent);
   out.mutable_ring_fill()->set_record_percent(state.ring_fill.record_percent);
-  *out.mutable_latency() = latency_histogram(state.latency);
+  *out.mutable_latency() = latency_histogram(state.published.latency);
   if (state.recording.is_recording) out.set_record_lag_s(state.recording.lag_s);
 }
 
@@ -53,10 +52,10 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_lost_scans_total(state.acquisition.losses.total().scans);
   out.set_gaps_total(state.acquisition.losses.total().gaps);
   out.set_reconnects_total(state.acquisition.reconnects_total);
-  out.set_dropped_blocks_total(state.pipeline.dropped_blocks_total);
+  out.set_dropped_blocks_total(state.published.lost_frames);
   out.set_nominal_rate_hz(state.acquisition.rate.hz());
   if (state.measured_rate_hz > 0.0) out.set_measured_rate_hz(state.measured_rate_hz);
-  out.set_lost_events_total(state.pipeline.lost_events_total);
+  out.set_lost_events_total(state.pipeline.end.lost_events + state.published.lost_events);
   if (state.pipeline.us_per_scan > 0.0) out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
   out.set_restarts_total(state.acquisition.restarts_total);
   if (state.acquisition.clock_drift_ppm != 0.0) out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);

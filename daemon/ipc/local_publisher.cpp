@@ -300,10 +300,13 @@ void LocalPublisher::send(std::string_view topic, const google::protobuf::Messag
   }
 }
 
-void LocalPublisher::flush() {
+bool LocalPublisher::flush(std::size_t most_peers) {
   for (auto& [fd, peer] : peers_) {
-    if (!peer.out.empty() && !peer.is_blocked) write(peer);
+    if (peer.out.empty() || peer.is_blocked) continue;
+    if (most_peers-- == 0) return false;
+    write(peer);
   }
+  return true;
 }
 
 void LocalPublisher::warn_once(bool& has_warned, const std::string& text) {

@@ -46,7 +46,7 @@ class LocalPublisher final : public DataSocket {
   LocalPublisher& operator=(const LocalPublisher&) = delete;
 
   void send(std::string_view topic, const google::protobuf::MessageLite& message) override;
-  void flush() override;
+  [[nodiscard]] bool flush(std::size_t most_peers) override;
   void wait(int bell_fd, int timeout_ms) override;
   [[nodiscard]] bool take_subscriptions() override;
   [[nodiscard]] bool drop_remote_peers() noexcept override { return true; }  // it has none

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <future>
+#include <limits>
 #include <utility>
 
 #include "dts/wire/options.h"
@@ -12,29 +13,34 @@ namespace dts::ipc {
 namespace {
 
 constexpr std::size_t kLongestOutbox = 1000;
+constexpr std::size_t kAllPeers = std::numeric_limits<std::size_t>::max();
 constexpr int kWaitMs = 200;
 constexpr int kRetainedMs = 100;
 /// Most frames of one rig per turn; then the other rigs, subscriptions and stop requests are handled.
 constexpr int kFramesPerTurn = 64;
+/// A publisher that is later than this skips frames: subscribers want the present.
+constexpr double kLongestLagMs = 1000.0;
 
 std::string event_topic(const std::string& rig, const dts::v1::Event& event) { return rig + "/" + wire::topic_of(event).name(); }
 
 }  // namespace
 
+PublishThread::Source::Source(PublishThread& owner_of_this, session::Rig& rig_to_publish, std::uint64_t instance_id)
+    : owner(owner_of_this), rig(rig_to_publish), frames(rig.frames(), rig.frames_in(kLongestLagMs)) {
+  const pipeline::RigConfig& config = rig.config();
+  if (config.trigger) trigger_channel = rig.device().channels.at(config.trigger->channel).name;
+  for (std::size_t index = 0; index < rig.formats().size(); ++index) {
+    const core::StreamFormat& format = rig.formats()[index];
+    if (std::ranges::find(config.published, format.name) == config.published.end()) continue;
+    streams.emplace_back(index, StreamEncoder(instance_id, config.name, format));
+  }
+  report.longest_lag = frames.longest_lag();
+}
+
 PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
                              core::Clock& clock, std::uint64_t instance_id)
     : socket_(std::move(socket)), bell_(bell), clock_(clock), instance_id_(instance_id) {
-  for (session::Rig* rig : rigs) {
-    const pipeline::RigConfig& config = rig->config();
-    Source source{.rig = rig, .trigger_channel = {}, .streams = {}};
-    if (config.trigger) source.trigger_channel = rig->device().channels.at(config.trigger->channel).name;
-    for (std::size_t index = 0; index < rig->formats().size(); ++index) {
-      const core::StreamFormat& format = rig->formats()[index];
-      if (std::ranges::find(config.published, format.name) == config.published.end()) continue;
-      source.streams.emplace_back(index, StreamEncoder(instance_id, config.name, format));
-    }
-    sources_.push_back(std::move(source));
-  }
+  for (session::Rig* rig : rigs) rig->publish_with(sources_.emplace_back(*this, *rig, instance_id));
 }
 
 std::vector<std::string> PublishThread::start(const core::ThreadPolicy& policy) {
@@ -85,45 +91,65 @@ void PublishThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
     bell_.clear();
-    is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;  // first: new subscribers get what is published now
     turns_.fetch_add(1, std::memory_order_relaxed);
-    // Tries once per request. The control thread retries.
-    if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
-      is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
-    for (Source& source : sources_) {
-      publish(source);
-      socket_->flush();
+    {
+      const std::lock_guard lock(socket_mutex_);
+      is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;  // first: new subscribers get what is published now
+      // Tries once per request. The control thread retries.
+      if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
+        is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
     }
+    publish_all();
     send_outbox();
     if (is_retained_due_) send_retained();
   }
-  for (Source& source : sources_) publish(source);
+  publish_all();
   send_outbox();
 }
 
-void PublishThread::publish(Source& source) {
-  core::SpscRing<core::Frame>& frames = source.rig->frames();
+void PublishThread::publish_all() {
+  for (Source& source : sources_) {
+    const std::lock_guard lock(socket_mutex_);
+    if (!publish(source, Caller::Publish)) bell_.ring();  // continue after the other rigs
+    static_cast<void>(socket_->flush(kAllPeers));
+  }
+}
+
+bool PublishThread::publish_from_rig(Source& source) noexcept {
+  const std::unique_lock lock(socket_mutex_, std::try_to_lock);
+  if (!lock) return false;
+  const bool is_all = publish(source, Caller::Rig);
+  return socket_->flush(kPeersOfARig) && is_all;
+}
+
+/// Returns false if frames are left: too many for one turn, or, on a rig's thread, one with events.
+bool PublishThread::publish(Source& source, Caller caller) {
+  core::FrameReader& frames = source.frames;
+  source.report.frames_waiting.note(frames.waiting(), clock_.now_ns());
   for (int turn = 0; turn < kFramesPerTurn; ++turn) {
-    core::Frame* frame = frames.front();
-    if (frame == nullptr) return;
-    if (frame->gap_before.reason != core::GapReason::None) send_event(source, events::make_gap(*frame));
-    // Triggers are the first events of a frame. They are sent before its blocks, all other events after them. If the frame also counts the
-    // events of dropped frames, only the triggers before the first other event are sent before its blocks.
-    std::uint32_t left = frame->event_count;
-    while (left > 0 && std::holds_alternative<core::TriggerEvent>(*source.rig->events().front())) send_next_event(source, left);
+    const core::Frame* const frame = frames.front();
+    if (frame == nullptr) return true;
+    const bool has_gap = frame->gap_before.reason != core::GapReason::None;
+    const auto events = frames.events();
+    if (caller == Caller::Rig && (has_gap || !events.empty())) return false;  // to make an event needs memory
+    if (has_gap) send_event(source, events::make_gap(*frame));
+    // Triggers are the first events of a frame. They are sent before its blocks, all other events after them.
+    const auto is_trigger = [](const core::Event& event) { return std::holds_alternative<core::TriggerEvent>(event); };
+    const auto others = std::ranges::find_if_not(events, is_trigger);
+    std::for_each(events.begin(), others, [&](const core::Event& event) { send_event(source, event); });
     send_streams(source, *frame);
     note_latency(source, *frame);
-    while (left > 0) send_next_event(source, left);
+    std::for_each(others, events.end(), [&](const core::Event& event) { send_event(source, event); });
     frames.release();
   }
-  bell_.ring();  // more frames may be waiting: continue after the other rigs
+  return frames.waiting() == 0;
 }
 
 void PublishThread::send_streams(Source& source, const core::Frame& frame) {
   for (auto& [index, encoder] : source.streams) {
     const core::Block& block = frame.streams[index];
     if (block.count() == 0) continue;
-    socket_->send(encoder.topic(), encoder.encode(block, frame.lost_scans_total, source.rig->dropped_blocks()));
+    socket_->send(encoder.topic(), encoder.encode(block, frame.lost_scans_total, source.frames.lost_frames()));
   }
 }
 
@@ -131,21 +157,20 @@ void PublishThread::send_streams(Source& source, const core::Frame& frame) {
 void PublishThread::note_latency(Source& source, const core::Frame& frame) {
   const core::Block& raw = frame.streams.front();
   if (raw.count() == 0) return;
-  const std::int64_t newest_ns = raw.host_time_ns + source.rig->formats().front().rate.time_ns({raw.count() - 1});
-  source.latency.add(static_cast<double>(clock_.now_ns() - newest_ns) * 1e-6);
-  source.rig->note_latency(source.latency);
+  const std::int64_t newest_ns = raw.host_time_ns + source.rig.formats().front().rate.time_ns({raw.count() - 1});
+  source.report.latency.add(static_cast<double>(clock_.now_ns() - newest_ns) * 1e-6);
+  source.report.lost_frames = source.frames.lost_frames();
+  source.report.lost_events = source.frames.lost_events();
+  source.rig.note_published(source.report);
 }
 
-void PublishThread::send_next_event(const Source& source, std::uint32_t& left) {
-  core::EventLane& events = source.rig->events();
-  send_event(source, events::make(*events.front(), source.trigger_channel));
-  events.release();
-  --left;
+void PublishThread::send_event(const Source& source, const core::Event& event) {
+  send_event(source, events::make(event, source.trigger_channel));
 }
 
 void PublishThread::send_event(const Source& source, dts::v1::Event event) {
   event.set_instance_id(instance_id_);
-  socket_->send(event_topic(source.rig->config().name, event), event);
+  socket_->send(event_topic(source.rig.config().name, event), event);
 }
 
 void PublishThread::send_outbox() {
@@ -154,6 +179,8 @@ void PublishThread::send_outbox() {
     const std::lock_guard lock(outbox_mutex_);
     messages = std::exchange(outbox_, {});
   }
+  if (messages.empty()) return;
+  const std::lock_guard lock(socket_mutex_);
   for (Outgoing& outgoing : messages) {
     socket_->send(outgoing.topic, *outgoing.message);
     if (!outgoing.is_retained) continue;
@@ -164,7 +191,7 @@ void PublishThread::send_outbox() {
       retained_.push_back(std::move(outgoing));
     }
   }
-  socket_->flush();
+  static_cast<void>(socket_->flush(kAllPeers));
 }
 
 void PublishThread::send_retained() {
@@ -172,8 +199,9 @@ void PublishThread::send_retained() {
   if (retained_sent_ns_ != 0 && now_ns - retained_sent_ns_ < kRetainedMs * core::kNanosecondsPerMillisecond) return;
   retained_sent_ns_ = now_ns;
   is_retained_due_ = false;
+  const std::lock_guard lock(socket_mutex_);
   for (const Outgoing& outgoing : retained_) socket_->send(outgoing.topic, *outgoing.message);
-  socket_->flush();
+  static_cast<void>(socket_->flush(kAllPeers));
 }
 
 }  // namespace dts::ipc

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "core/clock.h"
 #include "core/doorbell.h"
+#include "core/frame_ring.h"
 #include "core/log.h"
 #include "core/thread.h"
 #include "ipc/data_socket.h"
@@ -18,17 +20,26 @@
 
 namespace dts::ipc {
 
-/// The publish thread: sends frames of all rigs, events and the status to the data socket.
+/// Publishes frames of all rigs, events and the status on the data socket.
 ///
-///     rig frames rings --bell--> encode --> DataSocket
-///     control thread --post()--> outbox ---^
+///     rig thread:  frame without events --> encode --> DataSocket (if no other thread uses it) --> first subscribers
+///                        '--bell--.
+///     publish thread: [ring of frames] --> encode ----> DataSocket --> all subscribers
+///     control thread --post()--> outbox ----^
+///
+/// A rig's thread sends its frames itself, because waking another thread costs more than all else. It leaves to the publish thread what
+/// could make it wait or allocate: events, subscriptions, frames while another thread uses the socket, subscribers above `kPeersOfARig`.
+/// Each frame of a rig is published once, in order: both threads continue with the same reader.
 ///
 /// A new subscription triggers a repeat of the retained messages (status, last session event and last device event of each rig), so that
 /// the subscriber knows the current state at once. Streams are not repeated. At most one repeat per 100 ms, however many subscriptions
 /// arrive.
 class PublishThread {
  public:
-  /// `bell` is the doorbell that the rigs ring. `bell` and the rigs must outlive this object.
+  /// Subscribers that a rig's thread serves; each costs it a system call per block.
+  static constexpr std::size_t kPeersOfARig = 4;
+
+  /// `bell` is the doorbell that the rigs ring. `bell` and the rigs must outlive this object; the rigs' threads must end before it.
   PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs, core::Clock& clock,
                 std::uint64_t instance_id);
   ~PublishThread() { stop(); }
@@ -41,10 +52,10 @@ class PublishThread {
 
   /// Queues an event of a rig, or a status. Retains the status and events with a retained topic until a newer one replaces them, to repeat
   /// them for new subscribers. If 1000 messages are queued, drops the oldest one, first those that are not retained. Thread: any but the
-  /// sample threads.
+  /// rigs' threads.
   void post(const std::string& rig, dts::v1::Event event);
   void post(dts::v1::StatusSnapshot status);
-  /// Ends all connections from other machines soon: a key was revoked. Thread: any but the sample threads.
+  /// Ends all connections from other machines soon: a key was revoked. Thread: any but the rigs' threads.
   void drop_remote_peers();
   /// Returns true if other machines cannot connect, because their address could not be bound again. Thread: any.
   [[nodiscard]] bool is_remote_down() const noexcept { return is_remote_down_.load(std::memory_order_relaxed); }
@@ -57,25 +68,35 @@ class PublishThread {
     std::shared_ptr<const google::protobuf::MessageLite> message;
     bool is_retained = false;
   };
-  struct Source {
-    session::Rig* rig;
+  struct Source final : session::FramePublisher {
+    Source(PublishThread& owner, session::Rig& rig, std::uint64_t instance_id);
+    [[nodiscard]] bool publish() noexcept override { return owner.publish_from_rig(*this); }
+
+    PublishThread& owner;
+    session::Rig& rig;
+    core::FrameReader frames;
     std::string trigger_channel;                                 ///< Name of the channel.
     std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
-    session::LatencyReport latency{};
+    session::PublishReport report{};
   };
+  enum class Caller : std::uint8_t { Rig, Publish };
+
   void run(const std::stop_token& stop);
-  void publish(Source& source);
+  [[nodiscard]] bool publish_from_rig(Source& source) noexcept;
+  [[nodiscard]] bool publish(Source& source, Caller caller);
+  void publish_all();
   void send_streams(Source& source, const core::Frame& frame);
   void note_latency(Source& source, const core::Frame& frame);
-  void send_next_event(const Source& source, std::uint32_t& left);
   void post(Outgoing outgoing);
+  void send_event(const Source& source, const core::Event& event);
   void send_event(const Source& source, dts::v1::Event event);
   void send_outbox();
   void send_retained();
 
+  std::mutex socket_mutex_;  ///< For the socket, apart from its `wait`, and for the sources. A rig's thread only tries to lock it.
   std::unique_ptr<DataSocket> socket_;
   core::Doorbell& bell_;
-  std::vector<Source> sources_;
+  std::deque<Source> sources_;
   core::Clock& clock_;
   std::uint64_t instance_id_;
   std::atomic<bool> is_drop_due_{false};

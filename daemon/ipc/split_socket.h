@@ -22,7 +22,7 @@ class SplitSocket final : public DataSocket {
     local_->send(topic, message);
     remote_->send(topic, message);
   }
-  void flush() override { local_->flush(); }
+  [[nodiscard]] bool flush(std::size_t most_peers) override { return local_->flush(most_peers); }
   void wait(int bell_fd, int timeout_ms) override {
     local_->wait(bell_fd, remote_->look() ? 0 : timeout_ms);
     remote_->look();

@@ -35,8 +35,7 @@ struct RigConfig {
   std::vector<std::string> published;   ///< Streams that are published on the socket; empty: all of the pipeline.
   std::vector<std::string> recorded{};  ///< Streams that are recorded; empty: all of the pipeline.
   std::string definition;               ///< The rig's file and all files that it refers to as one TOML text, recorded with every session.
-  core::ThreadPolicy acquire_policy;
-  core::ThreadPolicy pipeline_policy;
+  core::ThreadPolicy policy;            ///< Of the rig's thread.
 };
 
 }  // namespace dts::pipeline

@@ -13,7 +13,7 @@ using core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kShortestRetryNs = 250 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLongestRetryNs = 4000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
-constexpr std::int64_t kRoomPauseNs = core::kNanosecondsPerMillisecond;  // long enough for the pipeline to process 20 or more blocks
+constexpr std::int64_t kRoomPauseNs = core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
 constexpr double kProvenMs = 1000.0;  // a stream that lasted this long is restarted immediately
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
@@ -35,10 +35,9 @@ void AcquisitionReport::set_message(std::string_view text) noexcept {
   std::copy_n(text.begin(), std::min(text.size(), message.size() - 1), message.begin());
 }
 
-Acquisition::Acquisition(device::Device& device, core::Clock& clock, core::SpscRing<core::Acquired>& ring, core::Doorbell& bell,
-                         core::Rate rate, std::size_t block_scans)
-    : device_(device), clock_(clock), ring_(ring), bell_(bell), wanted_rate_(rate), block_scans_(block_scans) {
-  spare_.block = core::Block(device.describe().channels.size(), block_scans);
+Acquisition::Acquisition(device::Device& device, core::Clock& clock, ScanSink& sink, core::Rate rate, std::size_t block_scans)
+    : device_(device), clock_(clock), sink_(sink), wanted_rate_(rate), block_scans_(block_scans) {
+  acquired_.block = core::Block(device.describe().channels.size(), block_scans);
   report_.rate = rate;
   latest_.store(report_);
 }
@@ -113,22 +112,14 @@ void Acquisition::wait_before_retry() noexcept {
 void Acquisition::stream() noexcept {
   const std::int64_t block_ns = report_.rate.time_ns({block_scans_});
   while (!stop_requested_.load(std::memory_order_acquire)) {
-    core::Acquired* slot = ring_.claim();
-    if (slot == nullptr && device_.describe().waits_for_reader) {
+    if (device_.describe().waits_for_reader && !sink_.has_room()) {
       clock_.sleep_until_ns(clock_.now_ns() + kRoomPauseNs);
       continue;
     }
-    core::Acquired& target = slot != nullptr ? *slot : spare_;
     const std::int64_t deadline_ns = clock_.now_ns() + 2 * block_ns + kReadPatienceNs;
-    const device::ReadResult result = device_.read(target.block, deadline_ns);
+    const device::ReadResult result = device_.read(acquired_.block, deadline_ns);
     switch (result.outcome) {
-      case device::ReadOutcome::Scans:
-        if (slot != nullptr) {
-          take(target);
-        } else {
-          lose_to_full_ring(target.block);
-        }
-        break;
+      case device::ReadOutcome::Scans: pass_on(); break;
       case device::ReadOutcome::Timeout:
         note_turn();
         note_timeout(clock_.now_ns(), deadline_ns);
@@ -178,21 +169,12 @@ void Acquisition::note_gap(const core::Gap& gap) noexcept {
   needs_segment_ = true;
 }
 
-/// The device is neither silent nor waiting for its trigger, even if its scans are then lost to a full ring.
+/// The device is neither silent nor waiting for its trigger.
 void Acquisition::note_delivery() noexcept {
   if (report_.is_silent || report_.is_armed) report_.set_message("");
   report_.is_silent = false;
   report_.is_armed = false;
   quiet_since_ns_ = clock_.now_ns();
-}
-
-void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
-  note_delivery();
-  scans_since_start_ += block.count();
-  ring_.drop();
-  note_gap({.reason = core::GapReason::RingFull, .missing_scans = block.count(), .is_exact = true});
-  report_.ring_blocks.note(ring_.capacity(), quiet_since_ns_);
-  publish_report();
 }
 
 void Acquisition::note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept {
@@ -214,12 +196,12 @@ void Acquisition::note_jumps(const core::Block& block) noexcept {
   }
 }
 
-void Acquisition::open_segment(core::Acquired& acquired) noexcept {
+void Acquisition::open_segment() noexcept {
   if (pending_gap_.reason != core::GapReason::None) {
     if (!pending_gap_.is_exact && has_streamed_) {
       // The counted scans are only part of the gap; the time between the scans before and after it covers the whole gap.
       const std::int64_t asleep_ns = clock_.suspended_ns() - suspended_at_last_scan_ns_;
-      const auto hole_ns = static_cast<double>(acquired.block.host_time_ns - report_.last_scan_host_ns + asleep_ns);
+      const auto hole_ns = static_cast<double>(acquired_.block.host_time_ns - report_.last_scan_host_ns + asleep_ns);
       const double scans = std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0);
       pending_gap_.missing_scans = std::max(pending_gap_.missing_scans, static_cast<std::uint64_t>(scans));
     }
@@ -227,22 +209,22 @@ void Acquisition::open_segment(core::Acquired& acquired) noexcept {
     report_.last_gap = pending_gap_;
     ++report_.segment;
   }
-  acquired.gap_before = pending_gap_;
+  acquired_.gap_before = pending_gap_;
   pending_gap_ = {};
   // A replay starts at the index of its recording. The unsigned difference may wrap; the subtraction in `take` wraps it back.
-  segment_base_ = acquired.block.first_scan.value - (has_streamed_ ? 0 : device_.describe().recorded_pipeline.first_scan);
+  segment_base_ = acquired_.block.first_scan.value - (has_streamed_ ? 0 : device_.describe().recorded_pipeline.first_scan);
   report_.next_scan = 0;
   needs_segment_ = false;
 }
 
-void Acquisition::take(core::Acquired& acquired) noexcept {
-  core::Block& block = acquired.block;
+void Acquisition::pass_on() noexcept {
+  core::Block& block = acquired_.block;
   if (!needs_segment_) note_jumps(block);
-  acquired.gap_before = {};
-  if (needs_segment_) open_segment(acquired);
+  acquired_.gap_before = {};
+  if (needs_segment_) open_segment();
   block.segment = report_.segment;
   block.first_scan = {block.first_scan.value - segment_base_};
-  acquired.lost_scans_total = report_.losses.total().scans;
+  acquired_.lost_scans_total = report_.losses.total().scans;
   report_.next_scan = block.first_scan.value + block.count();
   report_.scans_total += block.count();
   report_.last_scan_host_ns = block.host_time_ns + report_.rate.time_ns({block.count() - 1});
@@ -252,10 +234,8 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   report_.clock_drift_ppm = block.clock_drift_ppm;
   scans_since_start_ += block.count();
   has_streamed_ = true;
-  report_.ring_blocks.note(ring_.waiting() + 1, quiet_since_ns_);
   publish_report();  // before the block: otherwise a marker sent in reply to a scan could be rejected because the report shows no scans yet
-  ring_.commit();
-  bell_.ring();
+  sink_.process(acquired_, device_.has_more());
 }
 
 }  // namespace dts::session

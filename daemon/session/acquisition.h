@@ -7,17 +7,14 @@
 #include <string_view>
 
 #include "core/clock.h"
-#include "core/doorbell.h"
 #include "core/frame.h"
 #include "core/latest_value.h"
 #include "core/losses.h"
-#include "core/spsc_ring.h"
 #include "device/device.h"
-#include "session/recent_peak.h"
 
 namespace dts::session {
 
-/// The acquire thread's report to the rest of the daemon. Trivially copyable, as LatestValue requires.
+/// The report of the acquisition to the rest of the daemon. Trivially copyable, as LatestValue requires.
 struct AcquisitionReport {
   device::DeviceState device = device::DeviceState::Closed;
   std::uint32_t segment = 0;
@@ -26,7 +23,6 @@ struct AcquisitionReport {
   std::uint64_t scans_total = 0;
   core::Losses losses;
   core::Gap last_gap;
-  RecentPeak ring_blocks;                     ///< Blocks that wait for the pipeline.
   std::uint64_t turns = 0;                    ///< Increases while the thread runs without scans: a sign of life for the watchdog.
   std::uint64_t reconnects_total = 0;         ///< Number of times that a lost device was opened again.
   std::uint64_t restarts_total = 0;           ///< Number of times that the scan of a connected device was restarted.
@@ -41,20 +37,28 @@ struct AcquisitionReport {
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
 };
 
-/// The acquire thread's work: keeps one device open and streaming, and moves its scans into the ring.
+/// Receives the scans of an Acquisition. Thread: rig.
+class ScanSink {
+ public:
+  virtual ~ScanSink() = default;
+  /// Returns false while no scans may come. Only asked if the device waits for its reader (`waits_for_reader`).
+  [[nodiscard]] virtual bool has_room() noexcept { return true; }
+  /// Processes the next block. `has_more`: another one follows at once. Realtime-safe: yes.
+  virtual void process(const core::Acquired& acquired, bool has_more) noexcept = 0;
+};
+
+/// Keeps one device open and streaming, and passes its scans on.
 ///
-///     device --read--> [claimed slot] --SpscRing--> pipeline
+///     device --read--> block --ScanSink--> stages
 ///
-/// Owns the segments: any gap (reported by the device, unplugged device, silence, full ring) closes the segment, is counted, and becomes
-/// `gap_before` of the next segment's first block. If the device waits for its reader (`waits_for_reader`), a full ring loses no scans:
-/// this thread reads the device only when there is room. A lost device is opened again with growing pauses (0.25 to 4 s), or immediately
-/// when a new device is plugged in. A broken stream is restarted immediately if it lasted at least 1 s, or if the device had just returned.
-/// If it breaks sooner again, the next restart waits like the retries for an absent device.
+/// Owns the segments: any gap (reported by the device, unplugged device, silence) closes the segment, is counted, and becomes `gap_before`
+/// of the next segment's first block. A lost device is opened again with growing pauses (0.25 to 4 s), or immediately when a new device is
+/// plugged in. A broken stream is restarted immediately if it lasted at least 1 s, or if the device had just returned. If it breaks sooner
+/// again, the next restart waits like the retries for an absent device.
 class Acquisition {
  public:
   /// All references must outlive this object. `rate`: the result of the device's `exact_rate`.
-  Acquisition(device::Device& device, core::Clock& clock, core::SpscRing<core::Acquired>& ring, core::Doorbell& bell, core::Rate rate,
-              std::size_t block_scans);
+  Acquisition(device::Device& device, core::Clock& clock, ScanSink& sink, core::Rate rate, std::size_t block_scans);
 
   /// Runs until `request_stop`. May allocate and wait while it opens or starts the device; does neither while streaming.
   void run() noexcept;
@@ -67,15 +71,14 @@ class Acquisition {
   [[nodiscard]] bool bring_up();
   void stream() noexcept;
   void wait_before_retry() noexcept;
-  void take(core::Acquired& acquired) noexcept;
+  void pass_on() noexcept;
   void note_delivery() noexcept;
-  void lose_to_full_ring(const core::Block& block) noexcept;
   void note_gap(const core::Gap& gap) noexcept;
   void restart(const core::Gap& gap) noexcept;
   void note_armed(std::int64_t now_ns) noexcept;
   void note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept;
   void note_jumps(const core::Block& block) noexcept;
-  void open_segment(core::Acquired& acquired) noexcept;
+  void open_segment() noexcept;
   void publish_report() noexcept { latest_.store(report_); }
   void note_turn() noexcept {
     ++report_.turns;
@@ -84,16 +87,15 @@ class Acquisition {
 
   device::Device& device_;
   core::Clock& clock_;
-  core::SpscRing<core::Acquired>& ring_;
-  core::Doorbell& bell_;
+  ScanSink& sink_;
   core::Rate wanted_rate_;
   std::size_t block_scans_;
   std::atomic<bool> stop_requested_{false};
 
   AcquisitionReport report_;
   core::LatestValue<AcquisitionReport> latest_;
-  core::Acquired spare_;            ///< Filled when the ring is full, because the scans must be read from the device in any case.
-  core::Gap pending_gap_;           ///< Becomes `gap_before` of the next block that fits into the ring.
+  core::Acquired acquired_;         ///< The newest block.
+  core::Gap pending_gap_;           ///< Becomes `gap_before` of the next block.
   std::uint64_t segment_base_ = 0;  ///< Device index of the segment's scan 0.
   bool needs_segment_ = true;       ///< The next block starts a segment.
   bool has_streamed_ = false;

@@ -3,54 +3,80 @@
 
 namespace dts::session {
 
-RecordTap::RecordTap(std::size_t slots, const pipeline::Pipeline& pipeline)
-    : pipeline_(pipeline), ring_(slots, Slot{.frame = pipeline.make_frame()}), state_(pipeline.state_size()) {}
+RecordTap::RecordTap(const core::FrameRing& frames, const pipeline::Pipeline& pipeline)
+    : frames_(frames), pipeline_(pipeline), state_(pipeline.state_size()), reader_(frames, frames.capacity()) {}
 
-void RecordTap::follow() noexcept {
-  if (!end_closed()) return;
-  const std::uint64_t opened = opened_.load(std::memory_order_acquire);  // pairs with open()
-  if (current_ != 0 || opened == begun_) return;
+void RecordTap::close(const core::FramePosition& end) noexcept {
+  end_ = end;
+  closed_.store(takes_, std::memory_order_release);  // pairs with front()
+}
+
+void RecordTap::begin_take() noexcept {
+  const std::uint64_t opened = opened_.load(std::memory_order_acquire);  // pairs with open(): the previous take has been read
+  if (opened == begun_.load(std::memory_order_relaxed)) return;          // own value
   pipeline_.save(state_);
-  lost_scans_ = 0;
-  lost_events_ = 0;
-  lost_gap_ = {};
-  current_ = begun_ = opened;
-  static_cast<void>(end_closed());  // a take may be closed before this thread saw it open; if the ring is full, the end mark follows later
+  begin_ = frames_.end();
+  read_.store(begin_.frame, std::memory_order_relaxed);  // the record thread reads no take now
+  begun_.store(opened, std::memory_order_release);       // pairs with front() and start_reading()
 }
 
-/// Returns false if there was no room for the end mark.
-bool RecordTap::end_closed() noexcept {
-  if (current_ == 0 || closed_.load(std::memory_order_acquire) < current_) return true;  // pairs with close()
-  Slot* const slot = ring_.claim();
-  if (slot == nullptr) return false;
-  slot->take = current_;
-  slot->is_end = true;
-  slot->frame.event_count = 0;
-  slot->lost_scans = lost_scans_;
-  slot->lost_events = lost_events_;
-  ring_.commit();
-  current_ = 0;
-  return true;
+std::size_t RecordTap::waiting() const noexcept {
+  if (begun_.load(std::memory_order_acquire) <= done_.load(std::memory_order_relaxed)) return 0;  // pairs with begin_take()
+  const std::uint64_t read = read_.load(std::memory_order_relaxed);
+  return static_cast<std::size_t>(frames_.written() - read);
 }
 
-void RecordTap::offer(const core::Frame& frame, const core::FrameEvents& events) noexcept {
-  if (current_ == 0) return;
-  Slot* const slot = ring_.claim();
-  if (slot == nullptr) {
-    lost_scans_ += frame.streams.front().count();
-    lost_gap_ = core::merged(lost_gap_, frame.gap_before);
-    return ring_.drop();
+/// Returns false if there is nothing to read of a new take.
+bool RecordTap::start_reading() noexcept {
+  const std::uint64_t done = done_.load(std::memory_order_relaxed);      // own value
+  const std::uint64_t begun = begun_.load(std::memory_order_acquire);    // pairs with begin_take()
+  const std::uint64_t closed = closed_.load(std::memory_order_acquire);  // pairs with close()
+  if (begun > done) {
+    take_ = begun;
+    reader_.start_at(begin_);
+  } else if (closed > done) {  // before the rig thread began it
+    take_ = closed;
+    reader_.start_at(end_);
   }
-  lost_events_ += events.lost() + events_.push(events);
-  slot->frame.copy_from(frame);
-  slot->frame.event_count = events_.take_count();
-  slot->frame.gap_before = core::merged(lost_gap_, frame.gap_before);
-  lost_gap_ = {};
-  slot->take = current_;
-  slot->is_end = false;
-  slot->lost_scans = lost_scans_;
-  slot->lost_events = lost_events_;
-  ring_.commit();
+  return take_ != 0;
+}
+
+std::optional<RecordTap::Item> RecordTap::front() noexcept {
+  if (take_ == 0 && !start_reading()) return std::nullopt;
+  if (last_item_) return last_item_;
+  const bool is_closed = closed_.load(std::memory_order_acquire) >= take_;  // pairs with close()
+  const std::uint64_t lost_scans = reader_.lost_scans();
+  const std::uint64_t lost_events = reader_.lost_events();
+  const core::Frame* frame = is_closed && reader_.position().frame >= end_.frame ? nullptr : reader_.front();
+  if (is_closed && (frame == nullptr || reader_.position().frame >= end_.frame)) return end(lost_scans, lost_events);
+  if (frame == nullptr) return std::nullopt;
+  return Item{
+      .frame = frame, .events = reader_.events(), .take = take_, .lost_scans = reader_.lost_scans(), .lost_events = reader_.lost_events()};
+}
+
+/// Makes the end of the take. What lies between the last frame that was read and the end is lost.
+RecordTap::Item RecordTap::end(std::uint64_t lost_scans, std::uint64_t lost_events) noexcept {
+  const core::FramePosition& last = reader_.position();
+  last_item_ = {.take = take_,
+                .lost_scans = lost_scans + (end_.scans > last.scans ? end_.scans - last.scans : 0),
+                .lost_events = lost_events + (end_.events > last.events ? end_.events - last.events : 0)};
+  return *last_item_;
+}
+
+void RecordTap::release() noexcept {
+  if (last_item_) {
+    done_.store(take_, std::memory_order_relaxed);  // the control thread learns of it with the finished recording
+    take_ = 0;
+    last_item_.reset();
+    return;
+  }
+  reader_.release();
+  read_.store(reader_.position().frame, std::memory_order_relaxed);  // the frame was copied: the rig thread needs nothing else
+}
+
+void RecordTap::note_waiting(std::int64_t now_ns) noexcept {
+  peak_.note(waiting(), now_ns);
+  waiting_.store(peak_);
 }
 
 }  // namespace dts::session

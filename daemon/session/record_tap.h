@@ -3,82 +3,89 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/event.h"
-#include "core/frame.h"
-#include "core/spsc_ring.h"
+#include "core/frame_ring.h"
+#include "core/latest_value.h"
 #include "pipeline/pipeline.h"
+#include "session/recent_peak.h"
 
 namespace dts::session {
 
-/// Branches a rig's frames off to the recorder: a ring of several seconds between the pipeline thread and the record thread.
+/// What the recorder reads of a rig's ring: the frames of one take, which is one recording, and the state of the stages before it.
 ///
-///     control:   open() -> take 3                        close()
-///     pipeline:            [save state] frame frame frame ...  frame  end
-///     record:                           take 3: state, then frames, until the end mark
+///     control:   open() -> take 3                        close(end of the newest frame)
+///     rig:                 [save state] frame frame frame frame frame ...
+///     record:                  take 3: state, then the frames up to that place, then the end
 ///
-/// A take is one recording. The state of the stages is saved just before its first frame, so that a replay can start from there. If the
-/// ring is full, the frame is dropped; every later slot of the take, the end mark too, carries the number of scans lost so far. So even a
-/// loss that no scan index shows (at the end, or before a new segment) makes the recording incomplete.
+/// The state of the stages is saved just before the first frame, so that a replay can start from there. A recorder that is later than the
+/// ring is long loses frames; from then on every item of the take, the end too, has the number of scans lost so far. So even a loss that
+/// no scan index shows (at the end, or before a new segment) makes the recording incomplete.
 class RecordTap {
  public:
-  struct Slot {
-    core::Frame frame;
+  struct Item {
+    const core::Frame* frame = nullptr;     ///< nullptr: the end of the take.
+    std::span<const core::Event> events{};  ///< Of the frame.
     std::uint64_t take = 0;
-    bool is_end = false;            ///< No frame: this slot ends the take.
-    std::uint64_t lost_scans = 0;   ///< Scans of this take that were dropped before this slot.
-    std::uint64_t lost_events = 0;  ///< Events dropped from frames that were themselves kept.
+    std::uint64_t lost_scans = 0;   ///< Scans of this take that are missing before this item.
+    std::uint64_t lost_events = 0;  ///< Events of this take that are missing before this item.
   };
 
-  RecordTap(std::size_t slots, const pipeline::Pipeline& pipeline);
+  /// Both must outlive this object.
+  RecordTap(const core::FrameRing& frames, const pipeline::Pipeline& pipeline);
 
   /// Returns the number of the take that `open` will begin. Thread: control.
   [[nodiscard]] std::uint64_t next_take() const noexcept { return takes_ + 1; }
-  /// Begins a take. The previous take must be closed and read to its end. Thread: control.
-  void open() noexcept { opened_.store(++takes_, std::memory_order_release); }  // pairs with follow()
-  /// Ends the take: an end mark follows its last frame, even if the pipeline thread has not yet seen the take begin. Thread: control.
-  void close() noexcept { closed_.store(takes_, std::memory_order_release); }  // pairs with follow()
+  /// Begins a take with the next frame. The previous take must be closed and read to its end. Thread: control.
+  void open() noexcept { opened_.store(++takes_, std::memory_order_release); }  // pairs with begin_take()
+  /// Ends the take at `end`. Thread: control.
+  void close(const core::FramePosition& end) noexcept;
 
-  /// Executes the requests of `open` and `close`. Call it before every frame, and regularly while there are no frames.
-  /// Thread: pipeline. Realtime-safe: yes.
-  void follow() noexcept;
-  /// Returns whether a take is open and the ring is full. Thread: pipeline. Realtime-safe: yes.
-  [[nodiscard]] bool is_blocked() noexcept { return current_ != 0 && ring_.claim() == nullptr; }
-  /// Copies a frame and its events to the recorder if a take is open. If the frame is dropped, its events are dropped too: a replay could
-  /// not reproduce them. Thread: pipeline. Realtime-safe: yes.
-  void offer(const core::Frame& frame, const core::FrameEvents& events = {}) noexcept;
+  /// Begins the take that was opened. Call it before the stages process a block. Thread: rig. Realtime-safe: yes.
+  void begin_take() noexcept;
+  /// Returns true if the next frame would overwrite one that the recorder has not read. Thread: rig. Realtime-safe: yes.
+  [[nodiscard]] bool is_full() const noexcept { return waiting() >= frames_.capacity(); }
 
-  /// Returns the events of the slots (`Frame::event_count`). Thread: record.
-  [[nodiscard]] core::EventLane& events() noexcept { return events_; }
-  /// Returns the oldest slot, or nullptr; free it with `release`. Thread: record.
-  [[nodiscard]] const Slot* front() noexcept { return ring_.front(); }
-  void release() noexcept { ring_.release(); }
+  /// Returns the next item of the take, valid until `release`, or nothing. Thread: record.
+  [[nodiscard]] std::optional<Item> front() noexcept;
+  /// Continues after the item that `front` returned. Thread: record.
+  void release() noexcept;
   /// Returns the state of the stages before the first frame of the take. Thread: record, once that frame was seen.
   [[nodiscard]] std::span<const double> state() const noexcept { return state_; }
-  /// Returns the number of frames dropped since the start. Thread: any.
-  [[nodiscard]] std::uint64_t dropped() const noexcept { return ring_.dropped(); }
-  /// Returns the number of slots that wait for the recorder. Thread: any.
-  [[nodiscard]] std::size_t waiting() const noexcept { return ring_.waiting(); }
-  /// Returns the total number of slots. Thread: any.
-  [[nodiscard]] std::size_t capacity() const noexcept { return ring_.capacity(); }
+  /// Returns the number of frames that the ring holds. Thread: any.
+  [[nodiscard]] std::size_t capacity() const noexcept { return frames_.capacity(); }
+  /// Returns how many frames of the take wait for the recorder. Thread: any. Realtime-safe: yes.
+  [[nodiscard]] std::size_t waiting() const noexcept;
+  /// Returns how many frames waited for the recorder recently. Thread: control.
+  [[nodiscard]] std::size_t recently_waiting(std::int64_t now_ns) noexcept { return waiting_.load().at(now_ns); }
+  /// Notes how many frames wait. Thread: record.
+  void note_waiting(std::int64_t now_ns) noexcept;
 
  private:
-  [[nodiscard]] bool end_closed() noexcept;
+  [[nodiscard]] bool start_reading() noexcept;
+  [[nodiscard]] Item end(std::uint64_t lost_scans, std::uint64_t lost_events) noexcept;
 
+  const core::FrameRing& frames_;
   const pipeline::Pipeline& pipeline_;
-  core::SpscRing<Slot> ring_;
-  core::EventLane events_;
-  std::vector<double> state_;  ///< Written by the pipeline thread before the take's first commit; the record thread reads it after that.
+
+  std::uint64_t takes_ = 0;               ///< Control thread only.
+  core::FramePosition end_;               ///< Written before `closed_`.
   std::atomic<std::uint64_t> opened_{0};  ///< Newest take that was opened.
   std::atomic<std::uint64_t> closed_{0};  ///< Newest take that was closed.
-  std::uint64_t takes_ = 0;               ///< Control thread only.
-  std::uint64_t current_ = 0;             ///< Pipeline thread only, like all below. 0: no take is open.
-  std::uint64_t begun_ = 0;               ///< Newest take that was current.
-  std::uint64_t lost_scans_ = 0;          ///< In the current take.
-  std::uint64_t lost_events_ = 0;         ///< In the current take.
-  core::Gap lost_gap_;                    ///< Gap before dropped frames; goes with the next frame that is kept.
+
+  std::vector<double> state_;  ///< Written before `begun_`, like the next one; the record thread reads them after that.
+  core::FramePosition begin_;
+  std::atomic<std::uint64_t> begun_{0};  ///< Newest take that the rig thread has begun.
+
+  std::atomic<std::uint64_t> read_{0};  ///< Number of frames before which the recorder has read all of the take.
+  std::atomic<std::uint64_t> done_{0};  ///< Newest take that was read to its end.
+  core::FrameReader reader_;            ///< Record thread only, like all below.
+  std::uint64_t take_ = 0;              ///< The take that is being read; 0: none.
+  std::optional<Item> last_item_;       ///< `front` returned the end.
+  RecentPeak peak_;
+  core::LatestValue<RecentPeak> waiting_;
 };
 
 }  // namespace dts::session

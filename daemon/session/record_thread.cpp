@@ -16,7 +16,7 @@ constexpr std::int64_t kTurnNs = 40'000'000;  // with two turns and kFlushNs, da
 constexpr auto kSynchroniseNs = static_cast<std::int64_t>(record::kLongestUnsynchronisedS * 0.9e9);
 constexpr auto kFlushNs = static_cast<std::int64_t>(record::kLongestUnwrittenS * 0.6e9);
 constexpr std::int64_t kLookAtDiskNs = 1'000'000'000;
-constexpr std::size_t kSlotsPerTurn = 256;  // after that, the other rigs have their turn
+constexpr std::size_t kItemsPerTurn = 256;  // after that, the other rigs have their turn
 
 /// Fails with NotFound if the file was deleted: later writes would vanish when it is closed.
 core::Status check_there(const std::string& file) {
@@ -107,7 +107,7 @@ void RecordThread::run(const std::stop_token& stop) {
 /// Writes only what is in the tap now: a rig that still streams must not keep the daemon from ending.
 void RecordThread::serve_rest(const std::string& rig, Line& line) {
   receive(rig, line);
-  for (std::size_t taken = 0; taken <= line.tap->capacity() && drain(rig, line);) taken += kSlotsPerTurn;
+  for (std::size_t read = 0; read <= line.tap->capacity() && drain(rig, line);) read += kItemsPerTurn;
   if (line.recorder) finish(rig, line, "the daemon stopped before the recording ended");
 }
 
@@ -141,7 +141,7 @@ std::vector<v1::Event> RecordThread::take_orders(const std::string& rig, Line& l
   return std::exchange(line.events, {});
 }
 
-/// Returns true if there may be more slots.
+/// Returns true if there may be more items.
 bool RecordThread::serve(const std::string& rig, Line& line) {
   receive(rig, line);
   const bool has_more = drain(rig, line);
@@ -149,36 +149,33 @@ bool RecordThread::serve(const std::string& rig, Line& line) {
   return has_more;
 }
 
-/// Returns true if there may be more slots.
+/// Returns true if there may be more items.
 bool RecordThread::drain(const std::string& rig, Line& line) {
-  for (std::size_t taken = 0; taken < kSlotsPerTurn; ++taken) {
-    const RecordTap::Slot* slot = line.tap->front();
-    if (slot == nullptr) {
+  line.tap->note_waiting(clock_.now_ns());
+  for (std::size_t read = 0; read < kItemsPerTurn; ++read) {
+    const auto item = line.tap->front();
+    if (!item) {
       line.emptied_ns = clock_.now_ns();
       return false;
     }
-    take_slot(rig, line, *slot);
+    record(rig, line, *item);
     line.tap->release();
   }
   return true;
 }
 
-void RecordThread::take_slot(const std::string& rig, Line& line, const RecordTap::Slot& slot) {
-  events_.clear();
-  for (std::uint32_t event = 0; event < slot.frame.event_count; ++event, line.tap->events().release()) {
-    events_.push_back(*line.tap->events().front());
-  }
-  if (slot.take != line.take || slot.is_end) receive(rig, line);
-  if (!line.recorder || slot.take != line.take) return;  // its recording has failed: drop the slot
-  line.lost_scans = slot.lost_scans;
-  line.lost_events = slot.lost_events;
-  if (slot.is_end) return finish(rig, line, "");
+void RecordThread::record(const std::string& rig, Line& line, const RecordTap::Item& item) {
+  if (item.take != line.take || item.frame == nullptr) receive(rig, line);
+  if (!line.recorder || item.take != line.take) return;  // its recording has failed: drop the item
+  line.lost_scans = item.lost_scans;
+  line.lost_events = item.lost_events;
+  if (item.frame == nullptr) return finish(rig, line, "");
   if (!std::exchange(line.has_frames, true)) {
     line.recorder->set_stage_state(line.tap->state());
-  } else if (slot.frame.segment != line.recorder->segment()) {
+  } else if (item.frame->segment != line.recorder->segment()) {
     note_unseen_loss(*line.recorder, line.lost_scans);  // scan indices restart here, so a later jump cannot show this loss
   }
-  if (auto taken = line.recorder->take(slot.frame, events_); !taken) finish(rig, line, core::to_string(taken.error()));
+  if (auto recorded = line.recorder->take(*item.frame, item.events); !recorded) finish(rig, line, core::to_string(recorded.error()));
 }
 
 void RecordThread::keep_up(const std::string& rig, Line& line) {

@@ -103,7 +103,7 @@ class RecordThread {
   [[nodiscard]] bool serve(const std::string& rig, Line& line);
   void serve_rest(const std::string& rig, Line& line);
   [[nodiscard]] bool drain(const std::string& rig, Line& line);
-  void take_slot(const std::string& rig, Line& line, const RecordTap::Slot& slot);
+  void record(const std::string& rig, Line& line, const RecordTap::Item& item);
   void keep_up(const std::string& rig, Line& line);
   void finish(const std::string& rig, Line& line, const std::string& incomplete);
   void watch_disk();
@@ -116,7 +116,6 @@ class RecordThread {
   std::vector<FinishedRecording> finished_;
   std::int64_t looked_at_disk_ns_ = 0;
   bool is_disk_full_ = false;
-  std::vector<core::Event> events_;  ///< Events of the current slot.
   RecordSync sync_;
   std::jthread thread_;
 };

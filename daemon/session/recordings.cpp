@@ -304,7 +304,7 @@ void Recordings::end(Rig& rig) {
   if (report.device != device::DeviceState::Streaming && report.scans_total > 0) {
     thread_.mark_incomplete(rig.config().name, "the device was not connected when the session ended: " + std::string(report.text()));
   }
-  rig.tap().close();
+  rig.tap().close(rig.pipeline_report().end);
 }
 
 std::uint32_t Recordings::part(const std::string& rig) const {

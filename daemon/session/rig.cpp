@@ -10,16 +10,9 @@
 namespace dts::session {
 namespace {
 
-constexpr double kScansRingMs = 2000.0;   // the pipeline may stall this long before scans are lost
-constexpr double kFramesRingMs = 1000.0;  // the publisher may stall this long
-constexpr std::size_t kReaches = 256;     // a person reaches once in several seconds, and the control thread reads 20 times a second
-constexpr double kCopRingMs = 4000.0;     // the control thread may be busy this long before a standing trial is lost
-constexpr double kRecordRingMs = 8000.0;  // the disk may stall this long
-constexpr int kBellPatienceMs = 100;      // the maximum delay of a stop on a silent rig
-
-std::size_t blocks_in(const pipeline::RigConfig& config, double ms) {
-  return std::max<std::size_t>(8, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
-}
+constexpr double kRingMs = 8000.0;        // the disk may stall this long
+constexpr std::size_t kFewestFrames = 8;  // at low rates with large blocks
+constexpr int kFramesPerCall = 64;        // of a burst, before the publisher is called
 
 core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pipeline& pipeline, const std::vector<std::string>& wanted,
                            const std::string& verb) {
@@ -123,15 +116,11 @@ Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, 
       tare_(std::move(made.tare)),
       windows_(std::move(made.windows)),
       pipeline_(std::move(made.pipeline)),
-      scans_(blocks_in(*config_, kScansRingMs),
-             core::Acquired{.block = core::Block(device_->describe().channels.size(), config_->block_scans)}),
-      frames_(blocks_in(*config_, kFramesRingMs), pipeline_->make_frame()),
-      reaches_(kReaches),
+      frame_(pipeline_->make_frame()),
+      frames_(frames_in(kRingMs), frame_),
       cop_stream_(cop_stream_of(*pipeline_)),
-      cops_(cop_stream_ ? blocks_in(*config_, kCopRingMs) : 1, core::Block(kCopChannels, cop_stream_ ? config_->block_scans : 0)),
-      tap_(blocks_in(*config_, kRecordRingMs), *pipeline_),
-      spare_frame_(pipeline_->make_frame()),
-      acquisition_(*device_, clock, scans_, scans_bell_, config_->rate, config_->block_scans),
+      tap_(frames_, *pipeline_),
+      acquisition_(*device_, clock, *this, config_->rate, config_->block_scans),
       statistics_(device_->describe().channels.size(), config_->rate.scans_in_ms(1000.0)),
       sensor_stream_(sensor_stream_of(*pipeline_, config_->sensor_channels.size())),
       sensor_watch_(config_->sensor_channels.size(), sensor_stream_ ? pipeline_->formats()[*sensor_stream_].rate.scans_in_ms(1000.0) : 1) {}
@@ -139,79 +128,43 @@ Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, 
 Rig::~Rig() { stop(); }
 
 void Rig::start(core::Log log) {
-  std::promise<std::vector<std::string>> acquire_ready;
-  std::promise<std::vector<std::string>> pipeline_ready;
-  pipeline_thread_ = std::jthread([this, &pipeline_ready](const std::stop_token& stop) {
-    pipeline_ready.set_value(core::configure_this_thread("pipe-" + config_->name, config_->pipeline_policy));
-    run_pipeline(stop);
-  });
-  acquire_thread_ = std::jthread([this, &acquire_ready] {
-    acquire_ready.set_value(core::configure_this_thread("acq-" + config_->name, config_->acquire_policy));
+  std::promise<std::vector<std::string>> ready;
+  thread_ = std::jthread([this, &ready] {
+    ready.set_value(core::configure_this_thread("rig-" + config_->name, config_->policy));
     acquisition_.run();
   });
-  for (auto* ready : {&acquire_ready, &pipeline_ready}) {
-    for (std::string& refused : ready->get_future().get()) {
-      log.warning("rig '" + config_->name + "': " + refused);
-      notices_.push_back(std::move(refused));
-    }
+  for (std::string& refused : ready.get_future().get()) {
+    log.warning("rig '" + config_->name + "': " + refused);
+    notices_.push_back(std::move(refused));
   }
 }
 
 void Rig::stop() noexcept {
   acquisition_.request_stop();
-  pipeline_thread_.request_stop();
-  scans_bell_.ring();
-  if (acquire_thread_.joinable()) acquire_thread_.join();
-  if (pipeline_thread_.joinable()) pipeline_thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
-void Rig::run_pipeline(const std::stop_token& stop) noexcept {
-  while (!stop.stop_requested()) {
-    tap_.follow();
-    while (core::Acquired* acquired = scans_.front()) {
-      wait_for_recorder(stop);
-      process(*acquired);
-      scans_.release();
-    }
-    scans_bell_.wait(kBellPatienceMs);
-  }
+std::size_t Rig::frames_in(double ms) const noexcept {
+  return std::max(kFewestFrames, static_cast<std::size_t>(config_->rate.scans_in_ms(ms)) / config_->block_scans);
 }
 
-/// A device that waits for its reader can be faster than any disk: then the recorder sets the pace.
-void Rig::wait_for_recorder(const std::stop_token& stop) noexcept {
-  while (device_->describe().waits_for_reader && tap_.is_blocked() && !stop.stop_requested()) {
-    clock_.sleep_until_ns(clock_.now_ns() + core::kNanosecondsPerMillisecond);
-  }
-}
-
-void Rig::process(const core::Acquired& acquired) noexcept {
+void Rig::process(const core::Acquired& acquired, bool has_more) noexcept {
   const std::int64_t started_ns = clock_.now_ns();
-  std::size_t frames_waiting = frames_.capacity();
-  core::Frame* slot = frames_.claim();
-  core::Frame& frame = slot != nullptr ? *slot : spare_frame_;
-  tap_.follow();
-  pipeline_->process(acquired, frame);
-  tap_.offer(frame, pipeline_->events());
-  offer_events(pipeline_->events());
-  offer_cop(frame);
-  frame.gap_before = core::merged(unpublished_gap_, frame.gap_before);
-  if (slot != nullptr) {
-    unpublished_gap_ = {};
-    frame.event_count = events_.take_count();
-    frames_.commit();
-    frames_waiting = frames_.waiting();  // before the publisher is woken up
-    publish_bell_.ring();
-  } else {
-    unpublished_gap_ = frame.gap_before;
-    frames_.drop();
-  }
+  tap_.begin_take();
+  pipeline_->process(acquired, frame_);
+  frames_.write(frame_, pipeline_->events());
+  note_progress(acquired.block, clock_.now_ns() - started_ns);
+  publish(has_more);
   if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
   statistics_.add(acquired.block);
-  if (sensor_stream_) sensor_watch_.add(frame.streams[*sensor_stream_]);
-  const std::int64_t ended_ns = clock_.now_ns();
-  pipeline_state_.frames_waiting.note(frames_waiting, ended_ns);
-  pipeline_state_.slots_waiting.note(tap_.waiting(), ended_ns);
-  note_progress(acquired.block, ended_ns - started_ns);
+  if (sensor_stream_) sensor_watch_.add(frame_.streams[*sensor_stream_]);
+}
+
+/// A burst is published in one go, because each call of the publisher costs a system call for each subscriber.
+void Rig::publish(bool has_more) noexcept {
+  if (++unpublished_ < kFramesPerCall && has_more) return;
+  unpublished_ = 0;
+  if (publisher_ == nullptr || !publisher_->publish()) publish_bell_.ring();
 }
 
 std::string Rig::sensor_problems() {
@@ -223,22 +176,6 @@ std::string Rig::sensor_problems() {
   return session::sensor_problems(sensor_watch_.latest(), names);
 }
 
-void Rig::offer_events(const core::FrameEvents& events) noexcept {
-  pipeline_state_.lost_events_total += events.lost() + events_.push(events);
-  core::for_each(events, [this](const core::Event& event) {
-    const bool is_of_a_reach = std::holds_alternative<core::ReachEvent>(event) || std::holds_alternative<core::ClassEvent>(event);
-    if (is_of_a_reach && !reaches_.push(event)) ++pipeline_state_.lost_events_total;
-  });
-}
-
-void Rig::offer_cop(const core::Frame& frame) noexcept {
-  if (!cop_stream_ || frame.streams[*cop_stream_].count() == 0) return;
-  core::Block* const slot = cops_.claim();
-  if (slot == nullptr) return cops_.drop();
-  slot->copy_from(frame.streams[*cop_stream_]);
-  cops_.commit();
-}
-
 std::optional<core::Rate> Rig::cop_rate() const noexcept {
   if (!cop_stream_) return std::nullopt;
   return pipeline_->formats()[*cop_stream_].rate;
@@ -246,23 +183,20 @@ std::optional<core::Rate> Rig::cop_rate() const noexcept {
 
 RingFill Rig::ring_fill() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  const auto percent = [now_ns](const RecentPeak& peak, std::size_t capacity) {
-    return 100.0 * static_cast<double>(peak.at(now_ns)) / static_cast<double>(capacity);
+  const auto percent = [](std::size_t frames, std::size_t of) {
+    return 100.0 * static_cast<double>(frames) / static_cast<double>(std::max<std::size_t>(of, 1));
   };
-  const PipelineReport& pipeline = pipeline_report();
-  return {.scans_percent = percent(acquisition().ring_blocks, scans_.capacity()),
-          .frames_percent = percent(pipeline.frames_waiting, frames_.capacity()),
-          .record_percent = percent(pipeline.slots_waiting, tap_.capacity())};
+  return {.frames_percent = percent(published().frames_waiting.at(now_ns), published().longest_lag),
+          .record_percent = percent(tap_.recently_waiting(now_ns), frames_.capacity())};
 }
 
-/// Call after all data of the block are in the rings: a reader of this report then finds everything before its position.
+/// Call after all data of the block are in the ring: a reader of this report then finds everything before its position.
 void Rig::note_progress(const core::Block& block, std::int64_t spent_ns) noexcept {
   if (block.count() == 0) return;
   constexpr double kWeight = 0.02;  // about the last 50 blocks
   const double us_per_scan = static_cast<double>(spent_ns) * 1e-3 / static_cast<double>(block.count());
   pipeline_state_.us_per_scan += kWeight * (us_per_scan - pipeline_state_.us_per_scan);
-  pipeline_state_.dropped_blocks_total = frames_.dropped();
-  pipeline_state_.segment = block.segment;
+  pipeline_state_.end = frames_.end();
   pipeline_state_.next_scan = block.first_scan + block.count();
   pipeline_report_.store(pipeline_state_);
 }

@@ -9,10 +9,9 @@
 
 #include "core/clock.h"
 #include "core/doorbell.h"
-#include "core/event.h"
-#include "core/frame.h"
+#include "core/frame_ring.h"
+#include "core/latest_value.h"
 #include "core/log.h"
-#include "core/spsc_ring.h"
 #include "device/usb/usb_bus.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rig_config.h"
@@ -20,41 +19,46 @@
 #include "pipeline/tare.h"
 #include "session/acquisition.h"
 #include "session/channel_statistics.h"
-#include "session/latency_report.h"
+#include "session/publish_report.h"
 #include "session/record_tap.h"
 #include "session/rig_pipeline.h"
 #include "session/sensor_watch.h"
 
 namespace dts::session {
 
-/// The pipeline thread's report about itself.
+/// The rig thread's report about the stages.
 struct PipelineReport {
-  std::uint64_t dropped_blocks_total = 0;  ///< Frames dropped because the publisher's ring was full.
-  std::uint64_t lost_events_total = 0;     ///< Events dropped on the way to the publisher or to the session's results.
-  double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
-  std::uint32_t segment = 0;               ///< With `next_scan`, the end of the processed scans: all data before it are in the rings.
-  core::ScanIndex next_scan;
-  RecentPeak frames_waiting;  ///< Frames that wait for the publisher.
-  RecentPeak slots_waiting;   ///< Slots that wait for the recorder.
+  double us_per_scan = 0.0;   ///< Time spent in the stages, moving mean.
+  core::FramePosition end;    ///< The end of the processed frames,
+  core::ScanIndex next_scan;  ///< and of the scans in the newest segment. All data before it are in the ring.
 };
 
-/// The recent peak fill of each ring (RecentPeak).
+/// The recent peak fill of each queue (RecentPeak).
 struct RingFill {
-  double scans_percent = 0.0;
-  double frames_percent = 0.0;
-  double record_percent = 0.0;
+  double frames_percent = 0.0;  ///< Frames that waited for the publisher.
+  double record_percent = 0.0;  ///< Frames that waited for the recorder.
 };
 
-/// A running rig: a device, its two sample threads and the rings between them.
-///
-///     acquire thread: device --> [scans ring] --> pipeline thread: stages --> [frames ring] --> publish thread
-///                                                                         --> [record tap] --> record thread
-///
-/// `start` starts the threads; `stop` or the destructor ends them. Each has a name and, if permitted, SCHED_FIFO.
-class Rig {
+/// Publishes the frames of a rig on the rig's own thread.
+class FramePublisher {
  public:
-  /// Creates device and pipeline; an error says what is wrong in `config`. Rings `publish_bell` for every frame. `clock`, the bell and
-  /// `usb` (nullptr: simulated devices only) outlive the rig.
+  virtual ~FramePublisher() = default;
+  /// Publishes the frames that are new in the rig's ring, without waiting for anything. Returns false if the publish thread must do it.
+  /// Thread: rig. Realtime-safe: yes.
+  [[nodiscard]] virtual bool publish() noexcept = 0;
+};
+
+/// A running rig: a device, the stages, and the ring of the newest frames.
+///
+///     rig thread: device --> stages --> [ring of frames] --> FramePublisher --> subscribers
+///                                           '--> record thread, publish thread, control thread: each with its FrameReader
+///
+/// One thread does all of this for a block before it reads the next one. It never waits for those who follow the frames: a slow one loses
+/// frames, and knows how many. `start` starts the thread; `stop` or the destructor ends it. It has a name and, if permitted, SCHED_FIFO.
+class Rig final : private ScanSink {
+ public:
+  /// Creates device and pipeline; an error says what is wrong in `config`. Rings `publish_bell` for frames that no FramePublisher has
+  /// published. `clock`, the bell and `usb` (nullptr: simulated devices only) outlive the rig.
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(pipeline::RigConfig config, core::Clock& clock,
                                                                  core::Doorbell& publish_bell, device::usb::UsbBus* usb = nullptr);
   /// Like above, with a ready device in place of `config.device_uri`: for tests and benchmarks.
@@ -64,6 +68,8 @@ class Rig {
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
+  /// Sets who publishes frames on the rig's thread; call it before `start`. `publisher` outlives the run of the rig's thread.
+  void publish_with(FramePublisher& publisher) noexcept { publisher_ = &publisher; }
   /// Thread: control. Refused scheduling requests go to `log` and to `notices`.
   void start(core::Log log);
   void stop() noexcept;
@@ -85,20 +91,17 @@ class Rig {
   [[nodiscard]] std::string sensor_problems();
   [[nodiscard]] pipeline::Tare& tare() noexcept { return *tare_; }
   [[nodiscard]] RingFill ring_fill() noexcept;
-  [[nodiscard]] const LatencyReport& latency() noexcept { return latency_.load(); }
+  [[nodiscard]] const PublishReport& published() noexcept { return published_.load(); }
 
-  /// Thread: publish (the one writer).
-  void note_latency(const LatencyReport& report) noexcept { latency_.store(report); }
+  /// Thread: that of the publisher, one at a time.
+  void note_published(const PublishReport& report) noexcept { published_.store(report); }
 
-  /// Returns the finished frames, oldest first. Thread: publish (the consumer).
-  [[nodiscard]] core::SpscRing<core::Frame>& frames() noexcept { return frames_; }
-  /// Returns the events of the finished frames (`Frame::event_count`). Thread: publish (the consumer).
-  [[nodiscard]] core::EventLane& events() noexcept { return events_; }
-  /// Returns reaches and classes, oldest first, for the results of a session. Thread: control (the consumer).
-  [[nodiscard]] core::SpscRing<core::Event>& reaches() noexcept { return reaches_; }
-  /// Returns the blocks of the stream "cop", oldest first, for the results of a session. The ring holds several seconds; a loss shows as a
-  /// jump of the scan indices. Thread: control (the consumer).
-  [[nodiscard]] core::SpscRing<core::Block>& cops() noexcept { return cops_; }
+  /// Returns the newest frames; follow them with a FrameReader.
+  [[nodiscard]] core::FrameRing& frames() noexcept { return frames_; }
+  /// Returns the number of frames of a duration.
+  [[nodiscard]] std::size_t frames_in(double ms) const noexcept;
+  /// Returns the index of the stream "cop" in a frame; nothing if the rig has none.
+  [[nodiscard]] std::optional<std::size_t> cop_stream() const noexcept { return cop_stream_; }
   /// Returns the rate of the stream "cop"; nothing if the rig has none.
   [[nodiscard]] std::optional<core::Rate> cop_rate() const noexcept;
   /// Returns the measuring windows of trials, which the control thread sends to the stage `steadiness`. Thread: control.
@@ -109,8 +112,6 @@ class Rig {
   [[nodiscard]] RecordTap& tap() noexcept { return tap_; }
   /// Returns the stages in order: "window_filter window_scans=3 shift_scans=1".
   [[nodiscard]] const std::vector<std::string>& stage_texts() const noexcept { return pipeline_->stage_texts(); }
-  /// Returns the number of frames dropped because the publisher was too slow. Thread: any.
-  [[nodiscard]] std::uint64_t dropped_blocks() const noexcept { return frames_.dropped(); }
 
  private:
   Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell,
@@ -118,11 +119,9 @@ class Rig {
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<pipeline::RigConfig> config,
                                                                    std::unique_ptr<device::Device> device, core::Clock& clock,
                                                                    core::Doorbell& publish_bell);
-  void run_pipeline(const std::stop_token& stop) noexcept;
-  void process(const core::Acquired& acquired) noexcept;
-  void wait_for_recorder(const std::stop_token& stop) noexcept;
-  void offer_events(const core::FrameEvents& events) noexcept;
-  void offer_cop(const core::Frame& frame) noexcept;
+  [[nodiscard]] bool has_room() noexcept override { return !tap_.is_full(); }
+  void process(const core::Acquired& acquired, bool has_more) noexcept override;
+  void publish(bool has_more) noexcept;
   void note_progress(const core::Block& block, std::int64_t spent_ns) noexcept;
 
   std::unique_ptr<const pipeline::RigConfig> config_;  ///< On the heap: device and stages keep references to its model.
@@ -132,26 +131,21 @@ class Rig {
   std::unique_ptr<pipeline::Tare> tare_;
   std::unique_ptr<pipeline::SteadinessWindows> windows_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
-  core::SpscRing<core::Acquired> scans_;
-  core::SpscRing<core::Frame> frames_;
-  core::EventLane events_;
-  core::SpscRing<core::Event> reaches_;
+  core::Frame frame_;  ///< The newest frame.
+  core::FrameRing frames_;
+  FramePublisher* publisher_ = nullptr;
+  int unpublished_ = 0;                    ///< Frames in the ring since the publisher was called.
   std::optional<std::size_t> cop_stream_;  ///< Index of the frame's stream "cop".
-  core::SpscRing<core::Block> cops_;
   RecordTap tap_;
-  core::Frame spare_frame_;    ///< Filled when the publisher's ring is full, because the stages must process every scan.
-  core::Gap unpublished_gap_;  ///< Gap before dropped frames; goes with the next frame that is published.
-  core::Doorbell scans_bell_;
   Acquisition acquisition_;
   StatisticsCollector statistics_;
   std::optional<std::size_t> sensor_stream_;  ///< Index of the frame's stream that has the most processed values of each sensor.
   SensorWatch sensor_watch_;
   PipelineReport pipeline_state_;
   core::LatestValue<PipelineReport> pipeline_report_;
-  core::LatestValue<LatencyReport> latency_;
+  core::LatestValue<PublishReport> published_;
   std::vector<std::string> notices_;
-  std::jthread acquire_thread_;
-  std::jthread pipeline_thread_;
+  std::jthread thread_;
 };
 
 }  // namespace dts::session

@@ -54,7 +54,8 @@ struct SessionServices {
 /// One rig's session: its state, its recording and its trials. Thread: control.
 class RigSession {
  public:
-  RigSession(Rig& rig, SessionServices& services) : rig_(rig), services_(services), session_(rig.config().name) {}
+  RigSession(Rig& rig, SessionServices& services)
+      : rig_(rig), services_(services), frames_(rig.frames(), rig.frames().capacity()), session_(rig.config().name) {}
 
   /// Starts a session; its recording is safe on the disk when this returns. Fails with InvalidArgument (request, protocol or fields),
   /// WrongState, or the error of the recording.
@@ -112,6 +113,7 @@ class RigSession {
 
   Rig& rig_;
   SessionServices& services_;
+  core::FrameReader frames_;
   Session session_;
   std::optional<TrialRun> trials_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, record::TrialRow> trial_rows_;  ///< By trial and attempt.

@@ -16,7 +16,7 @@ void RigSession::give_cue(const TrialEvent& event) {
   rig_.hear({.is_go = event.kind == TrialEventKind::Go, .at_ns = event.at_ns, .target_cm = event.target_cm.value_or(0.0)});
 }
 
-/// Prepares the results of a new session. Empties the rings, whose content is from before the session.
+/// Prepares the results of a new session. Skips the frames from before the session.
 void RigSession::prepare_results(const Protocol& protocol, const record::SessionFacts& facts) {
   judges_.clear();
   drain();
@@ -25,15 +25,15 @@ void RigSession::prepare_results(const Protocol& protocol, const record::Session
   judges_ = make_judges(rig_, facts, services_.software, services_.worker);
 }
 
-/// Empties the rings from the pipeline; passes their content to the judges.
+/// Passes the new frames and their events to the judges.
 void RigSession::drain() {
-  for (const core::Event* event = rig_.reaches().front(); event != nullptr; event = rig_.reaches().front()) {
-    for (const auto& judge : judges_) judge->take(*event);
-    rig_.reaches().release();
-  }
-  for (const core::Block* cop = rig_.cops().front(); cop != nullptr; cop = rig_.cops().front()) {
-    for (const auto& judge : judges_) judge->take(*cop);
-    rig_.cops().release();
+  for (const core::Frame* frame = frames_.front(); frame != nullptr; frame = frames_.front()) {
+    const core::Block* const cop = rig_.cop_stream() ? &frame->streams[*rig_.cop_stream()] : nullptr;
+    for (const auto& judge : judges_) {
+      for (const core::Event& event : frames_.events()) judge->take(event);
+      if (cop != nullptr && cop->count() > 0) judge->take(*cop);
+    }
+    frames_.release();
   }
 }
 
@@ -41,7 +41,7 @@ void RigSession::drain() {
 void RigSession::follow(const DataPosition& at) {
   const PipelineReport processed = rig_.pipeline_report();
   drain();
-  for (const auto& judge : judges_) judge->advance(processed.segment, processed.next_scan);
+  for (const auto& judge : judges_) judge->advance(processed.end.segment, processed.next_scan);
   enter_results(at);
 }
 

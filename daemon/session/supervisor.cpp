@@ -69,7 +69,7 @@ std::vector<RigState> Supervisor::states() {
                       .trial = entry.session.trial_view(clock_.now_ns()),
                       .measured_rate_hz = entry.measured_rate_hz,
                       .ring_fill = entry.rig->ring_fill(),
-                      .latency = entry.rig->latency(),
+                      .published = entry.rig->published(),
                       .sensor_problems = entry.rig->sensor_problems()});
   }
   return states;

@@ -40,7 +40,7 @@ struct RigState {
   std::optional<TrialView> trial;
   double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
   RingFill ring_fill;
-  LatencyReport latency;
+  PublishReport published;
   std::string sensor_problems{};  ///< Sensors that did not measure in the last second; empty: all measured.
 };
 

@@ -94,10 +94,10 @@ void print_cost(const Settings& settings, const Setup& setup, int subscriber_cou
   const auto before = dts::bench::observe(daemon.pid());
   sleep_for(settings.seconds);
   const auto use = dts::bench::between(before, dts::bench::observe(daemon.pid()));
-  std::printf("| %d ch x %.0f Hz | %s | %d | %.1f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.0f |\n", setup.is_large() ? 16 : 4,
-              setup.rate_hz, setup.name().c_str(), subscriber_count, use.cpu_percent, use.threads_percent, percent(use, "acq-floor"),
-              percent(use, "pipe-floor"), percent(use, "publish"), percent(use, "ZMQbg/IO/0"), percent(use, "dtsd"),
-              use.switches_per_s / setup.rate_hz, static_cast<double>(dts::test::resident_kb(daemon.pid())) / 1024.0);
+  std::printf("| %d ch x %.0f Hz | %s | %d | %.1f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.0f |\n", setup.is_large() ? 16 : 4,
+              setup.rate_hz, setup.name().c_str(), subscriber_count, use.cpu_percent, use.threads_percent, percent(use, "rig-floor"),
+              percent(use, "publish"), percent(use, "ZMQbg/IO/0"), percent(use, "dtsd"), use.switches_per_s / setup.rate_hz,
+              static_cast<double>(dts::test::resident_kb(daemon.pid())) / 1024.0);
   std::fflush(stdout);
 }
 
@@ -107,7 +107,7 @@ void print_costs(const Settings& settings) {
       "CPU in %% of one core: utime + stime (steps of 10 ms), then by thread (to the ns). Subscribers are processes of their own; without "
       "one, libzmq drops what is published.\n\n");
   std::printf(
-      "| rig | block | policy | cores | subscribers | CPU | all threads | acquire | pipeline | publish | libzmq | control | switches per "
+      "| rig | block | policy | cores | subscribers | CPU | all threads | rig | publish | libzmq | control | switches per "
       "scan |"
       " RSS MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const double rate_hz : {100.0, kLoadRateHz}) {

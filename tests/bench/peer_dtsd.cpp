@@ -8,7 +8,7 @@
 // end with one line of JSON. Further arguments:
 //   ep=ADDRESS       data endpoint, tcp://127.0.0.1:PORT or ipc:///PATH
 //   load=raw|floor   raw: 16 sensors, stage guard, stream raw. floor: 4 sensors and 12 further channels, four stages, five streams
-//   cpu=N            sample threads and publisher on core N, as the daemon's realtime.cpus
+//   cpu=N            rig thread and publisher on core N, as the daemon's realtime.cpus
 //   zmq_cpu=N        libzmq's thread on core N
 //   mode=all|latest  of the subscriber
 #include <sched.h>
@@ -97,8 +97,7 @@ pipeline::RigConfig rig_config(const Arguments& arguments, const Plan& plan, int
     for (const char* stage : {"window_filter", "linearise", "cop"}) config.stages.push_back({.id = stage, .options = {}});
     config.published = {"raw", "filtered", "deflection", "cop", "aux"};
   }
-  config.acquire_policy = policy(arguments, fifo_priority, 0);
-  config.pipeline_policy = policy(arguments, fifo_priority, 1);
+  config.policy = policy(arguments, fifo_priority, 0);
   return config;
 }
 
@@ -145,11 +144,11 @@ class Producer {
     auto rig = need(session::Rig::create(config_, std::move(device), clock_, bell_));
     rig_ = rig.get();
     need(supervisor_.add(std::move(rig)));
-    schedule_zmq(context_, arguments, std::max(0, fifo_priority - 3));
+    schedule_zmq(context_, arguments, std::max(0, fifo_priority - 2));
     auto socket = need(ipc::LocalPublisher::bind(arguments.text("ep", kDefaultEndpoint), clock_, core::Log()));
     auto timed = std::make_unique<TimedSocket>(std::move(socket), plan.warm_scans(), config_.rate, clock_, figures_);
     publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), clock_, kInstance);
-    for (const std::string& refused : publisher_->start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());
+    for (const std::string& refused : publisher_->start(policy(arguments, fifo_priority, 1))) std::fprintf(stderr, "%s\n", refused.c_str());
     keys_ = need(access::KeyStore::open(directory_.path() + "/keys"));
     handler_.emplace(supervisor_, clock_, ipc::Identity{.instance_id = kInstance, .boot_id = boot_id(), .started_ns = clock_.now_ns()},
                      std::vector<std::string>{}, ipc::KeyCommands(keys_.get(), clock_, {}));
@@ -207,7 +206,7 @@ JsonLine Producer::report() {
   JsonLine line;
   line.add("role", std::string_view("prod")).add("peer", std::string_view("dtsd")).add("rate", plan_.rate_hz);
   line.add("chunk", std::uint64_t{plan_.chunk}).add("msgs", plan_.total_messages);
-  line.add("refused", rig_->dropped_blocks()).add("lost_before_pipeline", rig_->acquisition().losses.total().scans);
+  line.add("refused", rig_->published().lost_frames).add("lost_before_pipeline", rig_->acquisition().losses.total().scans);
   line.add("achieved", measured * static_cast<double>(plan_.chunk) / wall_s);
   line.add("push_p50", figures_.send.us(0.5)).add("push_p99", figures_.send.us(0.99)).add("push_max", figures_.send.us(1.0));
   line.add("age_at_push_p50", figures_.age.us(0.5)).add("age_at_push_p99", figures_.age.us(0.99));

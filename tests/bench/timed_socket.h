@@ -12,7 +12,7 @@
 namespace dts::bench {
 
 /// A data socket with a stopwatch: how long each send call takes, and how old the newest scan is when it begins.
-/// Thread: publish; the figures may be read once that thread has ended.
+/// Thread: one at a time; the figures may be read once the rig and the publish thread have ended.
 class TimedSocket final : public ipc::DataSocket {
  public:
   struct Figures {
@@ -33,7 +33,7 @@ class TimedSocket final : public ipc::DataSocket {
     figures_.send.add_ns(clock_.now_ns() - before_ns);
     figures_.age.add_ns(before_ns - block->host_time_ns() - rate_.time_ns({block->scan_count() - 1}));
   }
-  void flush() override { socket_->flush(); }
+  [[nodiscard]] bool flush(std::size_t most_peers) override { return socket_->flush(most_peers); }
   void wait(int bell_fd, int timeout_ms) override { socket_->wait(bell_fd, timeout_ms); }
   [[nodiscard]] bool take_subscriptions() override { return socket_->take_subscriptions(); }
   [[nodiscard]] bool drop_remote_peers() noexcept override { return socket_->drop_remote_peers(); }

@@ -86,7 +86,8 @@ bool has_interrupted(const record::Catalogue& catalogue) {
 RecordedSession::RecordedSession(core::Clock& clock, std::unique_ptr<session::Recordings> recordings)
     : clock_(clock),
       recordings_(std::move(recordings)),
-      supervisor_(clock, core::Log(), nullptr, {.recordings = *recordings_, .worker = worker_, .software = "fault test", .boot_id = "none"}) {}
+      supervisor_(clock, core::Log(), nullptr,
+                  {.recordings = *recordings_, .worker = worker_, .software = "fault test", .boot_id = "none"}) {}
 
 RecordedSession::~RecordedSession() { supervisor_.stop(); }
 
@@ -105,8 +106,6 @@ core::Result<std::unique_ptr<RecordedSession>> RecordedSession::open(const std::
 void RecordedSession::tick() {
   supervisor_.tick();
   static_cast<void>(supervisor_.take_notices());  // nobody listens
-  session::Rig& rig = *supervisor_.rigs().front();
-  while (rig.frames().front() != nullptr) rig.frames().release();
   clock_.sleep_until_ns(clock_.now_ns() + 50'000'000);
 }
 

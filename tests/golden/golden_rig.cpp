@@ -44,7 +44,7 @@ class GoldenClock final : public core::Clock {
   core::VirtualClock clock_{kStartNs};
 };
 
-/// What the test thread gives to the acquire thread, one at a time.
+/// What the test thread gives to the rig's thread, one at a time.
 struct Turn {
   bool is_open = false;  ///< An answer to `open`; else to `read`.
   bool succeeds = true;  ///< Of `open`.
@@ -89,16 +89,16 @@ class PlayedDevice final : public device::TestDevice {
     has_ended_ = true;
     changed_.notify_all();
   }
-  /// Thread: test. Returns when the turn was taken and the acquire thread asks for the next.
+  /// Thread: test. Returns when the turn was taken and the rig's thread asks for the next.
   void give(Turn turn) {
     std::unique_lock lock(mutex_);
     const bool is_right = changed_.wait_for(lock, kPatience, [this] { return is_asking_; }) && turn.is_open == is_opening_;
-    if (!is_right) throw std::runtime_error("the acquire thread asks for something else");
+    if (!is_right) throw std::runtime_error("the rig's thread asks for something else");
     turn_ = std::move(turn);
     has_turn_ = true;
     is_asking_ = false;
     changed_.notify_all();
-    if (!changed_.wait_for(lock, kPatience, [this] { return is_asking_; })) throw std::runtime_error("the acquire thread hangs");
+    if (!changed_.wait_for(lock, kPatience, [this] { return is_asking_; })) throw std::runtime_error("the rig's thread hangs");
   }
 
  private:
@@ -299,7 +299,7 @@ class Runner {
     }
   }
 
-  /// The acquire thread waits for the next turn. Waits for the pipeline and the publisher, and does what the daemon does in a turn.
+  /// The rig's thread waits for the next turn. Waits for the pipeline and the publisher, and does what the daemon does in a turn.
   void settle() {
     wait_for_pipeline();
     pass_barrier();
@@ -332,8 +332,8 @@ class Runner {
     const auto deadline = std::chrono::steady_clock::now() + kPatience;
     while (true) {
       const session::PipelineReport& report = rig_->pipeline_report();
-      if (report.segment == acquired.segment && report.next_scan.value == acquired.next_scan) return;
-      if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("the pipeline thread hangs");
+      if (report.end.segment == acquired.segment && report.next_scan.value == acquired.next_scan) return;
+      if (std::chrono::steady_clock::now() > deadline) throw std::runtime_error("the stages hang");
       std::this_thread::sleep_for(std::chrono::microseconds(50));
     }
   }

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "core/broadcast_ring.h"
 #include "core/latest_value.h"
 #include "core/spsc_ring.h"
 // then the checker
@@ -55,11 +56,12 @@ constexpr rl::memory_order to_relacy(std::memory_order order) noexcept {
   return rl::mo_relaxed;
 }
 
-/// Stands in for std::atomic in SpscRing and LatestValue; every access is a step the checker may interleave, and a load
+/// Stands in for std::atomic in the lock-free classes; every access is a step the checker may interleave, and a load
 /// may return any value the C++ memory model allows.
 template <class T, Weakening weakening>
 class CheckedAtomic {
  public:
+  CheckedAtomic() : CheckedAtomic(T{}) {}
   CheckedAtomic(T value) : atomic_(value) {}  // NOLINT(google-explicit-constructor): as std::atomic
 
   T load(std::memory_order order) const { return atomic_.load(effective(order), RL_INFO); }

@@ -82,8 +82,7 @@ void add_flow(const v1::RigStatus& rig, const std::string& name, const MetricLab
   out.gauge({"dts_pipeline_seconds_per_scan", "Processing time per scan, moving mean."},
             rig.pipeline_us_per_scan() / kMicrosecondsPerSecond, labels);
   const v1::RingFill& fill = rig.ring_fill();
-  for (const auto& [ring, percent] :
-       {std::pair{"scans", fill.scans_percent()}, {"frames", fill.frames_percent()}, {"record", fill.record_percent()}}) {
+  for (const auto& [ring, percent] : {std::pair{"frames", fill.frames_percent()}, {"record", fill.record_percent()}}) {
     out.gauge({"dts_ring_fill_ratio", "Largest fill of a queue within the last 30 s; at 1 data are dropped."}, percent / kPercent,
               {{"rig", name}, {"ring", ring}});
   }

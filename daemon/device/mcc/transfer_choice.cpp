@@ -17,7 +17,7 @@ constexpr double kLargestImmediateHz = 1000.0;         // as uldaq; at higher ra
 constexpr std::size_t kLargestTransferBytes = 16'384;  // usbfs splits larger ones
 constexpr std::size_t kFewestTransfers = 8;
 constexpr std::size_t kMostTransfers = 512;
-constexpr std::size_t kBufferSeconds = 2;
+constexpr std::size_t kBufferSeconds = 4;
 
 /// Returns the time in which a packet fills.
 double packet_ns(const StreamLoad& load) {

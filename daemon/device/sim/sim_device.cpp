@@ -15,6 +15,7 @@ using core::ErrorCode;
 using core::GapReason;
 
 constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // read() must see interrupt() within 100 ms
+constexpr double kBufferMs = 4000.0;
 constexpr double kHeardWithinS = 0.15;  // shorter than any reaction time: a smaller delay of the reader has no effect
 
 }  // namespace
@@ -56,7 +57,7 @@ core::Result<core::Rate> SimDevice::start(const StartOptions& options) {
   }
   window_ = parts_.fault.kind == FaultKind::Unplug && was_unplugged_ ? FaultWindow{} : fault_window(parts_.fault, options.rate);
   max_block_scans_ = options.max_block_scans;
-  buffer_scans_ = std::max(options.rate.scans_in_ms(1000.0), static_cast<std::uint64_t>(max_block_scans_));
+  buffer_scans_ = std::max(options.rate.scans_in_ms(kBufferMs), static_cast<std::uint64_t>(max_block_scans_));
   next_ = 0;
   segment_start_ = 0;
   is_stuck_ = false;
@@ -79,6 +80,12 @@ ReadResult SimDevice::read(core::Block& block, std::int64_t deadline_ns) noexcep
   if (block.capacity() == 0 || block.channel_count() != row_.size()) return {ReadOutcome::Timeout, {}};
   const std::uint64_t break_at = is_break_ahead() ? window_.first : FaultWindow::kNoScan;
   return next_ < break_at ? read_scans(block, break_at, deadline_ns) : read_break(deadline_ns);
+}
+
+bool SimDevice::has_more() noexcept {
+  if (state() != DeviceState::Streaming) return false;
+  const std::uint64_t break_at = is_break_ahead() ? window_.first : FaultWindow::kNoScan;
+  return std::min(pacer_.taken_by(clock_.now_ns()), break_at) >= next_ + max_block_scans_;
 }
 
 std::uint64_t SimDevice::wait_for(std::uint64_t scans, std::int64_t deadline_ns) noexcept {

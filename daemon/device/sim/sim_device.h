@@ -31,10 +31,10 @@ struct SimParts {
 
 /// A simulated device that behaves like hardware: its own clock, a bounded buffer, faults.
 ///
-///     clock --Pacer--> scans due --(buffer: 1 s)--> read: Scene --> Daq --> block
+///     clock --Pacer--> scans due --(buffer: 4 s)--> read: Scene --> Daq --> block
 ///
 /// Scans are computed when they are read: values depend only on the scan number since start, never on the time of the read. If the
-/// reader is more than one second late, the buffer overruns: all scans up to now are lost and counted.
+/// reader is more than four seconds late, the buffer overruns: all scans up to now are lost and counted.
 class SimDevice final : public Device {
  public:
   SimDevice(SimParts parts, core::Clock& clock);
@@ -51,6 +51,7 @@ class SimDevice final : public Device {
   [[nodiscard]] core::Status open() override;
   [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
+  [[nodiscard]] bool has_more() noexcept override;
   void interrupt() noexcept override;
   void hear(const Cue& cue) noexcept override;
   [[nodiscard]] core::Status set_sync_output(bool is_high) override;

@@ -58,6 +58,8 @@ class ScanReader {
 
   /// Works as Device::read in state Streaming; repeats Broken and Gone.
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept;
+  /// Works as Device::has_more in state Streaming: counts the scans that are unpacked.
+  [[nodiscard]] bool has_more() const noexcept { return held_scans_ == 0 && !has_trouble() && scans_.scans() >= setup_.max_block_scans; }
   /// Returns true if the device's buffer or the buffer of chunks was full.
   [[nodiscard]] bool has_overrun() const noexcept { return trouble_.gap.reason == core::GapReason::Overrun; }
   /// Returns the reason if the scan is Broken. Thread: the reader, or the owner after the reader's last `read`.

@@ -41,6 +41,7 @@ class UsbDaq final : public Device {
   [[nodiscard]] core::Status open() override;
   [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
+  [[nodiscard]] bool has_more() noexcept override { return state() == DeviceState::Streaming && reader_->has_more(); }
   void interrupt() noexcept override;
   [[nodiscard]] core::Status set_sync_output(bool is_high) override;
   /// Fails if the device did not confirm the end of its scan; the state is Open even then, or Gone if the transfers did not end.

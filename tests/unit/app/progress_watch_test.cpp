@@ -36,7 +36,7 @@ class ProgressWatchTest : public ::testing::Test {
     rig().acquisition.next_scan += scans;
   }
   void process() {
-    rig().pipeline.segment = rig().acquisition.segment;
+    rig().pipeline.end.segment = rig().acquisition.segment;
     rig().pipeline.next_scan.value = rig().acquisition.next_scan;
   }
   /// What is stuck after `seconds` of `step` each second.
@@ -67,13 +67,13 @@ TEST_F(ProgressWatchTest, WhatMoves_IsNotStuck) {
 TEST_F(ProgressWatchTest, AFrozenPipeline_IsNamed_AndForgivenWhenItGoesOn) {
   ASSERT_EQ(after(3, [&] { acquire(100), process(), ++turns_; }), "");
   EXPECT_EQ(after(4, [&] { acquire(100), ++turns_; }), "");
-  EXPECT_EQ(after(1, [&] { acquire(100), ++turns_; }), "the pipeline of rig 'floor'");
+  EXPECT_EQ(after(1, [&] { acquire(100), ++turns_; }), "a stage of rig 'floor'");
   EXPECT_EQ(after(1, [&] { acquire(100), process(), ++turns_; }), "");
 }
 
 TEST_F(ProgressWatchTest, AFrozenAcquireThread_IsNamed) {
   ASSERT_EQ(after(3, [&] { acquire(100), process(), ++turns_; }), "");
-  EXPECT_EQ(after(5, [&] { ++turns_; }), "the acquire thread of rig 'floor'");
+  EXPECT_EQ(after(5, [&] { ++turns_; }), "the device of rig 'floor'");
 }
 
 TEST_F(ProgressWatchTest, AFrozenPublishThread_IsNamed) {
@@ -96,7 +96,7 @@ TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsWhileItOpensItsDevice_IsNamedA
   rig().acquisition.device = device::DeviceState::Closed;
   EXPECT_EQ(after(100, [&] { ++rig().acquisition.turns, ++turns_; }), "") << "absent, and tried again and again";
   EXPECT_EQ(after(60, [&] { ++turns_; }), "");
-  EXPECT_EQ(after(1, [&] { ++turns_; }), "the acquire thread of rig 'floor', which opens its device,");
+  EXPECT_EQ(after(1, [&] { ++turns_; }), "the device of rig 'floor', which is being opened,");
 }
 
 TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsDuringAnotherRigsSession_IsSaidOnceAndEndsNoSession) {
@@ -112,22 +112,22 @@ TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsDuringAnotherRigsSession_IsSai
   EXPECT_TRUE(said.front().starts_with("rig 'chair': opening the device has not finished")) << said.front();
 
   rig().session.state = session::SessionState::Idle;
-  EXPECT_EQ(after(1, live), "the acquire thread of rig 'chair', which opens its device,");
+  EXPECT_EQ(after(1, live), "the device of rig 'chair', which is being opened,");
   ++state_.back().acquisition.turns;
   EXPECT_EQ(after(1, live), "");
-  EXPECT_EQ(after(62, live), "the acquire thread of rig 'chair', which opens its device,");
+  EXPECT_EQ(after(62, live), "the device of rig 'chair', which is being opened,");
   EXPECT_EQ(said.size(), 2U) << "it hangs again";
 }
 
 TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsWhileAnotherRigStreamsForNobody_IsStuck) {
   add_hung_rig();
-  EXPECT_EQ(after(62, [&] { acquire(100), process(), ++turns_; }), "the acquire thread of rig 'chair', which opens its device,");
+  EXPECT_EQ(after(62, [&] { acquire(100), process(), ++turns_; }), "the device of rig 'chair', which is being opened,");
 }
 
 TEST_F(ProgressWatchTest, SessionsOfHungRigs_ProtectNothing) {
   add_hung_rig();
   state_.back().session.state = session::SessionState::Running;
-  EXPECT_EQ(after(62, [&] { acquire(100), process(), ++turns_; }), "the acquire thread of rig 'chair', which opens its device,");
+  EXPECT_EQ(after(62, [&] { acquire(100), process(), ++turns_; }), "the device of rig 'chair', which is being opened,");
 }
 
 TEST_F(ProgressWatchTest, NothingToDo_IsNotStuck) {

@@ -59,20 +59,5 @@ TEST(FrameEvents, WhatFindsNoRoomIsCounted) {
   EXPECT_EQ(order_of(events), "");
 }
 
-TEST(EventLane, EventsOfAFrameThatFoundNoRoom_AreCountedInTheNext) {
-  EventLane lane(4);
-  FrameEvents events;
-  events.triggers.push({.scan = {1}});
-  events.sways.push({});
-  EXPECT_EQ(lane.push(events), 0U);
-  EXPECT_EQ(lane.push(events), 0U);  // the frame before was dropped: nobody took its count
-  EXPECT_EQ(lane.push(events), 1U) << "no room; preliminary sway is not counted";
-  EXPECT_EQ(lane.take_count(), 4U);
-  EXPECT_EQ(lane.take_count(), 0U);
-  std::string order;
-  for (; lane.front() != nullptr; lane.release()) order += letter_of(*lane.front());
-  EXPECT_EQ(order, "tsts");
-}
-
 }  // namespace
 }  // namespace dts::core

@@ -64,7 +64,6 @@ v1::StatusSnapshot busy_status(std::int64_t host_time_s = 100, std::uint64_t blo
   loss.set_reason(v1::GAP_REASON_OVERRUN);
   loss.set_gaps_total(1);
   loss.set_lost_scans_total(150);
-  rig.mutable_ring_fill()->set_scans_percent(3.0);
   rig.mutable_ring_fill()->set_record_percent(40.0);
   *rig.mutable_latency() = histogram({0, blocks, blocks, blocks});
   return status;

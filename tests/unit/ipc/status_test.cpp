@@ -62,7 +62,8 @@ TEST_F(StatusTest, Rig_SaysAllThatItCounts) {
                  .clock_drift_ppm = 11,
                  .rate = core::Rate::create(6, 1).value()};
   acquisition.losses.add(core::GapReason::Silence, {.gaps = 4, .scans = 3});
-  state_.pipeline = {.dropped_blocks_total = 13, .lost_events_total = 14, .us_per_scan = 15};
+  state_.pipeline = {.us_per_scan = 15, .end = {.lost_events = 10}};
+  state_.published = {.lost_frames = 13, .lost_events = 4};
   state_.tare.outcome = pipeline::TareOutcome::Done;
   state_.session = {.id = "s1", .state = session::SessionState::Running, .elapsed_s = 16, .message = "m\xFF"};
   state_.session.request = {
@@ -79,12 +80,12 @@ TEST_F(StatusTest, Rig_SaysAllThatItCounts) {
                                     .next_target_cm = 27,
                                     .remaining_s = 28};
   state_.measured_rate_hz = 29;
-  state_.ring_fill = {.scans_percent = 30, .frames_percent = 31, .record_percent = 32};
-  state_.latency.add(3);
+  state_.ring_fill = {.frames_percent = 31, .record_percent = 32};
+  state_.published.latency.add(3);
 
   dts::v1::RigStatus out = status();
   EXPECT_EQ(text(out.rig()), text(rig_info(*rig_)));
-  EXPECT_EQ(text(out.latency()), text(latency_histogram(state_.latency)));
+  EXPECT_EQ(text(out.latency()), text(latency_histogram(state_.published.latency)));
   out.clear_rig();
   out.clear_latency();
   EXPECT_EQ(
@@ -98,7 +99,7 @@ TEST_F(StatusTest, Rig_SaysAllThatItCounts) {
       "next_target_cm: 27 remaining_s: 28 } fields { key: \"a\\357\\277\\275\" value: \"1\" } fields { key: \"b\" value: \"2\" } } "
       "restarts_total: 10 clock_drift_ppm: 11 host_time_uncertainty_ns: 12 lost_events_total: 14 "
       "losses { reason: GAP_REASON_SILENCE gaps_total: 4 lost_scans_total: 3 } "
-      "ring_fill { scans_percent: 30 frames_percent: 31 record_percent: 32 } record_lag_s: 21");
+      "ring_fill { frames_percent: 31 record_percent: 32 } record_lag_s: 21");
 }
 
 TEST_F(StatusTest, SensorProblems_AreShownWhereTheDeviceItselfHasNone) {

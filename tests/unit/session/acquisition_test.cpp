@@ -17,26 +17,21 @@ namespace {
 using device::ReadOutcome;
 
 /// An acquisition at 100 Hz over a script, in virtual time, that the test runs itself.
-struct Live {
-  explicit Live(std::deque<ScriptedDevice::Step> script, std::size_t ring_blocks = 8)
-      : device(std::move(script)), ring(ring_blocks, core::Acquired{.block = core::Block(1, kBlock)}) {}
+struct Live : ScanSink {
+  explicit Live(std::deque<ScriptedDevice::Step> script) : device(std::move(script)) {}
   static constexpr std::size_t kBlock = 8;
   core::VirtualClock clock;
-  core::Doorbell bell;
   ScriptedDevice device;
-  core::SpscRing<core::Acquired> ring;
-  Acquisition acquisition{device, clock, ring, bell, core::Rate::create(100, 1).value(), kBlock};
+  Acquisition acquisition{device, clock, *this, core::Rate::create(100, 1).value(), kBlock};
+  std::string blocks;  ///< "segment:first scan+count" of all blocks, the gap before each, and all scans lost until then.
 
-  /// Takes all blocks out of the ring: "segment:first scan+count", the gap before it, and all scans lost until then.
-  void take(std::string& blocks) {
-    for (; const core::Acquired* acquired = ring.front(); ring.release()) {
-      const auto& [reason, missing, is_exact] = acquired->gap_before;
-      std::ostringstream text;
-      if (reason != core::GapReason::None) text << core::name(reason) << (is_exact ? " of " : " of about ") << missing << ", ";
-      text << acquired->block.segment << ':' << acquired->block.first_scan.value << '+' << acquired->block.count();
-      if (acquired->lost_scans_total != 0) text << " (" << acquired->lost_scans_total << " lost)";
-      blocks += (blocks.empty() ? "" : "; ") + text.str();
-    }
+  void process(const core::Acquired& acquired, bool /*has_more*/) noexcept override {
+    const auto& [reason, missing, is_exact] = acquired.gap_before;
+    std::ostringstream text;
+    if (reason != core::GapReason::None) text << core::name(reason) << (is_exact ? " of " : " of about ") << missing << ", ";
+    text << acquired.block.segment << ':' << acquired.block.first_scan.value << '+' << acquired.block.count();
+    if (acquired.lost_scans_total != 0) text << " (" << acquired.lost_scans_total << " lost)";
+    blocks += (blocks.empty() ? "" : "; ") + text.str();
   }
 };
 
@@ -48,18 +43,15 @@ std::string totals_of(const AcquisitionReport& report, const ScriptedDevice& dev
   return text.str();
 }
 
-/// Runs an acquisition over a script on the calling thread and keeps what came out.
+/// Runs an acquisition over a script on the calling thread and keeps its last report.
 struct Playback : Live {
-  explicit Playback(std::deque<ScriptedDevice::Step> script, std::size_t ring_blocks = 64, int failing_opens = 0)
-      : Live(std::move(script), ring_blocks) {
+  explicit Playback(std::deque<ScriptedDevice::Step> script, int failing_opens = 0) : Live(std::move(script)) {
     device.failing_opens = failing_opens;
     device.on_end = [&] { acquisition.request_stop(); };
     acquisition.run();
     report = acquisition.report();
-    take(blocks);
   }
   AcquisitionReport report;
-  std::string blocks;  ///< "segment:first scan+count", and the gap before it; all lost by then in brackets.
 };
 
 TEST(Acquisition, Gaps_AreToldOnceWithTheirLengthAndStartASegmentAtZero) {
@@ -101,28 +93,10 @@ TEST(Acquisition, Gaps_AreToldOnceWithTheirLengthAndStartASegmentAtZero) {
 }
 
 TEST(Acquisition, DeviceAbsentAtStart_IsTriedAgainAndIsNoGap) {
-  const Playback run({{.scans = 1}}, 64, 3);
+  const Playback run({{.scans = 1}}, 3);
 
   EXPECT_EQ(run.blocks, "0:0+1");
   EXPECT_EQ(totals_of(run.report, run.device), "1 scans, 0 gaps of 0, 0 reconnects, 0 restarts, 4 opens, 1 starts");
-}
-
-TEST(Acquisition, FullRing_DropsTheNewBlocksAndTellsTheExactLossBeforeTheNextBlock) {
-  // The ring has 2 slots and nobody reads: of 6 blocks the last 4 are lost, and nothing can tell of it yet.
-  Live live(std::deque<ScriptedDevice::Step>(6, {.scans = 2}), 2);
-  std::string blocks;
-  int rounds = 0;
-  live.device.on_end = [&] {
-    if (++rounds == 4) return live.acquisition.request_stop();
-    EXPECT_EQ(live.ring.dropped(), 4U);
-    live.take(blocks);  // room again: one more block must carry the loss of four, and none behind it
-    live.device.extend({{.scans = 2}});
-  };
-
-  live.acquisition.run();
-  live.take(blocks);
-
-  EXPECT_EQ(blocks, "0:0+2; 0:2+2; ring_full of 8, 1:0+2 (8 lost); 1:2+2 (8 lost); 1:4+2 (8 lost)");
 }
 
 TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
@@ -138,7 +112,7 @@ TEST(Acquisition, StreamThatBreaksAfterSeconds_IsStartedAgainAtOnceInANewSegment
   std::deque<ScriptedDevice::Step> script(130, {.scans = 8});
   script.push_back({.outcome = ReadOutcome::Broken, .gap = doubt});
   script.push_back({.scans = 2, .pause_ns = 30 * ScriptedDevice::kPeriodNs});
-  const Playback run(script, 256);
+  const Playback run(script);
 
   EXPECT_EQ(run.blocks.substr(run.blocks.rfind("; ")), "; integrity of about 30, 1:0+2 (30 lost)");
   EXPECT_EQ(totals_of(run.report, run.device), "1042 scans, 1 gaps of 30, 0 reconnects, 1 restarts, 2 opens, 2 starts");
@@ -165,7 +139,7 @@ TEST(Acquisition, StreamThatBreaksRightAfterItsReturn_IsStartedAgainAtOnce) {
   script.push_back({.scans = 8});
   script.push_back({.outcome = ReadOutcome::Broken});
   script.push_back({.scans = 8});
-  const Playback run(script, 256);
+  const Playback run(script);
 
   EXPECT_EQ(run.clock.now_ns(), 3'750'000'000 + 250'000'000) << "while it was away; nothing after the first break, then gently";
 }
@@ -177,7 +151,7 @@ TEST(Acquisition, DeviceLostAfterEachLongStream_IsOpenedAgainAtOnceEachTime) {
     script.push_back({.outcome = ReadOutcome::Gone});
   }
   script.push_back({.scans = 8});
-  const Playback run(script, 512);
+  const Playback run(script);
 
   EXPECT_EQ(run.clock.now_ns(), 0);
   EXPECT_EQ(run.report.reconnects_total, 3U);
@@ -215,9 +189,7 @@ TEST(Acquisition, SuspendedMachine_TheTimeAsleepIsInTheGap) {
 
   live.acquisition.run();
 
-  std::string blocks;
-  live.take(blocks);
-  EXPECT_EQ(blocks, "0:0+1; unplugged of about 360040, 1:0+1 (360040 lost)");
+  EXPECT_EQ(live.blocks, "0:0+1; unplugged of about 360040, 1:0+1 (360040 lost)");
 }
 
 TEST(Acquisition, ArmedDevice_IsWaitingAndNotSilent) {
@@ -280,7 +252,7 @@ TEST(Acquisition, DeviceThatRunsAtAnotherRateThanItPromised_IsNotBelieved) {
 
   live.acquisition.run();
 
-  EXPECT_EQ(live.ring.front(), nullptr);
+  EXPECT_EQ(live.blocks, "");
   EXPECT_EQ(std::string(live.acquisition.report().text()), " runs at 101.000000 Hz, but promised 100.000000 Hz");
 }
 

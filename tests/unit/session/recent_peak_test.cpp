@@ -5,7 +5,7 @@
 
 #include <numeric>
 
-#include "session/latency_report.h"
+#include "session/publish_report.h"
 
 namespace dts::session {
 namespace {

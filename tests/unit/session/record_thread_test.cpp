@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The way from the pipeline thread to the file, with frames made by hand: what is lost on it, and what happens to the file meanwhile.
+// The way from the ring of frames to the file, with frames made by hand: what is lost on it, and what happens to the file meanwhile.
 #include "session/record_thread.h"
 #include "support/event_text.h"
 
@@ -42,14 +42,25 @@ class RecordThreadTest : public testing::Test {
 
   [[nodiscard]] std::string file(const std::string& name) const { return sessions_directory(storage_) + "/" + name + ".xdf"; }
 
-  /// Begins a recording of what is offered to the tap from now on.
-  void begin(RecordThread& thread, const std::string& rig, RecordTap& tap) {
+  /// A ring with its tap, written by the test instead of a rig's thread.
+  struct Line {
+    Line(std::size_t frames, const pipeline::Pipeline& pipeline) : ring(frames, pipeline.make_frame()), tap(ring, pipeline) {}
+    core::FrameRing ring;
+    RecordTap tap;
+
+    void write(const core::Frame& frame, const core::FrameEvents& events = {}) { ring.write(frame, events); }
+    void close() { tap.close(ring.end()); }
+  };
+
+  /// Begins a recording of what is written from now on.
+  void begin(RecordThread& thread, const std::string& rig, Line& line) {
+    RecordTap& tap = line.tap;
     auto recorder = record::Recorder::create(file(rig), {.session_id = rig, .rig = rig},
                                              recorded_streams(rig_->config(), rig_->device(), pipeline_->formats()));
     ASSERT_TRUE(recorder);
     thread.begin(rig, std::move(*recorder), file(rig), tap.next_take());
     tap.open();
-    tap.follow();
+    tap.begin_take();
   }
   static core::Frame& at(core::Frame& frame, std::uint32_t segment, std::uint64_t first) {
     frame.segment = segment;
@@ -81,45 +92,55 @@ class RecordThreadTest : public testing::Test {
   StorageConfig storage_;
 };
 
-TEST_F(RecordThreadTest, EndThatFoundNoRoom_IsALossAlthoughNoScanFollows) {
-  RecordTap tap(4, *pipeline_);
+TEST_F(RecordThreadTest, FramesThatAreOverwritten_AreALoss_AlsoAtTheEnd) {
+  Line line(4, *pipeline_);
   RecordThread thread(clock_, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
-  for (std::uint64_t block = 0; block < 6; ++block) tap.offer(at(frame_, 1, block * kBlockScans));  // room for four
-  tap.close();
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
+  for (std::uint64_t block = 0; block < 6; ++block) line.write(at(frame_, 1, block * kBlockScans));  // the ring has four
+  line.close();
   thread.start();
-  while (thread.view("floor").is_recording) tap.follow();  // as the pipeline thread does: the end mark goes when there is room
   const FinishedRecording finished = wait(thread);
 
-  EXPECT_EQ(finished.incomplete, "60 scans were dropped: the queue to the recorder was full");
-  EXPECT_EQ(thread.view("floor").lost_scans, 60U);
+  EXPECT_EQ(finished.incomplete, "120 scans were dropped: the queue to the recorder was full") << "it continues with the newer half";
+  EXPECT_EQ(thread.view("floor").lost_scans, 4 * kBlockScans);
   EXPECT_EQ(record::verify(finished.file).value().incomplete, finished.incomplete);
 }
 
-TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossWhereItWasLost_AlthoughScansStartAnew) {
-  RecordTap tap(4, *pipeline_);
+TEST_F(RecordThreadTest, EndThatWasPassed_CountsTheLossUpToIt) {
+  Line line(4, *pipeline_);
   RecordThread thread(clock_, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
-  for (std::uint64_t block = 0; block < 5; ++block) tap.offer(at(frame_, 1, block * kBlockScans));
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
+  for (std::uint64_t block = 0; block < 3; ++block) line.write(at(frame_, 1, block * kBlockScans));
+  line.close();
+  for (std::uint64_t block = 3; block < 9; ++block) line.write(at(frame_, 1, block * kBlockScans));  // the rig streams on
   thread.start();
-  while (tap.is_blocked()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  tap.offer(at(frame_, 2, 0));
-  tap.close();
-  while (thread.view("floor").is_recording) tap.follow();
-  const FinishedRecording finished = wait(thread);
 
-  EXPECT_EQ(finished.incomplete, "30 scans were dropped: the queue to the recorder was full");
-  const auto recording = record::Recording::open(finished.file).value();
-  std::vector<v1::Event> losses;
-  while (const auto item = recording->next().value()) {
-    const auto* timed = std::get_if<record::TimedEvent>(&*item);
-    if (timed != nullptr && timed->event.has_loss()) losses.push_back(timed->event);
-  }
-  ASSERT_EQ(losses.size(), 1U);
-  EXPECT_EQ(losses[0].segment(), 1U);
-  EXPECT_EQ(losses[0].scan(), 4 * kBlockScans);
+  EXPECT_EQ(wait(thread).incomplete, "90 scans were dropped: the queue to the recorder was full");
+}
+
+TEST_F(RecordThreadTest, TakeThatEndsBeforeAnyFrame_IsARecordingWithoutScans_AndTheNextOneIsComplete) {
+  Line line(4, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", line.tap);
+  auto recorder = record::Recorder::create(file("none"), {.session_id = "none", .rig = "floor"},
+                                           recorded_streams(rig_->config(), rig_->device(), pipeline_->formats()));
+  ASSERT_TRUE(recorder);
+  thread.begin("floor", std::move(*recorder), file("none"), line.tap.next_take());
+  line.tap.open();
+  line.close();
+  thread.start();
+  EXPECT_EQ(wait(thread).incomplete, "the device delivered no scan");
+  line.tap.begin_take();  // the rig's thread comes too late
+  line.write(at(frame_, 1, 0));
+  begin(thread, "floor", line);
+  line.write(at(frame_, 1, kBlockScans));
+  line.close();
+
+  const FinishedRecording finished = wait(thread);
+  EXPECT_EQ(finished.incomplete, "");
+  EXPECT_EQ(finished.scans, kBlockScans);
 }
 
 /// Time that passes only when the record thread sleeps: `on_turn` runs in it, once a turn, for as many turns as wanted.
@@ -141,12 +162,43 @@ class TurnClock final : public core::Clock {
   std::atomic<int> left_;
 };
 
+TEST_F(RecordThreadTest, EndOfASegmentThatIsOverwritten_IsALossWhereItWasLost_AlthoughScansStartAnew) {
+  TurnClock turns(3);
+  Line line(4, *pipeline_);
+  RecordThread thread(turns, storage_);
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
+  int turn = 0;
+  turns.on_turn = [&] {
+    if (++turn == 1) {
+      for (std::uint64_t block = 0; block < 2; ++block) line.write(at(frame_, 1, block * kBlockScans));
+    } else if (turn == 2) {
+      for (std::uint64_t block = 2; block < 5; ++block) line.write(at(frame_, 1, block * kBlockScans));
+      for (std::uint64_t block = 0; block < 2; ++block) line.write(at(frame_, 2, block * kBlockScans));
+      line.close();
+    }
+  };
+  thread.start();
+  const FinishedRecording finished = wait(thread);
+
+  EXPECT_EQ(finished.incomplete, "90 scans were dropped: the queue to the recorder was full");
+  const auto recording = record::Recording::open(finished.file).value();
+  std::vector<v1::Event> losses;
+  while (const auto item = recording->next().value()) {
+    const auto* timed = std::get_if<record::TimedEvent>(&*item);
+    if (timed != nullptr && timed->event.has_loss()) losses.push_back(timed->event);
+  }
+  ASSERT_EQ(losses.size(), 1U);
+  EXPECT_EQ(losses[0].segment(), 1U);
+  EXPECT_EQ(losses[0].scan(), 2 * kBlockScans);
+}
+
 TEST_F(RecordThreadTest, WhatIsTaken_IsWrittenSoon_AndNotAtEveryTurn) {
   TurnClock turns(100);
-  RecordTap tap(64, *pipeline_);
+  Line line(64, *pipeline_);
   RecordThread thread(turns, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
   std::uint64_t first = 0;
   std::uintmax_t bytes = std::filesystem::file_size(file("floor") + ".part");
   std::vector<std::int64_t> written_ns{turns.now_ns()};
@@ -155,7 +207,7 @@ TEST_F(RecordThreadTest, WhatIsTaken_IsWrittenSoon_AndNotAtEveryTurn) {
     if (std::exchange(bytes, now_bytes) == now_bytes && first > 0) return;
     if (first > 0) written_ns.push_back(turns.now_ns());
     for (core::Block& block : at(frame_, 1, first).streams) block.set_count(&block == &frame_.streams.front() ? 1 : 0);
-    tap.offer(frame_);  // the next frame comes when the one before is in the file
+    line.write(frame_);  // the next frame comes when the one before is in the file
     ++first;
   };
   thread.start();
@@ -172,11 +224,11 @@ TEST_F(RecordThreadTest, WhatIsTaken_IsWrittenSoon_AndNotAtEveryTurn) {
 TEST_F(RecordThreadTest, DiskNearlyFull_EndsTheRecordingAsThat) {
   TurnClock turns(10);
   storage_.stop_below_mib = 1e9;  // more than any disk has
-  RecordTap tap(64, *pipeline_);
+  Line line(64, *pipeline_);
   RecordThread thread(turns, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
-  turns.on_turn = [&] { tap.offer(at(frame_, 1, 0)); };
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
+  turns.on_turn = [&] { line.write(at(frame_, 1, 0)); };
   thread.start();
   while (!turns.is_over()) std::this_thread::yield();
 
@@ -187,18 +239,17 @@ TEST_F(RecordThreadTest, DiskNearlyFull_EndsTheRecordingAsThat) {
 
 TEST_F(RecordThreadTest, Lag_GrowsUntilWhatWasTakenIsOnTheDisk) {
   core::VirtualClock clock(5'000'000'000);
-  RecordTap tap(64, *pipeline_);
+  Line line(64, *pipeline_);
   RecordThread thread(clock, storage_);
-  thread.add("floor", tap);
+  thread.add("floor", line.tap);
   EXPECT_EQ(thread.view("floor").lag_s, 0.0);
-  begin(thread, "floor", tap);
+  begin(thread, "floor", line);
   clock.advance_ns(700'000'000);
   EXPECT_DOUBLE_EQ(thread.view("floor").lag_s, 0.7);
   thread.mark_incomplete("floor", "as marked");
   thread.post("floor", test::event_of("marker {}"));
-  tap.offer(at(frame_, 1, 0));
-  tap.close();
-  tap.follow();
+  line.write(at(frame_, 1, 0));
+  line.close();
   thread.start();
   const FinishedRecording finished = wait(thread);
   thread.wait_until_closed(std::chrono::milliseconds(0));
@@ -214,67 +265,27 @@ TEST_F(RecordThreadTest, Lag_GrowsUntilWhatWasTakenIsOnTheDisk) {
   EXPECT_EQ(view.problem, "as marked");
 }
 
-TEST_F(RecordThreadTest, GapsBeforeFramesThatFoundNoRoom_AddUp) {
-  RecordTap tap(1, *pipeline_);
-  tap.open();
-  tap.follow();
-  while (!tap.is_blocked()) tap.offer(at(frame_, 1, 0));
-  const auto offer = [&](std::uint32_t segment, const core::Gap& gap) {
-    at(frame_, segment, 0).gap_before = gap;
-    tap.offer(frame_);
-  };
-  offer(2, {.reason = core::GapReason::Overrun, .missing_scans = 100, .is_exact = true});
-  offer(3, {.reason = core::GapReason::Silence, .missing_scans = 50, .is_exact = false});
-  while (tap.front() != nullptr) tap.release();
-  offer(4, {.reason = core::GapReason::Stall, .missing_scans = 7, .is_exact = true});
-
-  ASSERT_NE(tap.front(), nullptr);
-  const core::Gap& gap = tap.front()->frame.gap_before;
-  EXPECT_EQ(gap.reason, core::GapReason::Stall);
-  EXPECT_EQ(gap.missing_scans, 157U);
-  EXPECT_FALSE(gap.is_exact);
-  EXPECT_EQ(tap.front()->lost_scans, 2 * kBlockScans);
-}
-
-TEST_F(RecordThreadTest, EventsTravelWithTheirFrame_OrAreDroppedWithIt) {
-  RecordTap tap(1, *pipeline_);
-  core::FrameEvents trigger;
-  trigger.triggers.push({.segment = 1});
-  tap.offer(at(frame_, 1, 0), trigger);
-  EXPECT_EQ(tap.events().front(), nullptr) << "nothing is recorded";
-  tap.open();
-  tap.follow();
-  while (!tap.is_blocked()) tap.offer(at(frame_, 1, 0), trigger);
-  tap.offer(at(frame_, 1, kBlockScans), trigger);  // finds no room
-  std::uint32_t counted = 0;
-  for (; tap.front() != nullptr; tap.release()) counted += tap.front()->frame.event_count;
-  EXPECT_EQ(counted, tap.capacity());
-  for (std::uint32_t event = 0; event < counted; ++event, tap.events().release()) ASSERT_NE(tap.events().front(), nullptr);
-  EXPECT_EQ(tap.events().front(), nullptr);
-}
-
 TEST_F(RecordThreadTest, EventsThatFoundNoRoom_MakeTheRecordingIncomplete) {
-  RecordTap tap(256, *pipeline_);
+  Line line(256, *pipeline_);
   RecordThread thread(clock_, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
   core::FrameEvents triggers;
   for (int trigger = 0; trigger < 16; ++trigger) triggers.triggers.push({.segment = 1});
-  for (std::uint64_t block = 0; block < 129; ++block) tap.offer(at(frame_, 1, block * kBlockScans), triggers);
-  tap.close();
-  tap.follow();
+  for (std::uint64_t block = 0; block < 129; ++block) line.write(at(frame_, 1, block * kBlockScans), triggers);
+  line.close();
   thread.start();
 
   EXPECT_EQ(wait(thread).incomplete, "16 events were dropped: the queue to the recorder was full");
 }
 
 TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
-  RecordTap tap(64, *pipeline_);
+  Line line(64, *pipeline_);
   RecordThread thread(clock_, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
   thread.start();
-  tap.offer(at(frame_, 1, 0));
+  line.write(at(frame_, 1, 0));
   std::filesystem::remove_all(sessions_directory(storage_));
 
   const FinishedRecording finished = wait(thread);  // nobody has ended the take
@@ -284,14 +295,13 @@ TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
 }
 
 TEST_F(RecordThreadTest, NameTakenMeanwhile_WhatStaysSaysThatItIsIncomplete) {
-  RecordTap tap(64, *pipeline_);
+  Line line(64, *pipeline_);
   RecordThread thread(clock_, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
-  tap.offer(at(frame_, 1, 0));
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
+  line.write(at(frame_, 1, 0));
   std::filesystem::create_directory(file("floor"));
-  tap.close();
-  tap.follow();
+  line.close();
   thread.start();
 
   const FinishedRecording finished = wait(thread);
@@ -301,11 +311,11 @@ TEST_F(RecordThreadTest, NameTakenMeanwhile_WhatStaysSaysThatItIsIncomplete) {
 }
 
 TEST_F(RecordThreadTest, RigThatNeverRests_LeavesTheOthersTheirTurn) {
-  RecordTap busy(512, *pipeline_);
-  RecordTap calm(64, *pipeline_);
+  Line busy(512, *pipeline_);
+  Line calm(64, *pipeline_);
   RecordThread thread(clock_, storage_);
-  thread.add("busy", busy);
-  thread.add("calm", calm);
+  thread.add("busy", busy.tap);
+  thread.add("calm", calm.tap);
   begin(thread, "busy", busy);
   begin(thread, "calm", calm);
   std::atomic<bool> is_full = false;
@@ -313,18 +323,17 @@ TEST_F(RecordThreadTest, RigThatNeverRests_LeavesTheOthersTheirTurn) {
   std::jthread producer([&] {
     core::Frame frame = pipeline_->make_frame();
     for (std::uint64_t first = 0; !is_over; first += kBlockScans) {
-      while (busy.is_blocked() && !is_over) {
+      while (busy.tap.is_full() && !is_over) {
         is_full = true;
         std::this_thread::yield();
       }
-      busy.offer(at(frame, 1, first));
+      busy.write(at(frame, 1, first));
     }
   });
   while (!is_full) std::this_thread::yield();
   thread.start();
-  calm.offer(at(frame_, 1, 0));
+  calm.write(at(frame_, 1, 0));
   calm.close();
-  calm.follow();
 
   EXPECT_EQ(wait(thread).rig, "calm");
 
@@ -333,11 +342,11 @@ TEST_F(RecordThreadTest, RigThatNeverRests_LeavesTheOthersTheirTurn) {
 }
 
 TEST_F(RecordThreadTest, RecordingEndedByTheDaemon_HoldsWhatWasStillBuffered) {
-  RecordTap tap(64, *pipeline_);
+  Line line(64, *pipeline_);
   RecordThread thread(clock_, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
-  tap.offer(at(frame_, 1, 0));
+  thread.add("floor", line.tap);
+  begin(thread, "floor", line);
+  line.write(at(frame_, 1, 0));
   thread.start();
   thread.stop();
 

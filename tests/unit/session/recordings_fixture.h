@@ -92,7 +92,7 @@ class RecordingsTest : public testing::Test {
   }
   [[nodiscard]] bool is_processed() {
     const PipelineReport& done = rig().pipeline_report();
-    return done.segment == rig().acquisition().segment && done.next_scan.value == rig().acquisition().next_scan;
+    return done.end.segment == rig().acquisition().segment && done.next_scan.value == rig().acquisition().next_scan;
   }
   /// Hand-fed seconds pass faster than real ones: the recorder must not lose scans because this machine is slow.
   [[nodiscard]] bool is_recorder_behind() { return rig().tap().waiting() > rig().tap().capacity() / 2; }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rig with its real threads on the simulated floor.
+// A rig with its real thread on the simulated floor.
 #include "session/rig.h"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <functional>
+#include <thread>
 
 #include "floor_config.h"
 #include "support/allocation_counter.h"
@@ -13,13 +15,13 @@
 namespace dts::session {
 namespace {
 
-/// Consumes frames of a started rig until `wanted` returns true, waiting on the bell; false after 30 s.
-bool consume_until(Rig& rig, core::Doorbell& bell, const std::function<bool(const core::Frame&)>& wanted) {
+/// Reads frames of a started rig until `wanted` returns true, waiting on the bell; false after 60 s.
+bool read_until(core::FrameReader& frames, core::Doorbell& bell, const std::function<bool(const core::Frame&)>& wanted) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (std::chrono::steady_clock::now() < deadline) {
-    while (const core::Frame* frame = rig.frames().front()) {
+    while (const core::Frame* frame = frames.front()) {
       const bool is_wanted = wanted(*frame);
-      rig.frames().release();
+      frames.release();
       if (is_wanted) return true;
     }
     bell.wait(100);
@@ -27,19 +29,23 @@ bool consume_until(Rig& rig, core::Doorbell& bell, const std::function<bool(cons
   return false;
 }
 
-TEST(Rig, AfterStart_SampleThreadsAllocateNothing) {
+TEST(Rig, AfterStart_ItsThreadAllocatesNothing) {
   core::SystemClock clock;
   core::Doorbell bell;
   auto rig = Rig::create(floor_config("sim:floor?seed=3&step_on_s=0.5"), clock, bell).value();
+  core::FrameReader frames(rig->frames(), rig->frames().capacity());
   rig->start(core::Log());
   std::uint64_t scans = 0;
-  ASSERT_TRUE(consume_until(*rig, bell, [&](const core::Frame& frame) { return (scans += frame.streams[0].count()) > 100; }));
+  ASSERT_TRUE(read_until(frames, bell, [&](const core::Frame& frame) { return (scans += frame.streams[0].count()) > 100; }));
 
   test::count_sample_threads(true);
   rig->tap().open();  // a recording is no reason to allocate either
   std::uint64_t tapped_scans = 0;
-  ASSERT_TRUE(consume_until(*rig, bell, [&](const core::Frame& frame) {
-    for (; const RecordTap::Slot* slot = rig->tap().front(); rig->tap().release()) tapped_scans += slot->frame.streams[0].count();
+  ASSERT_TRUE(read_until(frames, bell, [&](const core::Frame& frame) {
+    for (auto item = rig->tap().front(); item; item = rig->tap().front()) {
+      tapped_scans += item->frame->streams[0].count();
+      rig->tap().release();
+    }
     return (scans += frame.streams[0].count()) > 3000;
   }));
   EXPECT_GT(tapped_scans, 2000U);
@@ -48,21 +54,50 @@ TEST(Rig, AfterStart_SampleThreadsAllocateNothing) {
   EXPECT_EQ(test::heap_calls_of_sample_threads(), 0U);
 }
 
-TEST(Rig, PublisherThatStalls_LosesBlocksButNeitherScansNorTheGapEvent) {
+/// Publishes what the rig's thread offers, or leaves it to another thread.
+class CountingPublisher final : public FramePublisher {
+ public:
+  [[nodiscard]] bool publish() noexcept override {
+    ++calls;
+    return can_publish;
+  }
+  std::atomic<int> calls = 0;
+  std::atomic<bool> can_publish = true;
+};
+
+TEST(Rig, FramesThatItsPublisherLeaves_RingTheBell) {
   core::SystemClock clock;
   core::Doorbell bell;
-  // The overrun happens while nobody reads: the frame that carries its gap finds the ring full.
-  auto rig = Rig::create(floor_config("sim:floor?seed=3&fault=overrun&fault_at_s=1.6&fault_for_s=0.1"), clock, bell).value();
+  CountingPublisher publisher;
+  auto rig = Rig::create(floor_config("sim:floor?seed=3"), clock, bell).value();
+  rig->publish_with(publisher);
   rig->start(core::Log());
-  while (rig->acquisition().scans_total < 4000) bell.wait(100);
-  core::Gap gap;
+  while (publisher.calls < 3) std::this_thread::yield();
+  EXPECT_FALSE(bell.wait(0));
+  publisher.can_publish = false;
+  EXPECT_TRUE(bell.wait(60'000));
+  rig->stop();
+}
 
-  ASSERT_TRUE(consume_until(*rig, bell, [&](const core::Frame& frame) {
+TEST(Rig, ReaderThatStalls_LosesFramesButNeitherTheCountNorTheGap) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  // The overrun happens while nobody reads: the reader has lost the frame with its gap.
+  auto rig = Rig::create(floor_config("sim:floor?seed=3&fault=overrun&fault_at_s=0.1&fault_for_s=0.1"), clock, bell).value();
+  core::FrameReader frames(rig->frames(), 8);
+  rig->start(core::Log());
+  while (rig->acquisition().scans_total < 1500) bell.wait(100);
+  core::Gap gap;
+  std::uint64_t scans = 0;
+
+  ASSERT_TRUE(read_until(frames, bell, [&](const core::Frame& frame) {
     if (frame.gap_before.reason != core::GapReason::None) gap = frame.gap_before;
+    scans += frame.streams[0].count();
     return gap.reason != core::GapReason::None;
   }));
 
-  EXPECT_GT(rig->dropped_blocks(), 0U);
+  EXPECT_GT(frames.lost_frames(), 0U);
+  EXPECT_EQ(frames.position().scans, scans + frames.lost_scans());
   EXPECT_EQ(gap.reason, core::GapReason::Overrun);
   EXPECT_EQ(gap.missing_scans, 150U);
   EXPECT_EQ(rig->acquisition().losses.total().scans, 150U);

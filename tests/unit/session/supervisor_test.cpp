@@ -243,25 +243,6 @@ TEST_F(SupervisorTest, SyncPulse_RisesWithTheFirstScanOfASessionAndFallsAfterIts
   EXPECT_THAT(device_->sync_outputs, ElementsAre(false)) << "the daemon ends, and the pulse with it";
 }
 
-TEST_F(SupervisorTest, RingsFillWhileNobodyReads) {
-  start();
-  feed(63 * kBlock);
-  const RigState half = now();  // frames of a second fit, rounded up to 128 blocks
-  EXPECT_DOUBLE_EQ(half.ring_fill.frames_percent, 50.0);
-  EXPECT_LE(half.ring_fill.scans_percent, 2.0);
-  EXPECT_EQ(half.ring_fill.record_percent, 0.0);
-  EXPECT_EQ(half.pipeline.dropped_blocks_total, 0U);
-  feed(66 * kBlock);
-  EXPECT_DOUBLE_EQ(now().ring_fill.frames_percent, 100.0);
-  EXPECT_EQ(now().pipeline.dropped_blocks_total, 2U);
-  EXPECT_EQ(rig().dropped_blocks(), 2U);
-  while (rig().frames().front() != nullptr) rig().frames().release();
-  while (bell_.wait(0)) {
-  }
-  feed(kBlock);
-  EXPECT_TRUE(bell_.wait(0)) << "the publisher is woken up";
-}
-
 TEST_F(SupervisorTest, SensorsThatStandStill_AreNamed_WhileTheDeviceDelivers) {
   config_.sensor_channels = {3, 2, 1, 0};
   start();

@@ -34,7 +34,6 @@ inline v1::StatusSnapshot eventful_status() {
   loss.set_reason(v1::GAP_REASON_RING_FULL);
   loss.set_gaps_total(2);
   loss.set_lost_scans_total(150);
-  rig.mutable_ring_fill()->set_scans_percent(50.0);
   rig.mutable_ring_fill()->set_frames_percent(25.0);
   rig.mutable_ring_fill()->set_record_percent(1.5);
   for (const auto& [upper_ms, blocks] : {std::pair{0.1, 0U}, {5.0, 90U}, {std::numeric_limits<double>::infinity(), 100U}}) {

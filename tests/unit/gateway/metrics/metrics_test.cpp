@@ -76,7 +76,6 @@ TEST(Metrics, OfADaemon_SayEveryFigureInBaseUnits) {
                                           R"(dts_gaps_total{rig="floor",cause="integrity"} 0)",
                                           R"(dts_gaps_total{rig="floor",cause="stall"} 0)",
                                           R"(dts_pipeline_seconds_per_scan{rig="floor"} 1.25e-05)",
-                                          R"(dts_ring_fill_ratio{rig="floor",ring="scans"} 0.5)",
                                           R"(dts_ring_fill_ratio{rig="floor",ring="frames"} 0.25)",
                                           R"(dts_ring_fill_ratio{rig="floor",ring="record"} 0.015)",
                                           R"(dts_dropped_blocks_total{rig="floor"} 5)",

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "session/recent_peak.h"
+
 namespace dts::session {
 
 /// Histogram of block latency since the start, from the time of the newest scan to the data socket. Trivially copyable, as LatestValue
@@ -23,6 +25,15 @@ struct LatencyReport {
     ++blocks[static_cast<std::size_t>(std::ranges::lower_bound(kUpperMs, taken_ms) - kUpperMs.begin())];
     sum_ms += taken_ms;
   }
+};
+
+/// The publisher's report about the frames of one rig. Trivially copyable, as LatestValue requires.
+struct PublishReport {
+  LatencyReport latency{};
+  RecentPeak frames_waiting{};    ///< Frames that waited for the publisher.
+  std::size_t longest_lag = 0;    ///< If more frames wait, the publisher skips some.
+  std::uint64_t lost_frames = 0;  ///< Frames that the publisher skipped because it was too slow.
+  std::uint64_t lost_events = 0;  ///< Events of these frames, and events that found no room.
 };
 
 }  // namespace dts::session

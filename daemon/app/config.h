@@ -13,12 +13,12 @@
 
 namespace dts::app {
 
-/// How the sample and publish threads are scheduled. The priorities relative to `fifo_priority` are: USB event thread +1, acquire threads
-/// 0, pipelines -1, publish thread -2, libzmq's own threads -3. A thread nearer to the device has a higher priority.
+/// How the rigs' threads and the publish thread are scheduled. The priorities relative to `fifo_priority` are: USB event thread +1, rigs'
+/// threads 0, publish thread -1, libzmq's own threads -2. A thread nearer to the device has a higher priority.
 struct RealtimeConfig {
   int fifo_priority = 50;  ///< 0: do not use SCHED_FIFO.
   bool locks_memory = true;
-  std::vector<int> cpus;  ///< Cores for the sample and publish threads; empty: all.
+  std::vector<int> cpus;  ///< Cores for these threads; empty: all.
 
   [[nodiscard]] core::ThreadPolicy policy(int steps_below) const;
 };

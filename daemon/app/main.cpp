@@ -55,7 +55,7 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   dts::core::Doorbell bell;
   if (is_foreground) ::unsetenv("JOURNAL_STREAM");
   const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
-  // Its thread has a higher priority than the acquire threads. It must outlive the rigs.
+  // Its thread has a higher priority than the rigs' threads. It must outlive the rigs.
   dts::device::usb::LibusbBus usb(clock, loaded.config.realtime.policy(-1), log);
   auto rigs = dts::app::create_rigs(loaded.config, clock, bell, usb, loaded.problems);
   if (!loaded.problems.empty()) return report(loaded.problems);

@@ -14,7 +14,7 @@ namespace dts::app {
 /// Checks that the daemon makes progress. The daemon sends keep-alives to systemd's watchdog only while scans move from every device
 /// through its pipeline and the publish thread runs. A plain timer would keep a frozen daemon alive for ever.
 ///
-/// If an acquire thread opens a device for longer than `kOpeningNs` (a driver that does not return), its rig is hung. A hung rig counts as
+/// If a rig's thread opens a device for longer than `kOpeningNs` (a driver that does not return), its rig is hung. A hung rig counts as
 /// stuck only if no other rig has a session, because the restart would interrupt that session. The record thread is not checked: a slow
 /// disk may hold it while the stream goes well. The control thread is checked because it makes this call: it also writes the catalogue, so
 /// a disk that hangs for longer than WatchdogSec ends the daemon. Thread: control.

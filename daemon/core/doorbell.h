@@ -17,7 +17,7 @@ class Doorbell {
   /// Thread: any. Realtime-safe: yes (one write to an eventfd, never blocks).
   void ring() noexcept;
   /// Waits for a ring, at most `timeout_ms` (-1: no limit), and clears it; returns true if it was rung.
-  /// Thread: the one waiter. Realtime-safe: yes (a sample thread sleeps here).
+  /// Thread: the one waiter. Realtime-safe: yes (a thread with SCHED_FIFO may sleep here).
   bool wait(int timeout_ms) noexcept;
   /// Clears without waiting, for pollers that found `fd()` readable; returns true if it was rung.
   bool clear() noexcept;

@@ -16,7 +16,7 @@ enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
 
 /// Writes log lines. Never global: the owner passes it to each user, so a test can read the lines, and two daemons in one process do
 /// not mix them. Copies share the sink.
-/// Thread: any but the sample threads. Realtime-safe: no (so sample threads only count, and the control thread logs).
+/// Thread: any but the rigs' threads. Realtime-safe: no (so these only count, and the control thread logs).
 class Log {
  public:
   Log();  ///< Discards all lines.

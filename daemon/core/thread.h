@@ -9,7 +9,7 @@
 
 namespace dts::core {
 
-/// Scheduling wishes of a sample thread. If the system refuses a wish, this is reported and the thread runs without it.
+/// Scheduling wishes of a thread. If the system refuses a wish, this is reported and the thread runs without it.
 struct ThreadPolicy {
   int fifo_priority = 0;  ///< 1..99: SCHED_FIFO; 0: leave the default policy.
   std::vector<int> cpus;  ///< CPUs on which the thread may run; empty: all.

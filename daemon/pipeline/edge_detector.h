@@ -25,7 +25,7 @@ struct TriggerInput {
 
 /// Finds the scans at which a channel crosses a level. The event is at the first scan beyond the band, so it is exact to one scan (thesis
 /// 4.6: plate and force plate were started by one analogue signal and aligned afterwards). The first scan of a segment only sets the
-/// initial side: a crossing within a gap is unknown. Thread: pipeline. Realtime-safe: yes.
+/// initial side: a crossing within a gap is unknown. Thread: rig. Realtime-safe: yes.
 class EdgeDetector {
  public:
   EdgeDetector(const TriggerInput& input, core::Rate rate) noexcept : input_(input), rate_(rate) {}

@@ -47,19 +47,19 @@ class Pipeline {
   /// Fills `frame` (made by `make_frame`) from a block of the device. A gap resets every stage first, and so does a block that does not
   /// continue the previous one, so that no window spans missing scans. A block with too few channels or too many scans is rejected: the
   /// frame then has its position but no scans.
-  /// Thread: pipeline. Realtime-safe: yes.
+  /// Thread: rig. Realtime-safe: yes.
   void process(const core::Acquired& acquired, core::Frame& frame) noexcept;
-  /// Returns the events that the trigger and the stages found in the newest block. Thread: pipeline. Realtime-safe: yes.
+  /// Returns the events that the trigger and the stages found in the newest block. Thread: rig. Realtime-safe: yes.
   [[nodiscard]] const core::FrameEvents& events() const noexcept { return events_; }
 
   /// Returns the number of values in the state of the trigger and all stages; fixed after `create`. With this state, a replay can begin in
   /// the middle of a stream.
   [[nodiscard]] std::size_t state_size() const noexcept;
-  /// Writes the state before the next block to `state`, which has `state_size()` values. Thread: pipeline. Realtime-safe: yes.
+  /// Writes the state before the next block to `state`, which has `state_size()` values. Thread: rig. Realtime-safe: yes.
   void save(std::span<double> state) const noexcept;
   /// Restores a saved state, so that the block at `next_scan` of `segment` continues the stream. Fails with DataDamaged, naming the stage,
-  /// if there are too few, too many or impossible values; the pipeline is then in its initial state. Thread: pipeline, or control before
-  /// the pipeline thread runs.
+  /// if there are too few, too many or impossible values; the pipeline is then in its initial state. Thread: rig, or control before
+  /// the rig's thread runs.
   [[nodiscard]] core::Status restore(std::span<const double> state, std::uint32_t segment, core::ScanIndex next_scan);
   /// Returns `stage_text` of every stage, in order.
   [[nodiscard]] const std::vector<std::string>& stage_texts() const noexcept { return stage_texts_; }

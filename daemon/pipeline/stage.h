@@ -91,23 +91,23 @@ class Stage {
   [[nodiscard]] virtual core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) = 0;
   /// Fills `out` from `in`. `out` already has the position and count of `in` and capacity for as many scans; a stage that makes fewer scans
   /// sets count, first scan and host time itself. A value may be NaN only with a quality bit that explains it. A stage that makes no stream
-  /// gets an `out` without channels. Thread: pipeline. Realtime-safe: yes.
+  /// gets an `out` without channels. Thread: rig. Realtime-safe: yes.
   virtual void process(const core::Block& in, core::Block& out) noexcept = 0;
   /// Appends the events of the last `process` to `events`, after those of the stages before it: in the order of scans, independent of the
-  /// block size. Called once after each `process`. Thread: pipeline. Realtime-safe: yes.
+  /// block size. Called once after each `process`. Thread: rig. Realtime-safe: yes.
   virtual void tell(core::FrameEvents& events) noexcept { static_cast<void>(events); }
   /// Forgets the signal's history; called between segments. Keeps the effect of commands (a tare).
-  /// Thread: pipeline. Realtime-safe: yes.
+  /// Thread: rig. Realtime-safe: yes.
   virtual void reset() noexcept = 0;
 
   /// Returns the number of values in the saved history of the signal, with which a replay can begin in the middle of a stream; fixed after
   /// `prepare`.
   [[nodiscard]] virtual std::size_t state_size() const noexcept = 0;
-  /// Writes this history to `state`, which has `state_size()` values. Thread: pipeline. Realtime-safe: yes.
+  /// Writes this history to `state`, which has `state_size()` values. Thread: rig. Realtime-safe: yes.
   virtual void save(std::span<double> state) const noexcept = 0;
   /// Restores a saved history, so that the stage continues like the one that saved it. The values come from a file: returns false for a
-  /// wrong number of values or an impossible value; the stage is then in its initial state. Thread: pipeline, or control before the
-  /// pipeline thread runs.
+  /// wrong number of values or an impossible value; the stage is then in its initial state. Thread: rig, or control before the
+  /// rig's thread runs.
   [[nodiscard]] virtual bool restore(std::span<const double> state) noexcept = 0;
 };
 

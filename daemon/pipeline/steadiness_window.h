@@ -33,7 +33,7 @@ class SteadinessWindows {
   }
   /// Ends the window immediately: no trial is measured. Thread: control.
   void close() noexcept { publish({}); }
-  /// Returns the newest window. Thread: pipeline (the one reader). Realtime-safe: yes.
+  /// Returns the newest window. Thread: rig (the one reader). Realtime-safe: yes.
   [[nodiscard]] const SteadinessWindow& latest() noexcept { return box_.load(); }
 
  private:

@@ -38,13 +38,13 @@ class Tare {
   /// Returns the newest report. Thread: control (the one reader).
   [[nodiscard]] const TareReport& latest() noexcept { return report_.load(); }
 
-  /// Returns the number of the newest request; 0: none yet. Thread: pipeline. Realtime-safe: yes.
+  /// Returns the number of the newest request; 0: none yet. Thread: rig. Realtime-safe: yes.
   [[nodiscard]] std::uint64_t requested() const noexcept { return requested_.load(std::memory_order_acquire); }  // pairs with request()
-  /// Thread: pipeline. Realtime-safe: yes.
+  /// Thread: rig. Realtime-safe: yes.
   [[nodiscard]] bool is_cancelled(std::uint64_t request) const noexcept {
     return request != 0 && cancelled_.load(std::memory_order_acquire) == request;  // pairs with cancel()
   }
-  /// Thread: pipeline (the one writer). Realtime-safe: yes.
+  /// Thread: rig (the one writer). Realtime-safe: yes.
   void report(const TareReport& report) noexcept { report_.store(report); }
 
  private:

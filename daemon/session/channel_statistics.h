@@ -28,9 +28,9 @@ class StatisticsCollector {
  public:
   StatisticsCollector(std::size_t channel_count, std::uint64_t period_scans);
 
-  /// Thread: pipeline. Realtime-safe: yes.
+  /// Thread: rig. Realtime-safe: yes.
   void add(const core::Block& block) noexcept;
-  /// Restarts the period after a gap: scans before and after a gap do not belong together. Thread: pipeline. Realtime-safe: yes.
+  /// Restarts the period after a gap: scans before and after a gap do not belong together. Thread: rig. Realtime-safe: yes.
   void reset() noexcept { scans_ = 0; }
   /// Returns the last complete period. Thread: control (the one reader).
   [[nodiscard]] const StatisticsReport& latest() noexcept { return latest_.load(); }

@@ -8,7 +8,7 @@
 namespace dts::session {
 
 /// The highest recent value: at least the last 15 s count, and nothing older than 45 s. Reading changes nothing, so that any number of
-/// monitors may read at any interval. Trivially copyable, for the reports of the sample threads. Realtime-safe: yes.
+/// monitors may read at any interval. Trivially copyable, for the reports of other threads. Realtime-safe: yes.
 ///
 ///     [ before ............ ][ now ...   ]      two windows; the older is dropped when the newer is full
 class RecentPeak {

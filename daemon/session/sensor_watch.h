@@ -23,7 +23,7 @@ class SensorWatch {
   /// `period_scans`: about a second.
   SensorWatch(std::size_t sensor_count, std::uint64_t period_scans);
 
-  /// Adds a block with one column per sensor; ignores a block with any other number of columns. Thread: pipeline. Realtime-safe: yes.
+  /// Adds a block with one column per sensor; ignores a block with any other number of columns. Thread: rig. Realtime-safe: yes.
   void add(const core::Block& sensors) noexcept;
   /// Returns the last complete period. Thread: control (the one reader).
   [[nodiscard]] const SensorDoubts& latest() noexcept { return latest_.load(); }

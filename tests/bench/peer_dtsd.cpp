@@ -60,7 +60,7 @@ void need(const core::Status& done) {
   std::exit(1);
 }
 
-/// The policy of a sample thread `steps_below` the one that this process was started with (chrt), as the daemon's configuration does it.
+/// The policy of a thread `steps_below` the one that this process was started with (chrt), as the daemon's configuration does it.
 core::ThreadPolicy policy(const Arguments& arguments, int fifo_priority, int steps_below) {
   core::ThreadPolicy policy{.fifo_priority = std::max(0, fifo_priority - steps_below), .cpus = {}};
   if (const double cpu = arguments.number("cpu", -1.0); cpu >= 0.0) policy.cpus = {static_cast<int>(cpu)};

@@ -9,8 +9,8 @@
 namespace dts::model_check {
 namespace {
 
-constexpr unsigned kWriter = 0;
-constexpr std::uint64_t kElements = 4;
+constexpr unsigned kBroadcaster = 0;
+constexpr std::uint64_t kWrittenElements = 4;
 
 /// A writer and a reader at a ring of two slots: four elements of two words, so that every slot is overwritten. What a reader accepts must
 /// be the element that it asked for, whole.
@@ -20,8 +20,8 @@ class BroadcastSuite : public rl::test_suite<BroadcastSuite<weakening>, 2> {
   using Ring = core::BroadcastRing<With<weakening>::template Atomic>;
 
   void thread(unsigned index) {
-    if (index == kWriter) {
-      for (std::uint64_t element = 0; element < kElements; ++element) ring_->write(std::array{element + 100, element + 100});
+    if (index == kBroadcaster) {
+      for (std::uint64_t element = 0; element < kWrittenElements; ++element) ring_->write(std::array{element + 100, element + 100});
     } else {
       follow();
     }
@@ -30,7 +30,7 @@ class BroadcastSuite : public rl::test_suite<BroadcastSuite<weakening>, 2> {
   void follow() {
     std::array<std::uint64_t, 2> out{};
     std::uint64_t next = 0;
-    for (std::uint64_t attempt = 0; attempt < kElements; ++attempt) {
+    for (std::uint64_t attempt = 0; attempt < kWrittenElements; ++attempt) {
       const std::uint64_t written = ring_->written();
       if (next >= written) continue;
       const auto size = ring_->read(next, out);
@@ -65,7 +65,7 @@ TEST(BroadcastRingModel, AsShipped_PassesRandomInterleavings) {
 // The broken twins: a reader accepts a wrong or torn element.
 
 TEST(BroadcastRingModel, WriterWithoutRelease_IsCaught) {
-  const Verdict verdict = check<BroadcastSuite<Weakening{.thread = kWriter, .loses_release = true}>>(kAtRandom);
+  const Verdict verdict = check<BroadcastSuite<Weakening{.thread = kBroadcaster, .loses_release = true}>>(kAtRandom);
 
   EXPECT_EQ(verdict.result, rl::test_result_user_assert_failed) << verdict.report;
 }

@@ -22,7 +22,7 @@ struct UsbModel {
 };
 
 /// The machine's USB for the drivers. Implemented by libusb, or in tests by a fake with a virtual clock.
-/// Thread: any that may wait, but not a sample thread while it streams.
+/// Thread: any that may wait, but not a rig's thread while it streams.
 class UsbBus {
  public:
   virtual ~UsbBus() = default;

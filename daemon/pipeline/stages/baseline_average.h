@@ -11,7 +11,7 @@
 namespace dts::pipeline {
 
 /// Mean and scatter of each column over a fixed number of scans, for the decision on a tare. Does not run until `start`.
-/// Thread: pipeline. Realtime-safe: yes.
+/// Thread: rig. Realtime-safe: yes.
 class BaselineAverage {
  public:
   void start(std::uint64_t scans) noexcept;

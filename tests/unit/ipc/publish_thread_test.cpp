@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "dts/v1/control.pb.h"
@@ -87,6 +89,18 @@ TEST_F(PublishTest, Frame_LeavesGapFirst_ThenTriggersBlocksAndWhatWasFoundInThem
   EXPECT_EQ(socket_->turn(), "floor/gap floor/trigger floor/raw floor/cop floor/reach floor/sway ") << "deflection is not published";
   push([](core::Frame&) {});
   EXPECT_EQ(socket_->turn(), "") << "a block without scans says nothing";
+}
+
+TEST_F(PublishTest, FramesWithoutEvents_ArePublishedOnTheRigsThread) {
+  static_cast<void>(socket_->turn());
+  const std::uint64_t turns = publisher_->turns();
+  const auto is_published = [&] { return std::ranges::any_of(rig_->published().latency.blocks, [](auto blocks) { return blocks > 0; }); };
+  rig_->start(core::Log());
+  while (!is_published()) std::this_thread::yield();
+  rig_->stop();
+
+  EXPECT_TRUE(socket_->sent_.starts_with("floor/raw ")) << socket_->sent_.substr(0, 40);
+  EXPECT_EQ(publisher_->turns(), turns);
 }
 
 TEST_F(PublishTest, ManyFrames_LeaveTurnsToTheOthers) {

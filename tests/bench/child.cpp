@@ -11,10 +11,15 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <thread>
 #include <utility>
+#include <vector>
 #include <zmq.hpp>
 
+#include "app/config.h"
+#include "bench/process_use.h"
 #include "core/clock.h"
+#include "device/registry.h"
 #include "dts/subscriber.h"
 #include "dts/v1/stream.pb.h"
 
@@ -127,6 +132,28 @@ Measured send_plain(const std::string& endpoint, double rate_hz, double seconds)
   return {};
 }
 
+/// Reads until `end_ns` what a rig's device delivers.
+void drain(const pipeline::RigConfig& rig, std::int64_t end_ns) {
+  core::SystemClock clock;
+  auto device = device::create_device(rig.device_uri, {clock, rig.model});
+  if (!device || !(*device)->open() || !(*device)->start({rig.rate, rig.block_scans})) return;
+  core::Block block((*device)->describe().channels.size(), rig.block_scans);
+  while (clock.now_ns() < end_ns) static_cast<void>((*device)->read(block, end_ns));
+}
+
+Measured drain_all(const std::string& config_file, double seconds) {
+  const app::LoadedConfig loaded = app::load_config(config_file);
+  const std::int64_t begin_ns = now_ns() + to_ns(1.0);  // creating the devices is not measured
+  std::vector<std::jthread> threads;
+  for (const app::ConfiguredRig& rig : loaded.config.rigs) threads.emplace_back(drain, rig.rig, begin_ns + to_ns(seconds + 1.0));
+  core::SystemClock().sleep_until_ns(begin_ns);
+  const ObservedUse before = observe(::getpid());
+  core::SystemClock().sleep_until_ns(begin_ns + to_ns(seconds));
+  Measured measured;
+  measured.cpu_percent = between(before, observe(::getpid())).threads_percent;
+  return measured;
+}
+
 template <class Announce>
 Measured take_plain(const std::string& endpoint, double seconds, Announce announce) {
   zmq::context_t context(1);
@@ -227,6 +254,10 @@ bool may_use_fifo(int priority) {
 
 Child subscribe(const std::string& endpoint, double seconds, int fifo_priority) {
   return Child(fifo_priority, [=](auto announce) { return receive_all(endpoint, seconds, announce); });
+}
+
+Child run_devices(const std::string& config_file, double seconds) {
+  return Child(0, [=](auto) { return drain_all(config_file, seconds); });
 }
 
 Child tick(double rate_hz, double seconds, int fifo_priority) {

@@ -22,6 +22,7 @@ struct Measured {
   std::uint64_t expected = 0;   ///< By the host times of the first and last scan.
   std::uint64_t told_lost = 0;  ///< On the way to this subscriber, as libdts says.
   std::uint64_t gap_scans = 0;  ///< Before the pipeline, as the gap events say.
+  double cpu_percent = 0.0;     ///< Of one core; `run_devices` only.
 
   void set(Percentiles& latency);
 };
@@ -67,6 +68,8 @@ class Child {
 
 /// Receives everything of rig "floor" for `seconds` after the first block; counts stream "cop".
 [[nodiscard]] Child subscribe(const std::string& endpoint, double seconds, int fifo_priority);
+/// Reads the devices of all rigs in a configuration file of the daemon for `seconds`, in real time, and does nothing with their scans.
+[[nodiscard]] Child run_devices(const std::string& config_file, double seconds);
 /// How late an absolute-deadline sleep wakes.
 [[nodiscard]] Child tick(double rate_hz, double seconds, int fifo_priority);
 /// Publishes 16-channel protobuf messages over plain libzmq, one per scan, for `seconds`.

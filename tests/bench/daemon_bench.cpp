@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -33,7 +34,14 @@ constexpr int kDaemonPriority = 50;  // the daemon's default
 constexpr int kSubscriberPriority = 45;
 constexpr double kLoadRateHz = 1500.0;
 
+/// A dtsd to measure.
+struct Build {
+  std::string name;
+  std::string program;
+};
+
 struct Settings {
+  std::vector<Build> builds{{"this build", DTSD_PROGRAM}};
   double seconds = 5.0;
   int rounds = 3;
   double load_seconds = 60.0;
@@ -46,13 +54,15 @@ struct Setup {
   bool is_low_latency = false;
   bool is_fifo = true;
   std::string cpus;  ///< "1"; empty: all.
+  std::string program = DTSD_PROGRAM;
 
   [[nodiscard]] bool is_large() const { return rate_hz > 1000.0; }
   [[nodiscard]] dts::test::DaemonProcess::Options options() const {
     return {.device = std::string("sim:floor?seed=7&truth=0&step_on_s=0") + (is_large() ? "&extra=12" : ""),
             .acquire = "rate_hz = " + std::to_string(rate_hz) + "\nlow_latency = " + (is_low_latency ? "true" : "false"),
             .stages = {},
-            .daemon = "[realtime]\nfifo_priority = " + std::to_string(is_fifo ? kDaemonPriority : 0) + "\ncpus = [" + cpus + "]"};
+            .daemon = "[realtime]\nfifo_priority = " + std::to_string(is_fifo ? kDaemonPriority : 0) + "\ncpus = [" + cpus + "]",
+            .program = program};
   }
   [[nodiscard]] int subscriber_priority() const { return is_fifo ? kSubscriberPriority : 0; }
   [[nodiscard]] std::string name() const {
@@ -83,7 +93,19 @@ double percent(const dts::bench::UseRate& use, const std::string& thread) {
   return found == use.thread_percent.end() ? 0.0 : found->second;
 }
 
-void print_cost(const Settings& settings, const Setup& setup, int subscriber_count) {
+/// Of the rig's thread; an older build has two.
+double rig_percent(const dts::bench::UseRate& use, const std::string& rig) {
+  return percent(use, "rig-" + rig) + percent(use, "acq-" + rig) + percent(use, "pipe-" + rig);
+}
+
+/// The cells of one row: CPU by thread, switches and memory.
+void print_use(const dts::bench::UseRate& use, const std::string& rig) {
+  std::printf(" %.1f | %.2f | %.2f | %.2f | %.2f | %.2f |", use.cpu_percent, use.threads_percent, rig_percent(use, rig),
+              percent(use, "publish"), percent(use, "ZMQbg/IO/0"), percent(use, "dtsd"));
+}
+
+void print_cost(const Settings& settings, const Build& build, Setup setup, int subscriber_count) {
+  setup.program = build.program;
   const dts::test::DaemonProcess daemon(setup.options());
   if (!daemon.is_ready()) {
     std::printf("| the daemon did not start: %s |\n", daemon.log().c_str());
@@ -94,30 +116,90 @@ void print_cost(const Settings& settings, const Setup& setup, int subscriber_cou
   const auto before = dts::bench::observe(daemon.pid());
   sleep_for(settings.seconds);
   const auto use = dts::bench::between(before, dts::bench::observe(daemon.pid()));
-  std::printf("| %d ch x %.0f Hz | %s | %d | %.1f | %.2f | %.2f | %.2f | %.2f | %.2f | %.2f | %.0f |\n", setup.is_large() ? 16 : 4,
-              setup.rate_hz, setup.name().c_str(), subscriber_count, use.cpu_percent, use.threads_percent, percent(use, "rig-floor"),
-              percent(use, "publish"), percent(use, "ZMQbg/IO/0"), percent(use, "dtsd"), use.switches_per_s / setup.rate_hz,
-              static_cast<double>(dts::test::resident_kb(daemon.pid())) / 1024.0);
+  std::printf("| %s | %d ch x %.0f Hz | %s | %d |", build.name.c_str(), setup.is_large() ? 16 : 4, setup.rate_hz, setup.name().c_str(),
+              subscriber_count);
+  print_use(use, "floor");
+  std::printf(" %.2f | %.0f |\n", use.switches_per_s / setup.rate_hz, static_cast<double>(dts::test::resident_kb(daemon.pid())) / 1024.0);
   std::fflush(stdout);
 }
 
 void print_costs(const Settings& settings) {
   std::printf("\n### Cost of the daemon (%.0f s per row, load average %.1f at the start)\n\n", settings.seconds, load_average());
   std::printf(
-      "CPU in %% of one core: utime + stime (steps of 10 ms), then by thread (to the ns). Subscribers are processes of their own; without "
-      "one, libzmq drops what is published.\n\n");
-  std::printf(
-      "| rig | block | policy | cores | subscribers | CPU | all threads | rig | publish | libzmq | control | switches per "
-      "scan |"
-      " RSS MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "CPU in %% of one core: utime + stime (steps of 10 ms), then by thread (to the ns). Subscribers are processes of their own.\n\n"
+      "| dtsd | rig | block | policy | cores | subscribers | CPU | all threads | rig | publish | libzmq | control |"
+      " switches per scan | RSS MiB |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const double rate_hz : {100.0, kLoadRateHz}) {
     for (const bool is_low_latency : {false, true}) {
-      for (const int subscribers : {0, 4}) {
-        print_cost(settings, {.rate_hz = rate_hz, .is_low_latency = is_low_latency, .is_fifo = settings.has_fifo}, subscribers);
+      for (const int subscribers : {0, 1, 4}) {
+        for (const Build& build : settings.builds) {
+          print_cost(settings, build, {.rate_hz = rate_hz, .is_low_latency = is_low_latency, .is_fifo = settings.has_fifo}, subscribers);
+        }
       }
     }
   }
-  print_cost(settings, {.is_low_latency = true, .is_fifo = settings.has_fifo, .cpus = "1"}, 4);
+  for (const Build& build : settings.builds) {
+    print_cost(settings, build, {.is_low_latency = true, .is_fifo = settings.has_fifo, .cpus = "1"}, 4);
+  }
+}
+
+/// The rigs of config/dtsd.toml.
+dts::test::DaemonProcess::Options demo_options(const Build& build) {
+  std::string stages;
+  for (const char* stage : {"guard", "window_filter", "linearise", "cop", "steadiness"}) {
+    stages += std::string("[[stage]]\nid = \"") + stage + "\"\n";
+  }
+  return {.device = "sim:floor?seed=7",
+          .acquire = {},
+          .stages = stages,
+          .daemon = {},
+          .further_rigs = {{.name = "chair", .device = "sim:chair?seed=5", .file = "chair-sim.toml"}},
+          .program = build.program};
+}
+
+/// What the two simulated devices use without a daemon, in % of one core.
+double measure_simulators(const Settings& settings) {
+  return dts::bench::run_devices(DTS_SOURCE_DIR "/config/dtsd.toml", settings.seconds).result().cpu_percent;
+}
+
+double median_of(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+void print_demo(const Settings& settings) {
+  std::printf("\n### The idle demo: floor and chair, simulated, no subscriber (median of %d rounds of %.0f s, load average %.1f)\n\n",
+              settings.rounds, settings.seconds, load_average());
+  std::printf(
+      "CPU in %% of one core. Simulators: both devices, read at the same rates by a program that does nothing else.\n\n"
+      "| dtsd | CPU | rig | publish | control | switches/s | RSS MiB | simulators "
+      "|\n|---|---|---|---|---|---|---|---|\n");
+  constexpr std::size_t kCells = 7;
+  std::vector<std::array<std::vector<double>, kCells>> cells(settings.builds.size());
+  for (int round = 0; round < settings.rounds; ++round) {
+    const double simulators = measure_simulators(settings);
+    for (std::size_t n = 0; n < settings.builds.size(); ++n) {
+      const dts::test::DaemonProcess daemon(demo_options(settings.builds[n]));
+      sleep_for(1.0);
+      const auto before = dts::bench::observe(daemon.pid());
+      sleep_for(settings.seconds);
+      const auto use = dts::bench::between(before, dts::bench::observe(daemon.pid()));
+      const std::array<double, kCells> row{use.threads_percent,
+                                           rig_percent(use, "floor") + rig_percent(use, "chair"),
+                                           percent(use, "publish"),
+                                           percent(use, "dtsd"),
+                                           use.switches_per_s,
+                                           static_cast<double>(dts::test::resident_kb(daemon.pid())) / 1024.0,
+                                           simulators};
+      for (std::size_t cell = 0; cell < kCells; ++cell) cells[n][cell].push_back(row[cell]);
+    }
+  }
+  for (std::size_t n = 0; n < settings.builds.size(); ++n) {
+    std::printf("| %s |", settings.builds[n].name.c_str());
+    for (const std::vector<double>& values : cells[n]) std::printf(" %.2f |", median_of(values));
+    std::printf("\n");
+  }
+  std::fflush(stdout);
 }
 
 Measured measure_daemon(const Settings& settings, const Setup& setup) {
@@ -258,18 +340,22 @@ int main(int argc, char** argv) {
   Settings settings;
   bool is_quick = false;
   std::string part;
+  std::string older;
   app.add_flag("--quick", is_quick, "Short windows: shows that everything works, the figures are rough");
   app.add_option("--seconds", settings.seconds, "Length of a measurement")->check(CLI::Range(0.5, 3600.0));
-  app.add_option("--rounds", settings.rounds, "Interleaved rounds of the latency table")->check(CLI::Range(1, 100));
+  app.add_option("--rounds", settings.rounds, "Interleaved rounds of the latency and demo tables")->check(CLI::Range(1, 100));
   app.add_option("--load-seconds", settings.load_seconds, "Length of the load test")->check(CLI::Range(1.0, 86400.0));
-  app.add_option("--part", part, "One table only")->check(CLI::IsMember({"cost", "latency", "load"}));
+  app.add_option("--part", part, "One table only")->check(CLI::IsMember({"cost", "demo", "latency", "load"}));
+  app.add_option("--before", older, "dtsd of an older build, for the tables of cost and demo")->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);
   if (is_quick) settings = {.seconds = 1.0, .rounds = 1, .load_seconds = 5.0};
+  if (!older.empty()) settings.builds.insert(settings.builds.begin(), {"before", older});
   settings.has_fifo = dts::bench::may_use_fifo(kDaemonPriority);
 
   std::printf("## daemon_bench\n");
   if (!settings.has_fifo) std::printf("\nSCHED_FIFO is not permitted here: rows with policy FIFO are left out.\n");
   if (part.empty() || part == "cost") print_costs(settings);
+  if (part.empty() || part == "demo") print_demo(settings);
   if (part.empty() || part == "latency") print_latencies(settings);
   if (part.empty() || part == "load") print_load_tests(settings);
   return 0;

@@ -2,15 +2,16 @@
 // dtsd as one peer among those of a benchmark that compares ways from a producer to a consumer:
 //
 //   role=prod  the daemon's own parts, wired as app/daemon.cpp does, behind a device that follows the benchmark's schedule
-//   role=cons  a client on libdts
+//   role=cons  a client
 //
 // Both take the driver's arguments (rate= chunk= secs= nsub= ...), talk with it over stdin and stdout (peer_protocol.h) and
 // end with one line of JSON. Further arguments:
-//   ep=ADDRESS       data endpoint, tcp://127.0.0.1:PORT or ipc:///PATH
+//   ep=ADDRESS       data endpoint, ipc:///PATH
 //   load=raw|floor   raw: 16 sensors, stage guard, stream raw. floor: 4 sensors and 12 further channels, four stages, five streams
 //   cpu=N            rig thread and publisher on core N, as the daemon's realtime.cpus
-//   zmq_cpu=N        libzmq's thread on core N
-//   mode=all|latest  of the subscriber
+//   client=own|stock own: libdts, which reads the socket itself. stock: a SUB socket of libzmq and protobuf, as other programs have
+//   mode=all|latest  of the own client
+//   hwm=N            messages that the stock client queues
 #include <sched.h>
 #include <unistd.h>
 
@@ -31,6 +32,7 @@
 #include "core/thread.h"
 #include "core/worker.h"
 #include "dts/subscriber.h"
+#include "dts/v1/stream.pb.h"
 #include "ipc/control_server.h"
 #include "ipc/local_publisher.h"
 #include "ipc/publish_thread.h"
@@ -42,8 +44,8 @@ namespace {
 
 constexpr std::size_t kChannels = 16;
 constexpr const char* kRig = "bench";
-constexpr const char* kDefaultEndpoint = "tcp://127.0.0.1:5599";
-constexpr int kServeMs = 20;
+constexpr const char* kDefaultEndpoint = "ipc:///tmp/peer_dtsd.sock";
+constexpr int kServeMs = 100;
 constexpr std::uint64_t kInstance = 1;
 
 /// For what a benchmark cannot go on without.
@@ -101,14 +103,10 @@ pipeline::RigConfig rig_config(const Arguments& arguments, const Plan& plan, int
   return config;
 }
 
-void schedule_zmq(zmq::context_t& context, const Arguments& arguments, int fifo_priority) {
-  if (fifo_priority > 0) {
-    zmq_ctx_set(context.handle(), ZMQ_THREAD_SCHED_POLICY, SCHED_FIFO);
-    zmq_ctx_set(context.handle(), ZMQ_THREAD_PRIORITY, fifo_priority);
-  }
-  if (const double cpu = arguments.number("zmq_cpu", -1.0); cpu >= 0.0) {
-    zmq_ctx_set(context.handle(), ZMQ_THREAD_AFFINITY_CPU_ADD, static_cast<int>(cpu));
-  }
+void schedule_zmq(zmq::context_t& context, int fifo_priority) {
+  if (fifo_priority <= 0) return;
+  zmq_ctx_set(context.handle(), ZMQ_THREAD_SCHED_POLICY, SCHED_FIFO);
+  zmq_ctx_set(context.handle(), ZMQ_THREAD_PRIORITY, fifo_priority);
 }
 
 /// Without it a subscriber does not tell how old its data are.
@@ -144,7 +142,7 @@ class Producer {
     auto rig = need(session::Rig::create(config_, std::move(device), clock_, bell_));
     rig_ = rig.get();
     need(supervisor_.add(std::move(rig)));
-    schedule_zmq(context_, arguments, std::max(0, fifo_priority - 2));
+    schedule_zmq(context_, std::max(0, fifo_priority - 2));
     auto socket = need(ipc::LocalPublisher::bind(arguments.text("ep", kDefaultEndpoint), clock_, core::Log()));
     auto timed = std::make_unique<TimedSocket>(std::move(socket), plan.warm_scans(), config_.rate, clock_, figures_);
     publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), clock_, kInstance);
@@ -230,41 +228,45 @@ int produce(const Arguments& arguments) {
   return 0;
 }
 
-/// What a subscriber is told of its losses, and how old the first data are after a pause of its own (it was stopped).
+/// Counts the losses that the client library reports, and the age of the first data after each pause of this process (it was stopped).
 struct LossReport {
   static constexpr std::int64_t kPauseNs = 1'000'000'000;
 
   std::uint64_t told_lost = 0;
   bool is_exact = true;
   std::int64_t last_ns = 0;
-  std::optional<std::int64_t> age_after_pause_ns;
-  std::uint64_t told_after_pause = 0;
+  std::optional<std::int64_t> oldest_after_pause_ns;
 
   void take(const client::Block& block, std::int64_t now_ns) {
     told_lost += block.lost_scans;
     is_exact = is_exact && block.is_lost_exact;
-    if (last_ns != 0 && now_ns - last_ns > kPauseNs) {
-      age_after_pause_ns = block.age_ns;
-      told_after_pause = block.lost_scans;
-    }
+    if (last_ns != 0 && now_ns - last_ns > kPauseNs) oldest_after_pause_ns = std::max(block.age_ns, oldest_after_pause_ns);
     last_ns = now_ns;
   }
   void add_to(JsonLine& line) const {
     line.add("told_lost", told_lost).add("told_exact", std::uint64_t{is_exact});
-    if (age_after_pause_ns) {
-      line.add("age_after_pause_ms", static_cast<double>(*age_after_pause_ns) * 1e-6).add("told_after_pause", told_after_pause);
-    }
+    if (oldest_after_pause_ns) line.add("oldest_after_pause_us", static_cast<double>(*oldest_after_pause_ns) * 1e-3);
+  }
+};
+
+/// The rig's topics, and the stream whose blocks are counted.
+struct Wanted {
+  std::string topics;
+  std::string stream;
+  explicit Wanted(const Arguments& arguments) {
+    const bool is_floor = arguments.text("load", "raw") == "floor";
+    topics = std::string(kRig) + (is_floor ? "/" : "/raw");
+    stream = is_floor ? "cop" : "raw";
   }
 };
 
 int consume(const Arguments& arguments) {
   const Plan plan(arguments);
   const core::SystemClock clock;
-  const bool is_floor = arguments.text("load", "raw") == "floor";
-  const std::string_view counted = is_floor ? "cop" : "raw";
+  const Wanted wanted(arguments);
   auto subscriber =
       client::Subscriber::open({.endpoint = arguments.text("ep", kDefaultEndpoint),
-                                .topics = {std::string(kRig) + (is_floor ? "/" : "/raw")},
+                                .topics = {wanted.topics},
                                 .mode = arguments.text("mode", "all") == "latest" ? client::Mode::Latest : client::Mode::All});
   while (subscriber && subscriber->status() == nullptr) {
     if (!subscriber->receive(std::chrono::milliseconds(50))) return 1;
@@ -274,12 +276,16 @@ int consume(const Arguments& arguments) {
   ConsumerFigures figures(plan);
   LossReport losses;
   const std::chrono::milliseconds patience(arguments.count("idle_ms", 3000));
+  std::int64_t received_ns = clock.now_ns();
   while (!figures.is_done()) {
     const auto message = subscriber->receive(patience);
-    if (!message || (!*message && figures.has_started())) break;
+    // A process that was stopped gets no message at first: that is no silence.
+    const bool is_silent = clock.now_ns() - received_ns >= patience.count() * core::kNanosecondsPerMillisecond;
+    if (!message || (!*message && figures.has_started() && is_silent)) break;
     const client::Block* block = *message ? std::get_if<client::Block>(&**message) : nullptr;
-    if (block == nullptr || block->stream != counted) continue;
+    if (block == nullptr || block->stream != wanted.stream) continue;
     const std::int64_t now_ns = clock.now_ns();
+    received_ns = now_ns;
     const auto length_ns = static_cast<std::int64_t>(static_cast<double>(block->scan_count - 1) * 1e9 / block->rate.hz());
     figures.take(block->first_scan, block->scan_count, block->host_time_ns + length_ns, now_ns);
     if (figures.has_started()) losses.take(*block, now_ns);
@@ -290,6 +296,39 @@ int consume(const Arguments& arguments) {
   return 0;
 }
 
+int consume_with_zmq(const Arguments& arguments) {
+  const Plan plan(arguments);
+  const core::SystemClock clock;
+  const Wanted wanted(arguments);
+  const std::string counted = std::string(kRig) + "/" + wanted.stream;
+  zmq::context_t context(1);
+  zmq::socket_t socket(context, zmq::socket_type::sub);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::rcvhwm, static_cast<int>(arguments.count("hwm", 1000)));
+  socket.set(zmq::sockopt::rcvtimeo, static_cast<int>(arguments.count("idle_ms", 3000)));
+  socket.set(zmq::sockopt::subscribe, wanted.topics);
+  socket.connect(arguments.text("ep", kDefaultEndpoint));
+  say("READY");  // the driver's producer waits longer than the subscription takes
+  ConsumerFigures figures(plan);
+  zmq::message_t topic;
+  zmq::message_t payload;
+  v1::StreamBlock block;
+  while (!figures.is_done()) {
+    if (!socket.recv(topic)) {
+      if (figures.has_started()) break;
+      continue;
+    }
+    if (!socket.recv(payload) || topic.to_string_view() != counted) continue;
+    if (!block.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) return 1;
+    const std::int64_t now_ns = clock.now_ns();
+    const double period_ns = 1e9 * static_cast<double>(block.rate().denominator()) / static_cast<double>(block.rate().numerator());
+    const auto length_ns = static_cast<std::int64_t>(static_cast<double>(block.scan_count() - 1) * period_ns);
+    figures.take(block.first_scan(), block.scan_count(), block.host_time_ns() + length_ns, now_ns);
+  }
+  figures.report("dtsd").print();
+  return 0;
+}
+
 }  // namespace
 }  // namespace dts::bench
 
@@ -297,6 +336,7 @@ int main(int argc, char** argv) {
   const dts::bench::Arguments arguments(std::span<char* const>(argv, static_cast<std::size_t>(argc)));
   const std::string role = arguments.text("role", "");
   if (role == "prod") return dts::bench::produce(arguments);
+  if (role == "cons" && arguments.text("client", "own") == "stock") return dts::bench::consume_with_zmq(arguments);
   if (role == "cons") return dts::bench::consume(arguments);
   std::fprintf(stderr, "peer_dtsd: started by tests/bench/peers.py with role=prod or role=cons\n");
   return 2;

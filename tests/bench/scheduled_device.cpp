@@ -73,6 +73,10 @@ device::ReadResult ScheduledDevice::read(core::Block& block, std::int64_t deadli
   return {ReadOutcome::Scans, {}};
 }
 
+bool ScheduledDevice::has_more() noexcept {
+  return message_ < plan_.total_messages && clock_.now_ns() >= due_ns(begin_ns_.load(std::memory_order_acquire));  // pairs with begin()
+}
+
 void ScheduledDevice::note_progress() noexcept {
   if (message_ == plan_.warm_messages && use_at_begin_.at_ns == 0) use_at_begin_ = ProcessUse::now(clock_.now_ns());
   if (message_ != plan_.total_messages || use_at_end_.at_ns != 0) return;

@@ -36,6 +36,7 @@ class ScheduledDevice final : public device::Device {
   [[nodiscard]] core::Status open() override;
   [[nodiscard]] core::Result<core::Rate> start(const device::StartOptions& options) override;
   [[nodiscard]] device::ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
+  [[nodiscard]] bool has_more() noexcept override;
   void interrupt() noexcept override { is_interrupted_.store(true, std::memory_order_release); }  // pairs with read()
   core::Status stop() override;
   core::Status close() override;

@@ -110,7 +110,7 @@ Finished run_program(const std::vector<std::string>& arguments, const std::vecto
 
 DaemonProcess::DaemonProcess() : DaemonProcess(Options{}) {}
 
-DaemonProcess::DaemonProcess(const Options& options) : directory_(make_directory("dts-sys")) {
+DaemonProcess::DaemonProcess(const Options& options) : program_(options.program), directory_(make_directory("dts-sys")) {
   write_files(options);
   restart();
 }
@@ -142,7 +142,7 @@ void DaemonProcess::restart() {
   const NotifySocket notify(directory_ / "notify");
   exit_status_.reset();
   is_ready_ = false;
-  pid_ = spawn({DTSD_PROGRAM, "--config", config_file(), "--foreground"},
+  pid_ = spawn({program_, "--config", config_file(), "--foreground"},
                {"DTSD_RUNTIME_DIR=" + directory_.string(), "DTSD_STATE_DIR=" + state_directory().string(),
                 "NOTIFY_SOCKET=" + (directory_ / "notify").string()},
                "", directory_ / "log");

@@ -48,6 +48,7 @@ class DaemonProcess {
     std::string stages;   ///< Replaces the [[stage]] tables.
     std::string daemon;   ///< Lines in front of [[rig]] in the daemon's file.
     std::vector<FurtherRig> further_rigs{};
+    std::string program = DTSD_PROGRAM;  ///< Benchmarks also run the dtsd of an older build.
   };
 
   /// Writes the configuration of a rig "floor" like the shipped one (and further ones) and starts the daemon; returns when it says READY
@@ -83,6 +84,7 @@ class DaemonProcess {
  private:
   void write_files(const Options& options) const;
 
+  std::string program_;
   std::filesystem::path directory_;
   pid_t pid_ = -1;
   bool is_ready_ = false;

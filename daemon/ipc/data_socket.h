@@ -16,6 +16,8 @@ class DataSocket {
   /// subscriber whose queue is full, and that subscriber sees a dropped block in the sequence numbers.
   virtual void send(std::string_view topic, const google::protobuf::MessageLite& message) = 0;
   virtual void flush() {}
+  /// Prepares for messages of `topic` before the first one is sent.
+  virtual void expect(std::string_view /*topic*/) {}
   /// Sleeps until the descriptor `bell_fd` is readable, a subscriber's message arrives, or the timeout ends.
   virtual void wait(int bell_fd, int timeout_ms) = 0;
   /// Handles a bounded number of subscribers' messages if the last `wait` saw any. Returns true if there was a new subscription.

@@ -32,6 +32,7 @@ PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell&
       const core::StreamFormat& format = rig->formats()[index];
       if (std::ranges::find(config.published, format.name) == config.published.end()) continue;
       source.streams.emplace_back(index, StreamEncoder(instance_id, config.name, format));
+      socket_->expect(source.streams.back().second.topic());
     }
     sources_.push_back(std::move(source));
   }

@@ -181,6 +181,8 @@ class FastLocalAttackTest : public LocalAttackTest {
 TEST_F(LocalAttackTest, Subscriptions) { under("subscriptions"); }
 TEST_F(LocalAttackTest, SubscriptionsOf500Bytes) { under("long-subscriptions"); }
 TEST_F(LocalAttackTest, SubscriptionsThatChangeAllTheTime) { under("changes", 2); }
+/// The bound is that of the prefixes: 64 connections with 256 of them, each with less than 100 bytes of overhead.
+TEST_F(LocalAttackTest, AsManySubscriptionsAsAllowed) { under("all-subscriptions", 1, kMostKb + 64 * 256 * 300 / 1024); }
 TEST_F(LocalAttackTest, MessagesWithoutEnd) { under("multi-part"); }
 TEST_F(LocalAttackTest, WritesOfOneByte) { under("one-byte", 2); }
 TEST_F(LocalAttackTest, ManyConnectionsThatComeAndGo) { under("connections", 4); }
@@ -190,6 +192,7 @@ TEST_F(FastLocalAttackTest, SubscribersThatNeverRead) { under("never-reading"); 
 /// The bound is that of the queues: all small ones and all large ones.
 TEST_F(FastLocalAttackTest, AllConnectionsNeverRead) { under("never-reading", 4, kMostKb + 256 * 8 + 16 * 384); }
 TEST_F(FastLocalAttackTest, SubscribersThatSip) { under("sipping"); }
+TEST_F(LocalAttackTest, AllConnectionsRead) { under("reading", 4); }
 TEST_F(LocalAttackTest, FramesOf9Exabytes) { under("huge-frames"); }
 TEST_F(LocalAttackTest, Noise) { under("noise"); }
 TEST_F(LocalAttackTest, NoiseBehindTheHandshake) { under("noise-behind-the-handshake"); }

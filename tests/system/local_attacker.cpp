@@ -190,6 +190,22 @@ int run(Task& task, const std::string& attack) {
          });
        }},
       {"idle", [&] { keep(task, 64, [] { return opening(); }); }},
+      {"all-subscriptions",  // as many and as long ones as allowed
+       [&] {
+         keep(
+             task, 64,
+             [&] {
+               std::string bytes = opening();
+               for (int each = 0; each < 256; ++each) bytes += frame("\1" + std::to_string(++number) + std::string(190, 'x'));
+               return bytes;
+             },
+             65536);
+       }},
+      {"reading",
+       [&] {
+         keep(
+             task, 64, [] { return opening() + frame("\1"); }, 65536);
+       }},
       {"never-reading", [&] { keep(task, 64, [] { return opening() + frame("\1"); }); }},
       {"sipping",
        [&] {

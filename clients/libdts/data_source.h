@@ -40,6 +40,8 @@ class DataSource {
   [[nodiscard]] virtual std::optional<RawMessage> take() = 0;
   /// Waits until a message may be there (Ready), for at most `timeout`, or until a signal arrives (Interrupted).
   [[nodiscard]] virtual Waited wait(std::chrono::milliseconds timeout) = 0;
+  /// Returns how many open connections have ended. Always 0 if the transport hides that.
+  [[nodiscard]] virtual std::uint64_t interruptions() const noexcept { return 0; }
 };
 
 inline constexpr std::chrono::milliseconds kFirstReconnect{100};

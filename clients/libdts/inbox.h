@@ -46,6 +46,7 @@ class Inbox {
   [[nodiscard]] const SubscriberStatistics& statistics() const noexcept { return statistics_; }
   /// Counts a message that the socket layer found malformed.
   void count_malformed() noexcept { ++statistics_.malformed; }
+  void note_interruptions(std::uint64_t count) noexcept { statistics_.interruptions = count; }
 
  private:
   struct Topic {

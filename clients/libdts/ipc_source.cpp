@@ -98,6 +98,7 @@ void IpcSource::close() noexcept {
 
 void IpcSource::go_away(bool is_fault) {
   close();
+  if (state_ == State::Open) ++interruptions_;
   state_ = State::Away;
   begin_ = end_ = taken_ = 0;
   is_drained_ = is_skipping_ = false;

@@ -27,6 +27,7 @@ class IpcSource final : public DataSource {
   void unsubscribe(const std::string& prefix) override;
   [[nodiscard]] std::optional<RawMessage> take() override;
   [[nodiscard]] Waited wait(std::chrono::milliseconds timeout) override;
+  [[nodiscard]] std::uint64_t interruptions() const noexcept override { return interruptions_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -67,7 +68,8 @@ class IpcSource final : public DataSource {
   std::size_t taken_ = 0;     ///< Bytes of the message that `take` returned: they stay valid until the next call.
   bool is_drained_ = false;   ///< The last read left nothing in the kernel.
   bool is_skipping_ = false;  ///< Within a message of too many frames.
-  bool has_fault_ = false;    ///< To be reported as one malformed message.
+  std::uint64_t interruptions_ = 0;
+  bool has_fault_ = false;  ///< To be reported as one malformed message.
 };
 
 }  // namespace dts::client

@@ -103,7 +103,8 @@ class Subscriber::Implementation {
 
   SubscriberOptions options_;
   std::unique_ptr<DataSource> source_;
-  Clock::time_point looked_;  ///< When the source was last read.
+  std::uint64_t earlier_interruptions_ = 0;  ///< Of earlier sources.
+  Clock::time_point looked_;                 ///< When the source was last read.
   Clock::duration silence_{};
   Inbox inbox_;
 };
@@ -116,6 +117,7 @@ Result<void> Subscriber::Implementation::connect(milliseconds handshake_limit) {
                                            .handshake_limit = handshake_limit}));
   source->subscribe(std::string(kStatusTopic));
   for (const std::string& prefix : options_.topics) source->subscribe(prefix);
+  if (source_) earlier_interruptions_ += source_->interruptions();
   source_ = std::move(source);
   note_life();
   return {};
@@ -163,6 +165,7 @@ void Subscriber::Implementation::catch_up() {
 /// Returns false if no message waits at the socket.
 bool Subscriber::Implementation::take_one() {
   const auto message = source_->take();
+  inbox_.note_interruptions(earlier_interruptions_ + source_->interruptions());
   if (!message) return false;
   note_life();
   if (message->is_well_formed) {

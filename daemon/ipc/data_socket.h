@@ -21,6 +21,8 @@ class DataSocket {
     static_cast<void>(most_peers);
     return true;
   }
+  /// Prepares for messages of `topic` before the first one is sent.
+  virtual void expect(std::string_view /*topic*/) {}
   /// Sleeps until the descriptor `bell_fd` is readable, a subscriber's message arrives, or the timeout ends.
   virtual void wait(int bell_fd, int timeout_ms) = 0;
   /// Handles a bounded number of subscribers' messages if the last `wait` saw any. Returns true if there was a new subscription.

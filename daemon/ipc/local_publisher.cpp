@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "dts/v1/stream.pb.h"
 #include "dts/zmtp/zmtp.h"
 #include "ipc/endpoint.h"
 
@@ -18,11 +19,10 @@ namespace {
 
 constexpr std::string_view kScheme = "ipc://";
 constexpr int kBacklog = 64;
-constexpr std::size_t kEventsPerTurn = 16;  // and so peers whose input is read in one turn
 constexpr int kAcceptsPerTurn = 16;
 constexpr std::size_t kBytesPerTurn = 1024;  ///< Read from one peer: some hundred subscriptions.
 constexpr std::size_t kLongestFrame = 512;   ///< From a peer: READY with its properties, or a subscription.
-constexpr std::size_t kKeptCapacity = std::size_t{64} << 10U;
+constexpr std::size_t kRoomForEvents = 8;    ///< This part of a queue (an eighth) is not used for blocks.
 
 int process_of(int fd) noexcept {
   ucred peer{};
@@ -61,7 +61,7 @@ core::Result<std::unique_ptr<LocalPublisher>> LocalPublisher::bind(const std::st
   if (listener < 0) return core::fail_errno(errno, "data socket " + endpoint + " cannot be bound", bind_hint(errno));
   const int epoll = ::epoll_create1(EPOLL_CLOEXEC);
   std::unique_ptr<LocalPublisher> publisher(new LocalPublisher(listener, epoll, clock, std::move(log)));
-  if (epoll < 0 || !control(epoll, EPOLL_CTL_ADD, listener, EPOLLIN)) {
+  if (epoll < 0 || !control(epoll, EPOLL_CTL_ADD, listener, EPOLLIN) || !control(epoll, EPOLL_CTL_ADD, publisher->blocked_.fd(), EPOLLIN)) {
     return core::fail_errno(errno, "data socket " + endpoint + " cannot be served");
   }
   return publisher;
@@ -86,29 +86,42 @@ void LocalPublisher::wait(int bell_fd, int timeout_ms) {
     bell_fd_ = bell_fd;
     watch(bell_fd);
   }
-  events_.resize(kEventsPerTurn);
   const int count = ::epoll_wait(epoll_, events_.data(), static_cast<int>(events_.size()), timeout_ms);
-  events_.resize(static_cast<std::size_t>(std::max(count, 0)));
+  event_count_ = static_cast<std::size_t>(std::max(count, 0));
 }
 
 bool LocalPublisher::take_subscriptions() {
-  bool has_new = false;
-  for (const epoll_event& event : std::exchange(events_, {})) {
-    const int fd = event.data.fd;
-    if (fd == listener_) accept_peers();
-    const auto found = peers_.find(fd);
-    if (found == peers_.end()) continue;
-    Peer& peer = found->second;
-    if ((event.events & EPOLLOUT) != 0) write(peer);
-    const bool has_ended = (event.events & (EPOLLHUP | EPOLLERR)) != 0;
-    if (!has_ended && (event.events & EPOLLIN) == 0) continue;
-    const Outcome outcome = has_ended ? Outcome::Leave : read(peer);
-    if (outcome != Outcome::Leave && !peer.is_blocked && !peer.out.empty()) write(peer);  // answers to pings
-    has_new |= outcome == Outcome::NewSubscription;
-    if (outcome == Outcome::Leave) leave(fd);
+  bool has_new_subscription = false;
+  bool has_new_peers = false;
+  for (const epoll_event& event : std::span(events_).first(std::exchange(event_count_, 0))) {
+    if (event.data.fd == listener_) {
+      has_new_peers = true;
+    } else if (event.data.fd == blocked_.fd()) {
+      blocked_.clear();
+      for (auto& [fd, peer] : peers_) resize_queue(peer);
+    } else {
+      handle(event, has_new_subscription);
+    }
   }
+  if (has_new_peers) accept_peers();  // last: a new connection may get the descriptor of one that has ended
   if (handshakes_ > 0) leave_late_handshakes();
-  return has_new;
+  return has_new_subscription;
+}
+
+void LocalPublisher::handle(const epoll_event& event, bool& has_new_subscription) {
+  const auto found = peers_.find(event.data.fd);
+  if (found == peers_.end()) return;
+  Peer& peer = found->second;
+  if ((event.events & EPOLLOUT) != 0) {
+    write(peer);
+    resize_queue(peer);
+  }
+  const bool has_ended = (event.events & (EPOLLHUP | EPOLLERR)) != 0;
+  if (!has_ended && (event.events & EPOLLIN) == 0) return;
+  const Outcome outcome = has_ended ? Outcome::Leave : read(peer);
+  if (outcome != Outcome::Leave && !peer.is_blocked && !peer.out.empty()) write(peer);  // answers to pings
+  has_new_subscription |= outcome == Outcome::NewSubscription;
+  if (outcome == Outcome::Leave) leave(event.data.fd);
 }
 
 void LocalPublisher::accept_peers() {
@@ -119,31 +132,73 @@ void LocalPublisher::accept_peers() {
       if (errno == EMFILE || errno == ENFILE) is_listening_ = !control(epoll_, EPOLL_CTL_DEL, listener_, 0);
       return;
     }
-    const int pid = process_of(fd);
-    const auto of_process = std::ranges::count_if(peers_, [pid](const auto& entry) { return entry.second.pid == pid; });
-    const bool has_room = peers_.size() < kMostPeers && static_cast<std::size_t>(of_process) < kMostPeersOfAProcess;
-    if (!has_room || !control(epoll_, EPOLL_CTL_ADD, fd, EPOLLIN)) {
-      ::close(fd);
-      warn_once(has_warned_of_peers_, "the data socket rejects connections: it serves " + std::to_string(kMostPeers) + ", and " +
-                                          std::to_string(kMostPeersOfAProcess) + " of one process; end clients that are not needed");
-      continue;
-    }
-    Peer& peer = peers_[fd];
-    peer.fd = fd;
-    peer.pid = pid;
-    peer.handshake_until_ns = clock_.now_ns() + kHandshakeNs;
-    ++handshakes_;
-    peer.out = zmtp::greeting();
-    zmtp::append_ready(peer.out, "XPUB");
-    write(peer);
+    accept(fd);
   }
+}
+
+void LocalPublisher::accept(int fd) {
+  const int pid = process_of(fd);
+  if (!make_room_for(pid) || !control(epoll_, EPOLL_CTL_ADD, fd, EPOLLIN)) {
+    ::close(fd);
+    return;
+  }
+  Peer& peer = peers_[fd];
+  peer.fd = fd;
+  peer.pid = pid;
+  peer.connected_ns = clock_.now_ns();
+  ++handshakes_;
+  std::string opening = zmtp::greeting();
+  zmtp::append_ready(opening, "XPUB");
+  peer.out.reserve(kSmallQueueBytes);
+  static_cast<void>(peer.out.push(opening));
+  write(peer);
+}
+
+/// Returns whether a process may have one more connection. If all are in use, ends another one for it.
+bool LocalPublisher::make_room_for(int pid) {
+  const auto of_process =
+      static_cast<std::size_t>(std::ranges::count_if(peers_, [pid](const auto& entry) { return entry.second.pid == pid; }));
+  if (of_process < kMostPeersOfAProcess && peers_.size() < kMostPeers) return true;
+  warn_once(has_warned_of_peers_, "the data socket rejects or ends connections: it serves " + std::to_string(kMostPeers) + ", and " +
+                                      std::to_string(kMostPeersOfAProcess) + " of one process; end clients that are not needed");
+  if (of_process >= kMostPeersOfAProcess) return false;
+  const std::optional<int> replaced = replaceable(of_process);
+  if (replaced) leave(*replaced);
+  return replaced.has_value();
+}
+
+/// Returns a connection that a newcomer may replace: one without a subscription, else the newest one of the process that has the most. That
+/// process must have two more than the newcomer's, so that two processes do not replace each other's connections forever.
+std::optional<int> LocalPublisher::replaceable(std::size_t of_newcomer) const {
+  struct Share {
+    std::size_t count = 0;
+    const Peer* newest = nullptr;
+  };
+  std::map<int, Share> shares;
+  const Share* largest = nullptr;
+  const std::int64_t now_ns = clock_.now_ns();
+  for (const auto& [fd, peer] : peers_) {
+    if (peer.prefixes.empty() && now_ns - peer.connected_ns > kHandshakeNs) return fd;
+    Share& share = shares[peer.pid];
+    ++share.count;
+    if (share.newest == nullptr || peer.connected_ns >= share.newest->connected_ns) share.newest = &peer;
+    if (largest == nullptr || share.count > largest->count) largest = &share;
+  }
+  if (largest == nullptr || largest->count < of_newcomer + 2) return std::nullopt;
+  return largest->newest->fd;
 }
 
 void LocalPublisher::leave(int fd) {
   const auto peer = peers_.find(fd);
   if (peer == peers_.end()) return;
   if (peer->second.state != State::Open) --handshakes_;
-  ::close(fd);  // which removes it from epoll
+  if (peer->second.misses_event) {
+    warn_once(has_warned_of_events_, "a client of the data socket (process " + std::to_string(peer->second.pid) +
+                                         ") was disconnected: it read too slowly, and an event found no room in its queue");
+  }
+  for (auto& [topic, subscribers] : topics_) std::erase(subscribers, &peer->second);
+  static_cast<void>(control(epoll_, EPOLL_CTL_DEL, fd, 0));  // closing is not enough while a forked process has the descriptor, too
+  ::close(fd);
   peers_.erase(peer);
   if (!is_listening_) is_listening_ = control(epoll_, EPOLL_CTL_ADD, listener_, EPOLLIN);
 }
@@ -152,37 +207,51 @@ void LocalPublisher::leave_late_handshakes() {
   const std::int64_t now_ns = clock_.now_ns();
   std::vector<int> late;
   for (const auto& [fd, peer] : peers_) {
-    if (peer.state != State::Open && now_ns > peer.handshake_until_ns) late.push_back(fd);
+    if (peer.state != State::Open && now_ns - peer.connected_ns > kHandshakeNs) late.push_back(fd);
   }
   for (const int fd : late) leave(fd);
 }
 
 /// A peer that is gone is left at its next event (EPOLLHUP), so that nobody's iterator breaks here.
 void LocalPublisher::write(Peer& peer) {
-  while (peer.written < peer.out.size()) {
-    const ssize_t sent = ::send(peer.fd, peer.out.data() + peer.written, peer.out.size() - peer.written, MSG_NOSIGNAL);
+  while (!peer.out.empty()) {
+    const std::string_view waiting = peer.out.waiting();
+    const ssize_t sent = ::send(peer.fd, waiting.data(), waiting.size(), MSG_NOSIGNAL);
     if (sent > 0) {
-      peer.written += static_cast<std::size_t>(sent);
-      continue;
-    }
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent < 0 && errno == EAGAIN) {
-      if (peer.written >= kKeptCapacity) peer.out.erase(0, std::exchange(peer.written, 0));
+      peer.out.pop(static_cast<std::size_t>(sent));
+    } else if (sent < 0 && errno == EAGAIN) {
       return watch_for_room(peer, true);
+    } else if (sent == 0 || errno != EINTR) {
+      peer.out.pop(peer.out.size());
+      ::shutdown(peer.fd, SHUT_RDWR);  // a frame may be cut: the connection ends, and EPOLLHUP follows
     }
-    ::shutdown(peer.fd, SHUT_RDWR);  // a frame may be cut: the connection ends, and EPOLLHUP follows
-    break;
   }
-  peer.written = 0;
-  peer.out.clear();
-  if (peer.out.capacity() > kKeptCapacity) peer.out.shrink_to_fit();
+  if (peer.misses_event) ::shutdown(peer.fd, SHUT_RDWR);  // the peer can still read what it was sent
   watch_for_room(peer, false);
+}
+
+/// Gives a blocked peer the large queue, and takes it back when all is written. Not in `write`, which must not allocate.
+void LocalPublisher::resize_queue(Peer& peer) {
+  if (!peer.is_blocked) {
+    if (peer.out.empty() && peer.out.capacity() > kSmallQueueBytes) peer.out.reserve(kSmallQueueBytes);
+    return;
+  }
+  if (peer.out.capacity() >= kQueueBytes) return;
+  std::size_t large = 0;
+  std::size_t of_process = 0;
+  for (const auto& [fd, other] : peers_) {
+    if (other.out.capacity() < kQueueBytes) continue;
+    ++large;
+    if (other.pid == peer.pid) ++of_process;
+  }
+  if (large < kMostLargeQueues && of_process < kMostLargeQueuesOfAProcess) peer.out.reserve(kQueueBytes);
 }
 
 void LocalPublisher::watch_for_room(Peer& peer, bool is_blocked) {
   if (peer.is_blocked == is_blocked) return;
   peer.is_blocked = is_blocked;
   static_cast<void>(control(epoll_, EPOLL_CTL_MOD, peer.fd, EPOLLIN | (is_blocked ? EPOLLOUT : 0U)));
+  if (is_blocked) blocked_.ring();
 }
 
 LocalPublisher::Outcome LocalPublisher::read(Peer& peer) {
@@ -217,6 +286,7 @@ LocalPublisher::Outcome LocalPublisher::process(Peer& peer) {
     if (of_frame != Outcome::Fine) outcome = of_frame;
   }
   if (outcome == Outcome::Leave) return outcome;
+  if (!peer.is_matched) match(peer);
   peer.in.erase(0, peer.in.size() - bytes.size());
   return outcome;
 }
@@ -246,14 +316,16 @@ LocalPublisher::Outcome LocalPublisher::obey(Peer& peer, std::span<const std::by
   if (!command || command->name == "ERROR") return Outcome::Leave;
   if (command->name == "SUBSCRIBE" || command->name == "CANCEL")
     return change_subscription(peer, command->name == "SUBSCRIBE", command->data);
-  if (command->name == "PING" && peer.out.size() - peer.written < kQueueBytes) {
-    zmtp::append_pong(peer.out, command->data);
+  if (command->name == "PING") {
+    std::string pong;
+    zmtp::append_pong(pong, command->data);
+    static_cast<void>(peer.out.push(pong));  // a peer that does not read gets no answers
   }
   return Outcome::Fine;
 }
 
 LocalPublisher::Outcome LocalPublisher::change_subscription(Peer& peer, bool is_new, std::string_view prefix) {
-  peer.matches.clear();
+  peer.is_matched = false;
   if (!is_new) {
     if (const auto found = peer.prefixes.find(prefix); found != peer.prefixes.end()) peer.prefixes.erase(found);
     return Outcome::Fine;
@@ -269,35 +341,75 @@ LocalPublisher::Outcome LocalPublisher::change_subscription(Peer& peer, bool is_
   return Outcome::NewSubscription;
 }
 
-bool LocalPublisher::matches(Peer& peer, const std::string& topic) {
-  if (const auto known = peer.matches.find(topic); known != peer.matches.end()) return known->second;
-  bool is_match = false;
-  for (std::size_t size = 0; size <= topic.size() && !is_match; ++size) {
-    is_match = peer.prefixes.contains(std::string_view(topic).substr(0, size));
+void LocalPublisher::match(Peer& peer) {
+  peer.is_matched = true;
+  for (auto& [topic, subscribers] : topics_) {
+    std::erase(subscribers, &peer);
+    if (matches(peer, topic)) subscribers.push_back(&peer);
   }
-  peer.matches.emplace(topic, is_match);  // bounded: the daemon has some dozens of topics
-  return is_match;
+}
+
+bool LocalPublisher::matches(const Peer& peer, std::string_view topic) {
+  for (std::size_t size = 0; size <= topic.size(); ++size) {
+    if (peer.prefixes.contains(topic.substr(0, size))) return true;
+  }
+  return false;
+}
+
+void LocalPublisher::expect(std::string_view topic) { static_cast<void>(subscribers_of(topic)); }
+
+LocalPublisher::Subscribers& LocalPublisher::subscribers_of(std::string_view topic) {
+  if (const auto known = topics_.find(topic); known != topics_.end()) return known->second;
+  Subscribers& subscribers = topics_[std::string(topic)];
+  for (auto& [fd, peer] : peers_) {
+    if (matches(peer, topic)) subscribers.push_back(&peer);
+  }
+  return subscribers;
 }
 
 void LocalPublisher::send(std::string_view topic, const google::protobuf::MessageLite& message) {
-  topic_ = topic;
+  const Subscribers& subscribers = subscribers_of(topic);
+  if (subscribers.empty() || !encode(topic, message)) return;  // encoded once, for all subscribers
+  const bool is_event = dynamic_cast<const dts::v1::Event*>(&message) != nullptr;
+  for (Peer* peer : subscribers) offer(*peer, is_event);
+}
+
+bool LocalPublisher::encode(std::string_view topic, const google::protobuf::MessageLite& message) {
+  body_.clear();
+  if (!message.AppendToString(&body_)) return false;
   frames_.clear();
-  for (auto& [fd, peer] : peers_) {
-    if (peer.state != State::Open || !matches(peer, topic_)) continue;
-    if (frames_.empty()) {  // encoded once, for the first subscriber
-      zmtp::append_frame(frames_, topic_, true);
-      body_.clear();
-      if (!message.AppendToString(&body_)) return;
-      zmtp::append_frame(frames_, body_);
-    }
-    if (!peer.is_blocked && peer.out.size() + frames_.size() > kQueueBytes) write(peer);
-    const std::size_t waiting = peer.out.size() - peer.written;
-    if (waiting > 0 && waiting + frames_.size() > kQueueBytes) {
-      ++dropped_;
-    } else {
-      queue(peer, frames_);
-    }
+  zmtp::append_frame(frames_, topic, true);
+  zmtp::append_frame(frames_, body_);
+  return true;
+}
+
+/// Queues `frames_` for a subscriber, or drops the message. Blocks leave room for events.
+void LocalPublisher::offer(Peer& peer, bool is_event) {
+  const auto has_queued = [&] { return !peer.misses_event && peer.out.push(frames_, is_event ? 0 : peer.out.capacity() / kRoomForEvents); };
+  if (has_queued()) return;
+  if (!peer.is_blocked) {
+    write(peer);
+    if (has_queued() || send_directly(peer)) return;
   }
+  ++dropped_;
+  peer.misses_event |= is_event;
+}
+
+/// Sends a message that is longer than the small queue. The kernel cuts only messages of more than about 48 kB, which no stream has: only
+/// for the rest of those this needs memory. Returns false if nothing was sent.
+bool LocalPublisher::send_directly(Peer& peer) {
+  if (peer.is_blocked || peer.misses_event || !peer.out.empty()) return false;
+  const ssize_t sent = ::send(peer.fd, frames_.data(), frames_.size(), MSG_NOSIGNAL);
+  if (sent <= 0) {
+    if (errno == EAGAIN) watch_for_room(peer, true);
+    return false;
+  }
+  const std::string_view rest = std::string_view(frames_).substr(static_cast<std::size_t>(sent));
+  if (rest.empty()) return true;
+  if (peer.out.capacity() < rest.size()) peer.out.reserve(rest.size());
+  static_cast<void>(peer.out.push(rest));
+  write(peer);
+  return true;
 }
 
 bool LocalPublisher::flush(std::size_t most_peers) {

@@ -40,7 +40,11 @@ PublishThread::Source::Source(PublishThread& owner_of_this, session::Rig& rig_to
 PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
                              core::Clock& clock, std::uint64_t instance_id)
     : socket_(std::move(socket)), bell_(bell), clock_(clock), instance_id_(instance_id) {
-  for (session::Rig* rig : rigs) rig->publish_with(sources_.emplace_back(*this, *rig, instance_id));
+  for (session::Rig* rig : rigs) {
+    Source& source = sources_.emplace_back(*this, *rig, instance_id);
+    for (const auto& [index, encoder] : source.streams) socket_->expect(encoder.topic());
+    rig->publish_with(source);
+  }
 }
 
 std::vector<std::string> PublishThread::start(const core::ThreadPolicy& policy) {

@@ -23,6 +23,7 @@ class SplitSocket final : public DataSocket {
     remote_->send(topic, message);
   }
   [[nodiscard]] bool flush(std::size_t most_peers) override { return local_->flush(most_peers); }
+  void expect(std::string_view topic) override { local_->expect(topic); }
   void wait(int bell_fd, int timeout_ms) override {
     local_->wait(bell_fd, remote_->look() ? 0 : timeout_ms);
     remote_->look();

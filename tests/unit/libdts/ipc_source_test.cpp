@@ -138,6 +138,7 @@ TEST_F(IpcSourceTest, Subscriptions_AreCountedAndSentAtOnceOrAfterTheHandshake) 
   source->unsubscribe("never subscribed");
   source->unsubscribe("b");
   peer_.expect(frame("\1a") + frame("\1b") + frame(std::string("\0b", 2)));
+  EXPECT_EQ(source->interruptions(), 0U);
   peer_.hang_up();
   std::jthread again([&] {
     peer_.shake_hands();
@@ -145,6 +146,7 @@ TEST_F(IpcSourceTest, Subscriptions_AreCountedAndSentAtOnceOrAfterTheHandshake) 
     peer_.send(message("a", "after the restart"));
   });
   EXPECT_EQ(next(*source), "a=after the restart");
+  EXPECT_EQ(source->interruptions(), 1U);
 }
 
 TEST_F(IpcSourceTest, Ping_IsAnsweredWhileMessagesFlow) {

@@ -42,6 +42,9 @@ struct SubscriberStatistics {
   std::uint64_t inconsistent = 0;    ///< Blocks whose position goes backwards. They are delivered; their loss is unknown.
   std::uint64_t dropped_events = 0;  ///< Events dropped because the caller did not call `receive` for too long.
   std::uint64_t restarts = 0;        ///< Restarts of the daemon.
+  /// Connections to a local daemon that the daemon ended. Events may be missing where that happened, and only there: the daemon ends the
+  /// connection of a subscriber that read too slowly for an event. Blocks show their own loss.
+  std::uint64_t interruptions = 0;
 };
 
 /// Receives samples, events and status from a daemon.

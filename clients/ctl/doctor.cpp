@@ -212,7 +212,7 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
 Check check_network(const v1::StatusSnapshot& status) {
   if (!status.has_network()) return good("network", "off: this machine only");
   return good("network", "on for clients with keys: " + counted(status.accepted_handshakes_total(), "connection") + " accepted, " +
-                             std::to_string(status.refused_handshakes_total()) + " refused since the start");
+                             std::to_string(status.refused_handshakes_total()) + " rejected since the start");
 }
 
 Check check_sessions(const v1::ListSessionsResponse& sessions) {
@@ -225,7 +225,7 @@ Check check_sessions(const v1::ListSessionsResponse& sessions) {
   const std::string rest = interrupted.size() > kMostNamed ? ", ..." : "";
   const std::string finding = counted(interrupted.size(), "session") + (interrupted.size() == 1 ? " is" : " are") +
                               " interrupted: " + cli::join(std::views::take(interrupted, kMostNamed)) + rest;
-  return note(name, finding, "see dtsctl session show ID; to go on: dtsctl session resume ID");
+  return note(name, finding, "see dtsctl session show ID; to continue: dtsctl session resume ID");
 }
 
 std::vector<Check> check_disk(const v1::DiskStatus& disk) {

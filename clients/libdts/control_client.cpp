@@ -189,9 +189,9 @@ std::optional<v1::Response> ControlClient::Implementation::take(const std::strin
   v1::Response response;
   const bool is_response = frames <= 2 && has_envelope && frame.size() <= kMaxAnswerBytes &&
                            response.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
-  // If the daemon cannot parse a request, its refusal has no request id.
-  const bool is_refusal = is_response && response.request_id().empty() && response.has_error();
-  if (is_response && (response.request_id() == request_id || is_refusal)) return response;
+  // If the daemon cannot parse a request, its error answer has no request id.
+  const bool is_rejection = is_response && response.request_id().empty() && response.has_error();
+  if (is_response && (response.request_id() == request_id || is_rejection)) return response;
   ++ignored_replies_;
   return std::nullopt;
 }

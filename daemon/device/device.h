@@ -108,7 +108,7 @@ struct ReadResult {
 /// | report     | ok            | ok              | ok                | ok                  |
 /// | has_arrived| ok            | ok              | ok                | ok                  |
 /// | set_sync_output | WrongState | ok            | ok                | DeviceGone          |
-/// | hear       | no effect     | no effect       | ok                | no effect           |
+/// | `hear`     | no effect     | no effect       | ok                | no effect           |
 ///
 /// Thread: open, start, stop, close and has_arrived on one owner thread; `read` on one thread, between start and stop;
 /// `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.

@@ -140,10 +140,10 @@ core::Result<Reply> run(usb::UsbPort& port, const Command& command, int timeout_
 }
 
 core::Error refused(std::string_view command, std::uint8_t error) {
-  return {
-      ErrorCode::Failed,
-      "LabJack U6: " + std::string(command) + " was refused with error " + std::to_string(error) + " (" + std::string(meaning(error)) + ")",
-      ""};
+  return {ErrorCode::Failed,
+          "LabJack U6: " + std::string(command) + " was rejected with error " + std::to_string(error) + " (" + std::string(meaning(error)) +
+              ")",
+          ""};
 }
 
 }  // namespace dts::device::labjack

@@ -21,7 +21,7 @@ constexpr std::array kOptions = {
     UriOption{"terminal", Word, "rse", 0, 0, "rse|nrse|differential|default", "How the inputs are wired; default: NI-DAQmx chooses."},
     UriOption{"range_v", Number, "10", 0.001, 100, "", "Range to both sides of 0 V; the device uses the next larger range that it has."},
     UriOption{"trigger", Word, "none", 0, 0, "none|pfi0|pfi1|pfi2|pfi3|pfi4|pfi5|pfi6|pfi7",
-              "The first scan after dtsd starts begins with a rising edge at this terminal; after a fault or a replug the scan goes on "
+              "The first scan after dtsd starts begins with a rising edge at this terminal; after a fault or a replug the scan continues "
               "without it."},
     UriOption{"library", File, "", 0, 0, "", "Path of the NI-DAQmx library; needed if the system does not find it."},
 };

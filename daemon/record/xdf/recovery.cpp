@@ -67,7 +67,7 @@ class Copier {
   std::map<std::uint32_t, std::vector<std::pair<double, double>>> offsets_;
 };
 
-/// Returns true for chunks that are not copied: footers, which `close` writes anew, and streams without samples, on which libxdf crashes.
+/// Returns true for chunks that are not copied: footers, which `close` writes again, and streams without samples, on which libxdf crashes.
 bool Copier::is_left_out(const Chunk& chunk) const {
   const auto is_empty = [this](std::uint32_t number) {
     const auto stream = found_.streams.find(number);

@@ -101,7 +101,7 @@ class ControlClient {
 
   /// Sends any command on behalf of another program's user (for example in a gateway) and returns the whole answer, checked like the other
   /// answers. The daemon sees the request id of `request`: a repeat with the same id returns the answer of the first request. Without an id
-  /// every call is a new command. Returns an Error if the daemon refuses the command. Fails with InvalidArgument for a request without a
+  /// every call is a new command. Returns an Error if the daemon rejects the command. Fails with InvalidArgument for a request without a
   /// command. Fails with Failed soon after a stop is requested; the daemon may already have executed the command.
   [[nodiscard]] Result<v1::Response> forward(const v1::Request& request, const std::stop_token& stop = {});
 

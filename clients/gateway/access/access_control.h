@@ -64,7 +64,7 @@ class AccessControl {
   /// Handles POST /api/logout: deletes the token. Same-origin only.
   virtual void log_out(const HttpRequest& request, const Respond& respond) = 0;
   /// Handles GET /api/me: {"user","role","can_log_in"}; role "none" if not logged in.
-  virtual void tell_who(const HttpRequest& request, const Respond& respond) = 0;
+  virtual void describe_user(const HttpRequest& request, const Respond& respond) = 0;
   /// Returns the number of logins that failed, or were rejected because too many failed or wait.
   [[nodiscard]] virtual std::uint64_t refused_logins_total() const noexcept = 0;
   /// Writes the newest of the delayed logins to log and audit trail, with the number of the others, as soon as the limits allow; with

@@ -203,7 +203,7 @@ class Losses(unittest.TestCase):
                     self.assertFalse(collector.is_complete)
                     inbox.accept([b"dtsd/status" if body == restarted else b"rig/gap" if len(body) < 40 else b"rig/cop", body])
                     for item in iter(inbox.next, None):
-                        collector.take(item)
+                        collector.add(item)
                 samples = collector.samples()
                 self.assertTrue(collector.is_complete)
                 self.assertEqual((samples.gaps, len(samples), len(samples.segments), len(samples.time_s)), (gaps, count, count, count))

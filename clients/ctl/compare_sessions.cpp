@@ -46,10 +46,10 @@ struct Comparison {
 /// Keeps only a subject's sessions on one rig, the rig of the newest session with results: sessions on a chair and on a platform have no
 /// common results. Returns how many were removed.
 std::size_t keep_comparable(std::vector<v1::SessionRecord>& sessions) {
-  const auto has_figures = [](const v1::SessionRecord& session) { return session.results_size() > 0; };
-  const auto newest = std::ranges::find_if(sessions, has_figures);
+  const auto has_results = [](const v1::SessionRecord& session) { return session.results_size() > 0; };
+  const auto newest = std::ranges::find_if(sessions, has_results);
   const std::string rig = newest == sessions.end() ? std::string() : newest->rig();
-  return std::erase_if(sessions, [&](const v1::SessionRecord& session) { return !has_figures(session) || session.rig() != rig; });
+  return std::erase_if(sessions, [&](const v1::SessionRecord& session) { return !has_results(session) || session.rig() != rig; });
 }
 
 client::Result<std::vector<v1::SessionRecord>> ask_sessions(client::ControlClient& dts, const SessionArguments& wishes,
@@ -74,7 +74,7 @@ client::Result<std::vector<v1::SessionRecord>> ask_sessions(client::ControlClien
 }
 
 /// Returns the value of `key` in the details of a result. Accepts only numbers and short texts.
-cli::Json told_of(const cli::Json& details, const std::string& key) {
+cli::Json detail_of(const cli::Json& details, const std::string& key) {
   const auto found = details.find(key);
   const bool is_plain =
       found != details.end() && (found->is_number() || (found->is_string() && found->get_ref<const std::string&>().size() <= 32));
@@ -90,8 +90,8 @@ void warn_of_differences(const v1::SessionResult& first, const v1::SessionResult
   const std::string what = first.name().substr(0, first.name().rfind('/'));
   for (const auto& [key, words] : {std::pair{"duration_s", "have the duration (s)"}, std::pair{"profile", "have the profile"},
                                    std::pair{"rate_hz", "have the rate (Hz)"}}) {
-    const cli::Json in_one = told_of(one, key);
-    const cli::Json in_two = told_of(two, key);
+    const cli::Json in_one = detail_of(one, key);
+    const cli::Json in_two = detail_of(two, key);
     if (in_one.is_null() != in_two.is_null() && std::string_view(key) == "duration_s") {  // a mean over unequal trials has none
       warnings.insert(what +
                       ": the trials have equal durations in one session and different durations in another; do not compare these values");

@@ -28,10 +28,10 @@ void CsvLines::show(const client::Block& block, std::size_t scans, Time /*now*/)
   text_.clear();
   if (topic_.empty()) begin(block);
   if (block.topic != topic_) {
-    if (!has_told_other_)
+    if (!has_reported_other_)
       cli::print_error(console_, std::string(block.topic) + " is left out: CSV output has one stream only",
                        "give one stream as TOPIC-PREFIX");
-    has_told_other_ = true;
+    has_reported_other_ = true;
     return;
   }
   for (std::size_t scan = 0; scan < scans; ++scan) {

@@ -29,7 +29,7 @@ class CsvLines final : public WatchSink {
   cli::Console& console_;
   std::string topic_;  ///< Topic of the first block.
   std::string text_;
-  bool has_told_other_ = false;
+  bool has_reported_other_ = false;
 };
 
 }  // namespace dts::ctl

@@ -28,7 +28,7 @@ constexpr double kMostLatencyMs = 50.0;  // above this, live plots with 20 frame
 constexpr double kNearlyAllBlocks = 0.95;
 constexpr std::uint32_t kSessionsLookedAt = 200;
 constexpr std::size_t kMostNamed = 3;
-constexpr std::size_t kVerdictColumns = 7;  // "wrong  "
+constexpr std::size_t kOutcomeColumns = 7;  // "wrong  "
 
 Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
 Check bad(std::string name, std::string finding, std::string fix) { return {std::move(name), false, std::move(finding), std::move(fix)}; }
@@ -143,12 +143,12 @@ int report(const std::vector<Check>& checks, bool is_json, cli::Console& console
   } else {
     for (const Check& check : checks) {
       const bool is_note = check.is_good && !check.fix.empty();
-      const std::string verdict = is_note         ? cli::styled(console, cli::Style::Warning, "note ")
+      const std::string outcome = is_note         ? cli::styled(console, cli::Style::Warning, "note ")
                                   : check.is_good ? cli::styled(console, cli::Style::Good, "ok   ")
                                                   : cli::styled(console, cli::Style::Bad, "wrong");
       const std::string advice = check.fix.empty() ? "" : (is_note ? "; better: " : "; try: ") + check.fix;
-      console.out << verdict << "  "
-                  << cli::wrapped_at(console, kVerdictColumns, cli::printable(check.name + ": " + check.finding + advice)) << '\n';
+      console.out << outcome << "  "
+                  << cli::wrapped_at(console, kOutcomeColumns, cli::printable(check.name + ": " + check.finding + advice)) << '\n';
     }
   }
   console.out.flush();
@@ -211,7 +211,7 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
 Check check_network(const v1::StatusSnapshot& status) {
   if (!status.has_network()) return good("network", "off: this machine only");
   return good("network", "on for clients with keys: " + counted(status.accepted_handshakes_total(), "connection") + " accepted, " +
-                             std::to_string(status.refused_handshakes_total()) + " refused since the start");
+                             std::to_string(status.refused_handshakes_total()) + " rejected since the start");
 }
 
 Check check_sessions(const v1::ListSessionsResponse& sessions) {
@@ -224,7 +224,7 @@ Check check_sessions(const v1::ListSessionsResponse& sessions) {
   const std::string rest = interrupted.size() > kMostNamed ? ", ..." : "";
   const std::string finding = counted(interrupted.size(), "session") + (interrupted.size() == 1 ? " is" : " are") +
                               " interrupted: " + cli::join(std::views::take(interrupted, kMostNamed)) + rest;
-  return note(name, finding, "see dtsctl session show ID; to go on: dtsctl session resume ID");
+  return note(name, finding, "see dtsctl session show ID; to continue: dtsctl session resume ID");
 }
 
 std::vector<Check> check_disk(const v1::DiskStatus& disk) {

@@ -48,7 +48,7 @@ void add_rig_lines(const v1::RigStatus& rig, std::vector<std::string>& lines) {
 
 }  // namespace
 
-void HealthView::take(const v1::StatusSnapshot& status) {
+void HealthView::update(const v1::StatusSnapshot& status) {
   if (!seen_.empty() && seen_.back().instance_id() != status.instance_id()) seen_.clear();
   seen_.push_back(status);
   while (seen_.size() > kMostSeen || seen_.back().host_time_ns() - seen_.front().host_time_ns() > kLatencyWindowNs) seen_.pop_front();

@@ -16,7 +16,7 @@ namespace dts::ctl {
 /// the last ten seconds, or the time since the daemon's start while less was seen.
 class HealthView {
  public:
-  void take(const v1::StatusSnapshot& status);
+  void update(const v1::StatusSnapshot& status);
 
   /// Returns lines for people, with the table in `columns` columns; nothing before the first status.
   [[nodiscard]] std::vector<std::string> lines(std::size_t columns) const;

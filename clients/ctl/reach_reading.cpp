@@ -24,7 +24,7 @@ std::string interval_text(const v1::TrunkMovement& movement) {
 }
 
 /// Returns "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)".
-std::string judgement(const v1::TrunkMovement& movement, std::uint32_t reach_flags) {
+std::string class_text(const v1::TrunkMovement& movement, std::uint32_t reach_flags) {
   const std::string amount = movement.trunk_class() == 0 ? "no" : class_words(movement, reach_flags);
   std::string text = amount + (movement.trunk_class() < 0 ? "" : " trunk movement");
   if (movement.trunk_class() > 0 && movement.trunk_class() <= movement.probability_size()) {  // not always the highest
@@ -81,7 +81,7 @@ std::string reach_text(const v1::Reach& reach) {
 }
 
 std::string movement_text(const v1::TrunkMovement& movement) {
-  return "reach " + std::to_string(movement.number()) + ": " + judgement(movement, 0);
+  return "reach " + std::to_string(movement.number()) + ": " + class_text(movement, 0);
 }
 
 std::string trial_result_text(const v1::TrialResult& result) {
@@ -92,7 +92,7 @@ std::string trial_result_text(const v1::TrialResult& result) {
   const std::string expected = !is_comparable ? ""
                                : agrees       ? "; as expected for this target"
                                               : "; expected for this target: " + class_word(result.expected_class());
-  return trial + judgement(result.movement(), result.reach().flags()) + expected;
+  return trial + class_text(result.movement(), result.reach().flags()) + expected;
 }
 
 }  // namespace dts::ctl

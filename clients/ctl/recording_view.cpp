@@ -139,8 +139,8 @@ void print_field(cli::Console& console, const std::string& label, const std::str
 void print_recordings(cli::Console& console, const v1::StatusSnapshot& status) {
   for (const v1::RigStatus& rig : status.rigs()) {
     const v1::SessionInfo& session = rig.session();
-    const bool is_told = session.recording().is_recording() || !session.recording().problem().empty();
-    if (is_told) {
+    const bool is_shown = session.recording().is_recording() || !session.recording().problem().empty();
+    if (is_shown) {
       console.out << cli::printable(rig.rig().name()) << ": ";
       print_recording(console, session);
     }

@@ -67,7 +67,7 @@ void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli
 }
 
 /// The session starts at once, but its first scan must wait for the device.
-void tell_wait(const v1::StatusSnapshot& status, const v1::SessionInfo& session, cli::Console& console) {
+void report_wait(const v1::StatusSnapshot& status, const v1::SessionInfo& session, cli::Console& console) {
   const auto rig = find_rig(status, session.rig());
   if (!rig || rig->device() == v1::DEVICE_STATE_STREAMING) return;
   const std::string why = rig->device_message().empty() ? "its device does not stream yet" : rig->device_message();
@@ -91,7 +91,7 @@ int run_session_start(const Arguments& arguments, cli::Console& console) {
         const auto status = dts.status();
         if (status) warn_untared(*status, arguments.rig, console);
         auto session = dts.start_session(request);
-        if (status && session) tell_wait(*status, *session, console);
+        if (status && session) report_wait(*status, *session, console);
         return session;
       },
       [&](const v1::SessionInfo& session) { print_begun(console, session); });

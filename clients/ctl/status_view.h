@@ -16,9 +16,10 @@ void print_rig(cli::Console& console, const v1::RigStatus& rig);
 void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices);
 void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test);
 
-/// Returns true for a chair without a known zero: no reach on it can be judged. A replay contains its zero, and a rig's file may have one.
+/// Returns true for a chair without a known zero: no reach on it can be classified. A replay contains its zero, and a rig's file may have
+/// one.
 [[nodiscard]] bool needs_tare(const v1::RigStatus& rig);
-/// Returns the daemon's notices; a notice about several threads is one line: "threads publish, rig-floor: SCHED_FIFO refused ...".
+/// Returns the daemon's notices; a notice about several threads is one line: "threads publish, rig-floor: SCHED_FIFO rejected ...".
 [[nodiscard]] std::vector<std::string> notice_lines(const v1::StatusSnapshot& status);
 /// Returns "floor-7 running for 12.0 s of 25.0 s"; "-" if there was no session.
 [[nodiscard]] std::string session_line(const v1::SessionInfo& session);

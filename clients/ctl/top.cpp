@@ -61,7 +61,7 @@ int Top::run() {
     if (!message) return cli::fail_with(console_, message.error());
     if (*message) {
       if (const auto* status = std::get_if<client::Status>(&**message)) {
-        view_.take(*status->snapshot);
+        view_.update(*status->snapshot);
         silence_ = {};
         has_reported_silence_ = false;
         show();

@@ -46,7 +46,7 @@ class Watch {
   int run();
 
  private:
-  void take(const client::Message& message);
+  void handle(const client::Message& message);
   [[nodiscard]] bool wants_status() const;
   [[nodiscard]] std::optional<int> check_silence(Clock::time_point now);
   [[nodiscard]] bool is_status_new();
@@ -64,15 +64,15 @@ class Watch {
   std::chrono::duration<double> silence_{};         ///< Of the watched topics.
   std::chrono::duration<double> daemon_silence_{};  ///< Of the daemon as a whole: it publishes a status every second.
   std::int64_t status_time_ns_ = 0;                 ///< Time of the newest status.
-  bool has_told_ = false;
-  bool has_told_daemon_ = false;
+  bool has_reported_ = false;
+  bool has_reported_daemon_ = false;
 };
 
 int Watch::run() {
   while (remaining_ > 0) {
     const auto message = subscriber_.receive(kLook);
     if (!message) return cli::fail_with(console_, message.error());
-    if (*message) take(**message);
+    if (*message) handle(**message);
     const auto now = Clock::now();
     sink_->refresh(now);
     if (!console_.out || (!*message && console_.is_out_closed())) return cli::kOk;  // the reader has closed the output
@@ -81,7 +81,7 @@ int Watch::run() {
   return cli::kOk;
 }
 
-void Watch::take(const client::Message& message) {
+void Watch::handle(const client::Message& message) {
   const auto now = Clock::now();
   if (const auto* block = std::get_if<client::Block>(&message)) {
     const std::size_t scans = std::min<std::uint64_t>(block->scan_count, remaining_);
@@ -101,8 +101,8 @@ void Watch::take(const client::Message& message) {
   }
   silence_ = {};
   daemon_silence_ = {};
-  has_told_daemon_ = false;
-  has_told_ = asks_for_events_only(subscriber_.status(), topics_);  // silence is normal if only events are watched
+  has_reported_daemon_ = false;
+  has_reported_ = asks_for_events_only(subscriber_.status(), topics_);  // silence is normal if only events are watched
 }
 
 /// An empty prefix means everything about rigs: a status line per second would hide it.
@@ -120,7 +120,7 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
   daemon_silence_ += listened;
   if (is_status_new()) {
     daemon_silence_ = {};
-    has_told_daemon_ = false;
+    has_reported_daemon_ = false;
   }
   if (arguments_.timeout_s && silence_.count() >= *arguments_.timeout_s) {
     const client::Error error = explain();
@@ -128,10 +128,10 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
     return error.code == client::ErrorCode::Unreachable ? cli::exit_status(error.code) : cli::kFailed;
   }
   const bool is_daemon_silent = daemon_silence_ >= kSilence;
-  if (is_daemon_silent ? has_told_daemon_ : has_told_ || silence_ < kSilence) return std::nullopt;
+  if (is_daemon_silent ? has_reported_daemon_ : has_reported_ || silence_ < kSilence) return std::nullopt;
   client::Error error = explain();
-  has_told_ = true;
-  has_told_daemon_ = is_daemon_silent || error.code == client::ErrorCode::Unreachable;
+  has_reported_ = true;
+  has_reported_daemon_ = is_daemon_silent || error.code == client::ErrorCode::Unreachable;
   error.hint += "; still waiting; Ctrl-C ends";
   say(error);
   return std::nullopt;

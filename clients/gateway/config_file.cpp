@@ -47,10 +47,10 @@ class Lines {
   explicit Lines(const CLI::App& app) : app_(app), table_(&app) {}
 
   /// Returns what is wrong with the next line; empty if it is correct.
-  [[nodiscard]] std::string take(const std::string& line) {
+  [[nodiscard]] std::string check(const std::string& line) {
     if (is_in_list_) return end_of_list(line);
     if (line.empty() || line.front() == '#') return {};
-    if (line.front() == '[') return take_table(trimmed(line.substr(1, line.find(']') - 1)));
+    if (line.front() == '[') return begin_table(trimmed(line.substr(1, line.find(']') - 1)));
     const std::size_t equals = line.find('=');
     std::string key = trimmed(line.substr(0, equals));
     if (key.size() > 1 && key.front() == '"' && key.back() == '"') key = key.substr(1, key.size() - 2);
@@ -67,7 +67,7 @@ class Lines {
     is_in_list_ = line.find(']') == std::string::npos;
     return {};
   }
-  [[nodiscard]] std::string take_table(const std::string& name) {
+  [[nodiscard]] std::string begin_table(const std::string& name) {
     const auto tables = tables_of(app_);
     if (std::ranges::find(tables, name) == tables.end()) return "unknown table [" + name + "]" + meant(name, tables);
     table_ = app_.get_subcommand(name);
@@ -91,7 +91,7 @@ std::string problem_of_config(const std::string& file, const CLI::App& app) {
   Lines lines(app);
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    if (const std::string problem = lines.take(trimmed(line)); !problem.empty())
+    if (const std::string problem = lines.check(trimmed(line)); !problem.empty())
       return file + ":" + std::to_string(number) + ": " + problem;
   }
   return {};

@@ -123,7 +123,7 @@ void Gateway::pass(BusItem item) {
   }
   asio::post(io_, [this, item = std::move(item)] {
     free_places_.release();
-    hub_.take(item);
+    hub_.handle(item);
     access_->report_rest(false);  // called with the daemon's status every second; without a daemon, the next login or the end calls it
   });
 }

@@ -5,6 +5,6 @@
 #include "gateway/program.h"
 
 int main(int count, char** words) {
-  google::protobuf::SetLogHandler(nullptr);  // messages that cannot be parsed are refused, not logged
+  google::protobuf::SetLogHandler(nullptr);  // messages that cannot be parsed are rejected, not logged
   return dts::cli::run_program("dts-gateway", count, words, dts::gateway::run);
 }

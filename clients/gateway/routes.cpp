@@ -18,7 +18,7 @@ void Routes::handle(HttpRequest request, Respond respond) const {
     refusal.headers.emplace_back("Allow", "GET, HEAD");
     return respond(std::move(refusal));
   }
-  if (request.path == "/api/me") return access_.tell_who(request, respond);
+  if (request.path == "/api/me") return access_.describe_user(request, respond);
   if (request.path == "/metrics" && metrics_) return serve_metrics(request, respond);
   if (!request.path.starts_with("/api/")) return files_.serve(request, respond);
   if (!request.path.starts_with("/api/sessions/")) return respond(error_answer(404, "nothing at this path"));

@@ -96,7 +96,7 @@ class ControlClient::Implementation {
   void send(const std::string& request);
   [[nodiscard]] std::optional<v1::Response> wait_for(const std::string& request_id, Clock::time_point deadline,
                                                      const std::stop_token& stop);
-  [[nodiscard]] std::optional<v1::Response> take(const std::string& request_id);
+  [[nodiscard]] std::optional<v1::Response> receive(const std::string& request_id);
   [[nodiscard]] tl::unexpected<Error> unreachable(milliseconds timeout, std::uint64_t ignored) const;
 
   ControlOptions options_;
@@ -171,13 +171,13 @@ std::optional<v1::Response> ControlClient::Implementation::wait_for(const std::s
     zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
     // A signal ends the wait early; the deadline decides whether the loop continues.
     zmq_poll(&item, 1, static_cast<long>(turn.count()));
-    if (auto response = take(request_id)) return response;
+    if (auto response = receive(request_id)) return response;
   }
   return std::nullopt;
 }
 
 /// Reads one message. Returns nothing if none waits, or if it does not answer `request_id`; the latter is counted.
-std::optional<v1::Response> ControlClient::Implementation::take(const std::string& request_id) {
+std::optional<v1::Response> ControlClient::Implementation::receive(const std::string& request_id) {
   zmq::message_t frame;
   int frames = 0;
   bool has_envelope = true;
@@ -189,9 +189,9 @@ std::optional<v1::Response> ControlClient::Implementation::take(const std::strin
   v1::Response response;
   const bool is_response = frames <= 2 && has_envelope && frame.size() <= kMaxAnswerBytes &&
                            response.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
-  // If the daemon cannot parse a request, its refusal has no request id.
-  const bool is_refusal = is_response && response.request_id().empty() && response.has_error();
-  if (is_response && (response.request_id() == request_id || is_refusal)) return response;
+  // If the daemon cannot parse a request, its error answer has no request id.
+  const bool is_rejection = is_response && response.request_id().empty() && response.has_error();
+  if (is_response && (response.request_id() == request_id || is_rejection)) return response;
   ++ignored_replies_;
   return std::nullopt;
 }

@@ -176,19 +176,19 @@ void Inbox::accept_block(Topic& topic, std::span<const std::byte> body, std::int
 
 /// Makes `scratch_` the topic's block. If a block still waits there, its scans count as lost.
 void Inbox::take_block(Topic& topic, std::int64_t arrived_ns) {
-  count_hole(topic, scratch_);
+  count_gap(topic, scratch_);
   if (topic.is_pending) topic.lost_scans += topic.block.scan_count();
   topic.block.Swap(&scratch_);
   topic.is_pending = true;
   topic.delay_ns = delay_of(topic.block, arrived_ns);
 }
 
-void Inbox::count_hole(Topic& topic, const v1::StreamBlock& block) {
-  const Hole hole = topic.tracker.advance(
+void Inbox::count_gap(Topic& topic, const v1::StreamBlock& block) {
+  const ScanGap gap = topic.tracker.advance(
       {.segment = block.segment(), .first_scan = block.first_scan(), .scan_count = block.scan_count(), .sequence = block.sequence()});
-  topic.lost_scans += hole.scans;
-  topic.is_lost_exact = topic.is_lost_exact && hole.is_exact;
-  if (!hole.is_consistent) ++statistics_.inconsistent;
+  topic.lost_scans += gap.scans;
+  topic.is_lost_exact = topic.is_lost_exact && gap.is_exact;
+  if (!gap.is_consistent) ++statistics_.inconsistent;
 }
 
 void Inbox::hold(Topic& topic, std::span<const std::byte> body, std::int64_t arrived_ns) {
@@ -202,7 +202,7 @@ void Inbox::drop_oldest_held() {
   if (oldest.topic->name.kind == TopicKind::Event) {
     ++statistics_.dropped_events;
   } else if (parse(scratch_, std::as_bytes(std::span(oldest.body)))) {
-    count_hole(*oldest.topic, scratch_);
+    count_gap(*oldest.topic, scratch_);
     oldest.topic->lost_scans += scratch_.scan_count();
   }
   held_bytes_ -= oldest.body.size();

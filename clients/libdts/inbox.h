@@ -84,7 +84,7 @@ class Inbox {
   void accept_block(Topic& topic, std::span<const std::byte> body, std::int64_t arrived_ns);
   [[nodiscard]] bool has_format(Topic& topic, const v1::StreamBlock& block);
   void take_block(Topic& topic, std::int64_t arrived_ns);
-  void count_hole(Topic& topic, const v1::StreamBlock& block);
+  void count_gap(Topic& topic, const v1::StreamBlock& block);
   void hold(Topic& topic, std::span<const std::byte> body, std::int64_t arrived_ns);
   void drop_oldest_held();
   void replay_held();

@@ -12,7 +12,7 @@ import generate
 
 
 class SourcesWithProto(sdist):
-    """A source distribution leaves the repository: it takes the .proto files along."""
+    """A source distribution leaves the repository: it contains the .proto files."""
 
     def make_release_tree(self, base_dir: str, files: list[str]) -> None:
         super().make_release_tree(base_dir, files)

@@ -120,19 +120,19 @@ Notes left_out(const SessionData& session) {
 
 Notes differences(const SessionData& session) {
   Notes notes{.title = "Notes", .items = {}};
-  std::size_t told = 0;
+  std::size_t compared = 0;
   std::size_t differing = 0;
   for (const TrialData& trial : session.trials) {
-    if (!trial.recorded.told) continue;
-    ++told;
+    if (!trial.recorded.live) continue;
+    ++compared;
     if (!trial.differing.empty()) ++differing;
   }
-  if (differing > 0 || !session.differing_figures.empty()) {
+  if (differing > 0 || !session.differing_results.empty()) {
     notes.items.push_back("Live values of the daemon and values computed now differ by more than 1e-9 in " + std::to_string(differing) +
-                          " of " + std::to_string(told) + " trials and " + std::to_string(session.differing_figures.size()) +
+                          " of " + std::to_string(compared) + " trials and " + std::to_string(session.differing_results.size()) +
                           " results of the session.");
-  } else if (told > 0) {
-    notes.items.push_back("Live and recomputed values match in " + std::to_string(told) + (told == 1 ? " trial." : " trials."));
+  } else if (compared > 0) {
+    notes.items.push_back("Live and recomputed values match in " + std::to_string(compared) + (compared == 1 ? " trial." : " trials."));
   }
   notes.items.push_back(accuracy_note(session));
   return notes;

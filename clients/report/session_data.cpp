@@ -51,7 +51,7 @@ core::Result<PartData> check_part(const std::string& path, const record::Recordi
                 .sha256 = {},
                 .damage = recording.damage(),
                 .losses = to_text(recording.losses())};
-  // Wrong values look like correct ones: only the checksums show damage. A figure in a report must not be from a damaged file.
+  // Wrong values look like correct ones: only the checksums show damage. A value in a report must not be from a damaged file.
   const auto verified = record::verify(path, [&](std::uint64_t done, std::uint64_t of) {
     waiting.report(share, of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1.0);
     return waiting.is_wanted();
@@ -95,19 +95,19 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
     added.part = session.parts.size();
     session.trials.push_back(std::move(added));
   }
-  // A resumed session has figures for its parts; only figures for the whole session are comparable with those computed here.
-  for (session::SessionFigure& figure : standing->told_figures) session.summary.push_back(std::move(figure));
+  // A resumed session has results for its parts; only results for the whole session are comparable with those computed here.
+  for (session::SessionFigure& result : standing->live_results) session.summary.push_back(std::move(result));
   session.parts.push_back(std::move(part));
   return {};
 }
 
-void compare_with_told(TrialData& trial) {
-  if (!trial.recorded.told || !trial.recorded.told->analysis || !trial.analysis) return;
+void compare_with_live(TrialData& trial) {
+  if (!trial.recorded.live || !trial.recorded.live->analysis || !trial.analysis) return;
   for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {
     const auto measure = static_cast<Measure>(index);
-    const auto told = trial.recorded.told->analysis->measures.get(measure);
+    const auto live = trial.recorded.live->analysis->measures.get(measure);
     const auto computed = trial.analysis->measures.get(measure);
-    if (told && (!computed || !is_same_value(*told, *computed))) trial.differing.emplace_back(posturography::info(measure).symbol);
+    if (live && (!computed || !is_same_value(*live, *computed))) trial.differing.emplace_back(posturography::info(measure).symbol);
   }
 }
 
@@ -122,7 +122,7 @@ void analyse(TrialData& trial, const std::optional<double>& foot_length_mm) {
   trial.analysis = posturography::analyse(*prepared, foot_length_mm);
   if ((trial.analysis->flags & posturography::sway_flag::kShortRecord) == 0) trial.spectra = posturography::multitaper_spectra(*prepared);
   trial.prepared = std::move(*prepared);
-  compare_with_told(trial);
+  compare_with_live(trial);
 }
 
 void name_pages(std::vector<TrialData>& trials) {
@@ -138,7 +138,7 @@ void name_pages(std::vector<TrialData>& trials) {
 
 /// Summarises the trials that count, as the daemon does.
 void summarise(SessionData& session) {
-  const std::vector<session::SessionFigure> told = std::exchange(session.summary, {});
+  const std::vector<session::SessionFigure> live = std::exchange(session.summary, {});
   std::vector<session::SwayTrialResult> results;
   std::vector<session::SwayTrialResult> all;
   for (const TrialData& trial : session.trials) {
@@ -157,9 +157,9 @@ void summarise(SessionData& session) {
   session.summary = session::sway_summary(results);
   session.missing_quotients = session::missing_quotients(all);
   if (session.parts.size() != 1) return;
-  for (const session::SessionFigure& figure : told) {
-    const auto found = std::ranges::find(session.summary, figure.name, &session::SessionFigure::name);
-    if (found != session.summary.end() && !is_same_value(found->value, figure.value)) session.differing_figures.push_back(figure.name);
+  for (const session::SessionFigure& result : live) {
+    const auto found = std::ranges::find(session.summary, result.name, &session::SessionFigure::name);
+    if (found != session.summary.end() && !is_same_value(found->value, result.value)) session.differing_results.push_back(result.name);
   }
 }
 

@@ -54,7 +54,7 @@ struct SessionData {
   std::vector<TrialData> trials;  ///< In the order of the recording.
   std::vector<session::SessionFigure> summary;
   std::vector<session::MissingQuotient> missing_quotients;
-  std::vector<std::string> differing_figures;  ///< Names of figures that differ from those that the daemon recorded.
+  std::vector<std::string> differing_results;  ///< Names of results that differ from those that the daemon recorded.
   std::optional<PlateSize> plate;
   std::uint32_t planned_trials = 0;
   std::optional<double> foot_length_mm;

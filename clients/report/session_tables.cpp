@@ -47,11 +47,11 @@ constexpr std::array kPublished = {PublishedQuotient{Measure::Mvelo, "1.11 (0.80
                                    PublishedQuotient{Measure::AreaSw, "1.21 (0.73-1.86)", "1.03 (0.64-1.96)"}};
 
 /// The parts of "eyes-open-two-feet/MVELO", split at the last slash.
-struct FigureName {
+struct ResultName {
   std::string group;
   std::string symbol;
 };
-FigureName parts_of(const std::string& name) {
+ResultName parts_of(const std::string& name) {
   const std::size_t slash = name.rfind('/');
   if (slash == std::string::npos) return {.group = "", .symbol = name};
   return {.group = name.substr(0, slash), .symbol = name.substr(slash + 1)};
@@ -72,9 +72,9 @@ std::string other_duration(const SessionData& session) {
   return other == session.trials.end() ? "" : " The duration of these trials is " + fixed(other->analysis->duration_s, 1) + " s.";
 }
 
-bool is_romberg(const session::SessionFigure& figure) { return figure.unit == "1" && figure.name.starts_with(kRomberg); }
+bool is_romberg(const session::SessionFigure& result) { return result.unit == "1" && result.name.starts_with(kRomberg); }
 
-/// Groups of figures in the order of their first figure, and their values by symbol.
+/// Groups of results in the order of their first result, and their values by symbol.
 struct Groups {
   std::vector<std::string> names;
   std::map<std::pair<std::string, std::string>, double> values;
@@ -153,10 +153,10 @@ Table trial_table(const SessionData& session, std::size_t most_rows) {
 
 std::vector<Table> condition_tables(const SessionData& session) {
   Groups groups;
-  for (const session::SessionFigure& figure : session.summary) {
-    if (is_romberg(figure)) continue;
-    const FigureName name = parts_of(figure.name);
-    groups.add(name.group, name.symbol, figure.value);
+  for (const session::SessionFigure& result : session.summary) {
+    if (is_romberg(result)) continue;
+    const ResultName name = parts_of(result.name);
+    groups.add(name.group, name.symbol, result.value);
   }
   std::vector<Table> tables;
   for (std::size_t first = 0; first < groups.names.size() && tables.size() < kMostTables; first += kMostConditions) {
@@ -167,10 +167,10 @@ std::vector<Table> condition_tables(const SessionData& session) {
 
 std::optional<Table> romberg_table(const SessionData& session) {
   Groups groups;
-  for (const session::SessionFigure& figure : session.summary) {
-    if (!is_romberg(figure)) continue;
-    const FigureName name = parts_of(figure.name.substr(kRomberg.size()));
-    groups.add(name.group, name.symbol, figure.value);
+  for (const session::SessionFigure& result : session.summary) {
+    if (!is_romberg(result)) continue;
+    const ResultName name = parts_of(result.name.substr(kRomberg.size()));
+    groups.add(name.group, name.symbol, result.value);
   }
   if (groups.names.empty()) return std::nullopt;
   Table table{.title = "Romberg quotient: eyes closed / eyes open", .columns = {{.head = "Measure", .share = 2.4}}, .rows = {}};

@@ -78,7 +78,7 @@ Notes quality_notes(const SessionData& session, const TrialData& trial) {
       notes.items.push_back(std::to_string(trial.analysis->missing) + " of " + std::to_string(trial.recorded.cop.ml_mm.size()) +
                             " samples are missing; " + std::to_string(trial.analysis->interpolated) + " of them were interpolated.");
     }
-    if (trial.recorded.told && trial.recorded.told->analysis && trial.differing.empty()) {
+    if (trial.recorded.live && trial.recorded.live->analysis && trial.differing.empty()) {
       notes.items.emplace_back("Live and recomputed values match.");
     }
   }

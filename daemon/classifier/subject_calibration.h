@@ -18,7 +18,7 @@ struct SubjectCalibration {
   double max_hold_mm = core::ReachFeatures::kUnknown;  ///< Medians of further features of these reaches; NaN if one reach lacks the
                                                        ///< feature.
   double max_ratio_change = core::ReachFeatures::kUnknown;
-  core::ReachFeatures maximum{};  ///< Median of each feature: a general model judges these reaches without knowledge of the person.
+  core::ReachFeatures maximum{};  ///< Median of each feature: a general model classifies these reaches without knowledge of the person.
 };
 
 /// Computes the scale from `kCalibrationReaches` or more maximum reaches. Fails with InvalidArgument if there are fewer, one is minor or

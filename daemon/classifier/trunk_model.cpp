@@ -26,7 +26,7 @@ constexpr std::uint16_t kDoubtfulFlags = flag::kSubstituted | flag::kResumed | f
 constexpr double kDoubtfulLimit = 0.98;
 
 /// The result before any rejection.
-struct Judgement {
+struct Classification {
   TrunkMovement movement;
   TrunkClass guess = TrunkClass::Rejected;
   double probability = 0.0;  ///< Of the guess.
@@ -62,9 +62,9 @@ void mark_range(TrunkMovement& movement, const ScaledInputs& inputs) noexcept {
   if (!inputs.is_in_range) movement.reasons |= reason::kOutOfRange;
 }
 
-/// Judges by the subject's own scale; returns false if a feature for it is missing.
-bool judge_by_own_scale(const TrunkModelForm& form, const core::ReachFeatures& features, const SubjectCalibration& subject,
-                        TrunkMovement& movement) noexcept {
+/// Classifies by the subject's own scale; returns false if a feature for it is missing.
+bool classify_by_own_scale(const TrunkModelForm& form, const core::ReachFeatures& features, const SubjectCalibration& subject,
+                           TrunkMovement& movement) noexcept {
   if (!form.own || !form.own_angle) return false;
   const auto inputs = scale(form.own->inputs, features, &subject, true);
   const auto angle_inputs = scale(form.own_angle->sine.inputs, features, &subject, true);
@@ -79,7 +79,7 @@ bool judge_by_own_scale(const TrunkModelForm& form, const core::ReachFeatures& f
   return true;
 }
 
-bool judge_in_general(const TrunkModelForm& form, const core::ReachFeatures& features, TrunkMovement& movement) noexcept {
+bool classify_in_general(const TrunkModelForm& form, const core::ReachFeatures& features, TrunkMovement& movement) noexcept {
   const auto inputs = scale(form.general.inputs, features, nullptr, form.kind == ModelKind::Recommended);
   if (!inputs.is_known) return false;
   movement.probability = probabilities(form.general, inputs);
@@ -101,45 +101,46 @@ bool is_sound(const core::ReachFeatures& features) noexcept {
   return std::isfinite(features.d1_mm()) && std::isfinite(features.d2_mm()) && std::isfinite(features.p1_mm) && features.p1_mm > 0.0;
 }
 
-void guess_class(const TrunkModel& model, const core::ReachFeatures& features, std::uint16_t flags, Judgement& judgement) noexcept {
-  const auto& probability = judgement.movement.probability;
+void guess_class(const TrunkModel& model, const core::ReachFeatures& features, std::uint16_t flags,
+                 Classification& classification) noexcept {
+  const auto& probability = classification.movement.probability;
   auto best = std::max_element(probability.begin(), probability.end());
   if ((flags & flag::kMinor) != 0) {
     best = probability.begin();
-    judgement.movement.reasons |= reason::kMinor;
+    classification.movement.reasons |= reason::kMinor;
   }
-  judgement.guess = static_cast<TrunkClass>(best - probability.begin() + 1);
-  judgement.probability = *best;
-  if (judgement.guess == TrunkClass::Minor && model.form().arm_alone &&
+  classification.guess = static_cast<TrunkClass>(best - probability.begin() + 1);
+  classification.probability = *best;
+  if (classification.guess == TrunkClass::Minor && model.form().arm_alone &&
       model.arm_alone_probability(features) >= model.form().arm_alone->none_from) {
-    judgement.guess = TrunkClass::None;
+    classification.guess = TrunkClass::None;
   }
 }
 
-Judgement judge(const TrunkModel& model, const core::ReachFeatures& features, std::uint16_t flags,
-                const SubjectCalibration* subject) noexcept {
-  Judgement judgement;
-  TrunkMovement& movement = judgement.movement;
+Classification classify_unrejected(const TrunkModel& model, const core::ReachFeatures& features, std::uint16_t flags,
+                                   const SubjectCalibration* subject) noexcept {
+  Classification classification;
+  TrunkMovement& movement = classification.movement;
   movement.probability.fill(1.0 / static_cast<double>(kClasses));
   movement.reasons = reason::kBadReach;
   const TrunkModelForm& form = model.form();
-  if (form.general.networks.empty() || !is_sound(features)) return judgement;
+  if (form.general.networks.empty() || !is_sound(features)) return classification;
   movement.reasons = 0;
-  const bool is_own = is_subject_usable(subject) && judge_by_own_scale(form, features, *subject, movement);
-  if (!is_own && !judge_in_general(form, features, movement)) {
+  const bool is_own = is_subject_usable(subject) && classify_by_own_scale(form, features, *subject, movement);
+  if (!is_own && !classify_in_general(form, features, movement)) {
     movement.reasons |= reason::kBadReach;
-    return judgement;
+    return classification;
   }
-  judgement.is_known = true;
-  guess_class(model, features, flags, judgement);
+  classification.is_known = true;
+  guess_class(model, features, flags, classification);
   if (features.p1_mm < kLightestPart * form.p1_minimum_mm || features.p1_mm > kHeaviestPart * form.p1_maximum_mm) {
     movement.reasons |= reason::kOutOfRange;
   }
   if ((flags & kUnfitFlags) != 0) movement.reasons |= reason::kBadReach;
   const double limit = (flags & kDoubtfulFlags) != 0 ? std::max(form.reject_below, kDoubtfulLimit) : form.reject_below;
-  if (!(judgement.probability >= limit)) movement.reasons |= reason::kUnsure;
-  if (contradicts(judgement.guess, movement)) movement.reasons |= reason::kDisagreement;
-  return judgement;
+  if (!(classification.probability >= limit)) movement.reasons |= reason::kUnsure;
+  if (contradicts(classification.guess, movement)) movement.reasons |= reason::kDisagreement;
+  return classification;
 }
 
 }  // namespace
@@ -158,17 +159,17 @@ double TrunkModel::arm_alone_probability(const core::ReachFeatures& features) co
 TrunkMovement TrunkModel::classify(const core::ReachFeatures& features, std::uint16_t flags,
                                    const SubjectCalibration* subject) const noexcept {
   constexpr std::uint16_t kRejecting = reason::kUnsure | reason::kOutOfRange | reason::kBadReach | reason::kDisagreement;
-  const Judgement judgement = judge(*this, features, flags, subject);
-  TrunkMovement movement = judgement.movement;
-  movement.trunk_class = (movement.reasons & kRejecting) != 0 ? TrunkClass::Rejected : judgement.guess;
+  const Classification classification = classify_unrejected(*this, features, flags, subject);
+  TrunkMovement movement = classification.movement;
+  movement.trunk_class = (movement.reasons & kRejecting) != 0 ? TrunkClass::Rejected : classification.guess;
   return movement;
 }
 
 TrunkMovement TrunkModel::best_guess(const core::ReachFeatures& features, std::uint16_t flags,
                                      const SubjectCalibration* subject) const noexcept {
-  const Judgement judgement = judge(*this, features, flags, subject);
-  TrunkMovement movement = judgement.movement;
-  movement.trunk_class = judgement.guess;
+  const Classification classification = classify_unrejected(*this, features, flags, subject);
+  TrunkMovement movement = classification.movement;
+  movement.trunk_class = classification.guess;
   return movement;
 }
 

@@ -71,7 +71,7 @@ struct ModelFigures {
   static constexpr double kUnknown = core::ReachFeatures::kUnknown;
 
   double validation_accuracy = kUnknown;         ///< On unseen trials of the training subjects: says little about other people.
-  double left_out_accuracy = kUnknown;           ///< Each subject judged by a model trained without that subject.
+  double left_out_accuracy = kUnknown;           ///< Each subject classified by a model trained without that subject.
   double left_out_own_accuracy = kUnknown;       ///< The same, with the subject's own scale.
   double left_out_kept = kUnknown;               ///< Fraction of left-out reaches that are not rejected.
   double left_out_kept_accuracy = kUnknown;      ///< Fraction of the kept reaches that are correct.

@@ -15,15 +15,15 @@
 namespace dts::core {
 namespace {
 
-void restrict_to(const std::vector<int>& cpus, const std::string& name, std::vector<std::string>& refused) {
+void restrict_to(const std::vector<int>& cpus, const std::string& name, std::vector<std::string>& rejected) {
   cpu_set_t wished;
   CPU_ZERO(&wished);
   for (const int cpu : cpus) {
     if (cpu >= 0 && cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(cpu), &wished);
   }
   if (const int error = pthread_setaffinity_np(pthread_self(), sizeof wished, &wished); error != 0) {
-    refused.push_back("thread " + name + ": CPU affinity refused: " + std::strerror(error) + " (this machine has " +
-                      std::to_string(std::thread::hardware_concurrency()) + " CPUs, numbered from 0)");
+    rejected.push_back("thread " + name + ": CPU affinity rejected: " + std::strerror(error) + " (this machine has " +
+                       std::to_string(std::thread::hardware_concurrency()) + " CPUs, numbered from 0)");
     return;
   }
   // If the set has at least one usable CPU, the kernel accepts it and silently ignores the other CPUs.
@@ -33,26 +33,27 @@ void restrict_to(const std::vector<int>& cpus, const std::string& name, std::vec
   for (const int cpu : cpus) {
     const bool is_granted = cpu >= 0 && cpu < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(cpu), &granted);
     if (!is_granted)
-      refused.push_back("thread " + name + ": CPU " + std::to_string(cpu) + " refused: it does not exist, or this process may not use it");
+      rejected.push_back("thread " + name + ": CPU " + std::to_string(cpu) +
+                         " rejected: it does not exist, or this process may not use it");
   }
 }
 
 }  // namespace
 
 std::vector<std::string> configure_this_thread(const std::string& name, const ThreadPolicy& policy) {
-  std::vector<std::string> refused;
+  std::vector<std::string> rejected;
   constexpr std::size_t kMaxName = 15;  // kernel limit without the terminator
   pthread_setname_np(pthread_self(), name.substr(0, kMaxName).c_str());
   prctl(PR_SET_TIMERSLACK, 1UL);
-  if (!policy.cpus.empty()) restrict_to(policy.cpus, name, refused);
+  if (!policy.cpus.empty()) restrict_to(policy.cpus, name, rejected);
   if (policy.fifo_priority != 0) {
     const sched_param parameters{.sched_priority = policy.fifo_priority};
     if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0) {
-      refused.push_back("thread " + name + ": SCHED_FIFO refused: " + std::strerror(error) +
-                        "; scans may arrive late under load (priorities are 1 to 99; grant LimitRTPRIO or rtprio in limits.conf)");
+      rejected.push_back("thread " + name + ": SCHED_FIFO rejected: " + std::strerror(error) +
+                         "; scans may arrive late under load (priorities are 1 to 99; grant LimitRTPRIO or rtprio in limits.conf)");
     }
   }
-  return refused;
+  return rejected;
 }
 
 std::uint64_t lockable_bytes() noexcept {

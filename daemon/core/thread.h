@@ -9,13 +9,13 @@
 
 namespace dts::core {
 
-/// Scheduling wishes of a thread. If the system refuses a wish, this is reported and the thread runs without it.
+/// Scheduling wishes of a thread. If the system rejects a wish, this is reported and the thread runs without it.
 struct ThreadPolicy {
   int fifo_priority = 0;  ///< 1..99: SCHED_FIFO; 0: leave the default policy.
   std::vector<int> cpus;  ///< CPUs on which the thread may run; empty: all.
 };
 
-/// Names the calling thread (only the first 15 characters) and applies `policy`; returns one sentence per refused wish.
+/// Names the calling thread (only the first 15 characters) and applies `policy`; returns one sentence per rejected wish.
 /// Also sets the timer slack to 1 ns, which saves 48 us per tick without SCHED_FIFO (measured).
 [[nodiscard]] std::vector<std::string> configure_this_thread(const std::string& name, const ThreadPolicy& policy);
 

@@ -19,6 +19,7 @@ enum class ChannelRole : std::uint8_t {
   Marker,     ///< Input at a known voltage, to detect rotated channels.
 };
 
+/// Name, unit and range of one channel.
 struct ChannelDescription {
   std::string name;  ///< "ch0"
   std::string unit;  ///< "V"
@@ -41,13 +42,14 @@ struct DeviceDescription {
   std::string model;   ///< "Simulated floor platform"
   std::string serial;  ///< Identifies the unit; does not change when it is plugged in again.
   std::vector<ChannelDescription> channels;
-  double minimum_rate_hz = 0.0;
+  double minimum_rate_hz = 0.0;  ///< Scans per second.
   double maximum_rate_hz = 0.0;
   bool has_sync_output = false;   ///< The URI configures a line for `set_sync_output`.
   bool waits_for_reader = false;  ///< Scans wait for the reader: a slow reader loses nothing.
   RecordedPipeline recorded_pipeline{};
 };
 
+/// Parameters of `Device::start`.
 struct StartOptions {
   core::Rate rate;                   ///< Wanted rate; `start` returns the nearest rate that the device's clock can run.
   std::size_t max_block_scans = 64;  ///< Largest block that the caller passes to `read`.
@@ -79,6 +81,7 @@ struct Cue {
 /// Closed --open--> Open --start--> Streaming --stop--> Open --close--> Closed; a lost device is Gone until close.
 enum class DeviceState : std::uint8_t { Closed, Open, Streaming, Gone };
 
+/// What a call of `Device::read` has found.
 enum class ReadOutcome : std::uint8_t {
   Scans,         ///< `block` holds 1 or more scans.
   Timeout,       ///< No scan by the deadline; the device is present and may deliver later.
@@ -109,27 +112,34 @@ struct ReadResult {
 /// | has_arrived| ok            | ok              | ok                | ok                  |
 /// | has_more   | false         | false           | ok                | false               |
 /// | set_sync_output | WrongState | ok            | ok                | DeviceGone          |
-/// | hear       | no effect     | no effect       | ok                | no effect           |
+/// | `hear`     | no effect     | no effect       | ok                | no effect           |
 ///
 /// Thread: open, start, stop, close and has_arrived on one owner thread; `read` and `has_more` on one thread, between start and stop;
+/// `describe`, `state`,
 /// `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.
 class Device {
  public:
   virtual ~Device() = default;
 
+  /// Returns what is known about the device without opening it; valid and unchanged as long as the device exists. Thread: any.
   [[nodiscard]] virtual const DeviceDescription& describe() const noexcept = 0;
+  /// Returns the present state. It may change to Gone at any time. Thread: any. Realtime-safe: yes.
   [[nodiscard]] virtual DeviceState state() const noexcept = 0;
 
-  /// Returns the exact rate, nearest to `wanted`, that the device's clock can run; `start` returns the same rate.
-  /// Fails with InvalidArgument outside the limits of `describe`.
+  /// Returns the exact rate (scans per second), nearest to `wanted`, that the device's clock can run; `start` returns the same rate.
+  /// Fails with InvalidArgument outside the limits of `describe`. Thread: any.
   [[nodiscard]] virtual core::Result<core::Rate> exact_rate(core::Rate wanted) const = 0;
-  /// Returns the report on the unit; usually empty before the first `open`. Does not wait for control requests.
+  /// Returns the report on the unit; usually empty before the first `open`. Does not wait for control requests. Thread: any.
   [[nodiscard]] virtual DeviceReport report() const = 0;
   /// Returns true if a device was plugged in since the last call: the caller should retry `open`.
   [[nodiscard]] virtual bool has_arrived() noexcept { return false; }
 
+  /// Finds the unit and opens it. Fails with NotFound if no unit matches, with InvalidArgument if several do, with NotAllowed if the system
+  /// forbids access, with WrongState if another program uses the unit or the device is Gone, with DeviceGone if it was just unplugged, and
+  /// with Failed if it does not work. Thread: owner.
   [[nodiscard]] virtual core::Status open() = 0;
-  /// Starts the scan and returns its exact rate. Allocates everything that `read` needs.
+  /// Starts the scan and returns its exact rate. Allocates everything that `read` needs. Fails as the table states, with InvalidArgument
+  /// for options that the device cannot run, and with Failed or Timeout if the unit does not answer or does not scan. Thread: owner.
   [[nodiscard]] virtual core::Result<core::Rate> start(const StartOptions& options) = 0;
   /// Waits until `block.capacity()` scans have arrived or `deadline_ns` (host monotonic) has passed, and delivers the scans
   /// that arrived. Sets the block's count, its first scan (counted since start or since the last gap), the host time of that
@@ -144,13 +154,15 @@ class Device {
   /// Makes a waiting `read` return within 100 ms. Thread: any. Realtime-safe: yes.
   virtual void interrupt() noexcept = 0;
   /// Drives the digital line that signals the start of a session to other instruments. Fails with Unsupported if the device has no
-  /// such line, with WrongState if it is not open or is busy starting.
+  /// such line, with WrongState if it is not open or is busy starting, and with DeviceGone if it is gone. Thread: any.
   [[nodiscard]] virtual core::Status set_sync_output(bool is_high) = 0;
   /// Passes a cue to a simulated person, who follows it. Hardware ignores it: there, the therapist cues the person.
   /// Thread: one, as a rule control. Realtime-safe: yes.
   virtual void hear(const Cue& cue) noexcept { static_cast<void>(cue); }
-  /// Stops the scan. Returns within 250 ms if the device answers.
+  /// Stops the scan. Returns within 250 ms if the device answers. Fails with Failed or Timeout if it does not; the state is Open or Gone
+  /// also then. Thread: owner, after the last `read` has returned.
   virtual core::Status stop() = 0;
+  /// Stops the scan and closes the unit; the device is Closed afterwards, also after an error. Fails like `stop`. Thread: owner.
   virtual core::Status close() = 0;
 };
 

@@ -96,7 +96,7 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
       options.texts_.emplace(option.name, value);
       continue;
     }
-    if (options.take(option, value)) continue;
+    if (options.set(option, value)) continue;
     std::string hint;
     if (option.kind == OptionKind::Word) hint = did_you_mean(value, split_choices(option.choices));
     if (option.kind == OptionKind::Numbers) hint = "write numbers separated by commas, at most " + std::to_string(kMostNumbers);
@@ -106,13 +106,13 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
   return options;
 }
 
-bool UriOptions::take(const UriOption& option, const std::string& value) {
+bool UriOptions::set(const UriOption& option, const std::string& value) {
   if (is_free_text(option) || option.kind == OptionKind::Word) {
     if (is_free_text(option) ? value.empty() : !is_choice(option.choices, value)) return false;
     texts_.emplace(option.name, value);
     return true;
   }
-  if (option.kind == OptionKind::Numbers) return take_list(option, value);
+  if (option.kind == OptionKind::Numbers) return set_list(option, value);
   if (option.maximum == kNever && value == "never") {
     numbers_.emplace(option.name, kNever);
     return true;
@@ -124,7 +124,7 @@ bool UriOptions::take(const UriOption& option, const std::string& value) {
   return is_fine;
 }
 
-bool UriOptions::take_list(const UriOption& option, const std::string& value) {
+bool UriOptions::set_list(const UriOption& option, const std::string& value) {
   std::vector<double> list;
   std::istringstream items(value + ",");
   for (std::string item; std::getline(items, item, ',');) {

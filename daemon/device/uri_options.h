@@ -48,8 +48,8 @@ class UriOptions {
 
  private:
   /// Stores the value; returns false if it is not allowed.
-  [[nodiscard]] bool take(const UriOption& option, const std::string& value);
-  [[nodiscard]] bool take_list(const UriOption& option, const std::string& value);
+  [[nodiscard]] bool set(const UriOption& option, const std::string& value);
+  [[nodiscard]] bool set_list(const UriOption& option, const std::string& value);
 
   std::map<std::string, double, std::less<>> numbers_;
   std::map<std::string, std::vector<double>, std::less<>> lists_;

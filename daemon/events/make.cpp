@@ -109,7 +109,8 @@ v1::Event make(const core::Event& event, const std::string& trigger_channel) {
     out.mutable_trigger()->set_channel(trigger_channel);
   }
   if (const auto* reach = std::get_if<core::ReachEvent>(&event)) *out.mutable_reach() = to_message(*reach);
-  if (const auto* judged = std::get_if<core::ClassEvent>(&event)) *out.mutable_movement() = to_message(judged->movement, judged->number);
+  if (const auto* classified = std::get_if<core::ClassEvent>(&event))
+    *out.mutable_movement() = to_message(classified->movement, classified->number);
   if (const auto* sway = std::get_if<core::SwayEvent>(&event)) *out.mutable_sway() = preliminary(*sway);
   return out;
 }

@@ -34,53 +34,53 @@ core::Error damaged(const v1::Event& event, const char* field) {
 }
 
 core::Result<core::ReachEvent> reach_of(const v1::Event& event) {
-  const v1::Reach& told = event.reach();
-  if (told.step() < v1::REACH_STEP_P1 || told.step() > v1::REACH_STEP_CANCELLED) return tl::make_unexpected(damaged(event, "step"));
-  if (!is_16_bit(told.flags())) return tl::make_unexpected(damaged(event, "flags"));
-  if (!is_16_bit(told.resumed())) return tl::make_unexpected(damaged(event, "resumed"));
-  core::ReachEvent reach{.step = static_cast<core::ReachStep>(told.step()),
-                         .number = told.number(),
+  const v1::Reach& message = event.reach();
+  if (message.step() < v1::REACH_STEP_P1 || message.step() > v1::REACH_STEP_CANCELLED) return tl::make_unexpected(damaged(event, "step"));
+  if (!is_16_bit(message.flags())) return tl::make_unexpected(damaged(event, "flags"));
+  if (!is_16_bit(message.resumed())) return tl::make_unexpected(damaged(event, "resumed"));
+  core::ReachEvent reach{.step = static_cast<core::ReachStep>(message.step()),
+                         .number = message.number(),
                          .segment = event.segment(),
                          .scan = {event.scan()},
                          .host_time_ns = event.host_time_ns(),
-                         .p1 = point_of(told.has_p1(), told.p1()),
-                         .p2 = point_of(told.has_p2(), told.p2()),
-                         .p3 = point_of(told.has_p3(), told.p3()),
+                         .p1 = point_of(message.has_p1(), message.p1()),
+                         .p2 = point_of(message.has_p2(), message.p2()),
+                         .p3 = point_of(message.has_p3(), message.p3()),
                          .features = {},
-                         .flags = static_cast<std::uint16_t>(told.flags()),
-                         .resumed = static_cast<std::uint16_t>(told.resumed())};
+                         .flags = static_cast<std::uint16_t>(message.flags()),
+                         .resumed = static_cast<std::uint16_t>(message.resumed())};
   reach.features = {.p1_mm = reach.p1.value_mm,
                     .p2_mm = reach.p2.value_mm,
                     .p3_mm = reach.p3.value_mm,
-                    .hold_mm = known(told.has_hold_mm(), told.hold_mm()),
-                    .rise_s = known(told.has_rise_s(), told.rise_s()),
-                    .rest_ratio = known(told.has_rest_ratio(), told.rest_ratio()),
-                    .ratio_change = known(told.has_ratio_change(), told.ratio_change()),
-                    .twist = known(told.has_twist(), told.twist()),
-                    .smoothness = known(told.has_smoothness(), told.smoothness())};
+                    .hold_mm = known(message.has_hold_mm(), message.hold_mm()),
+                    .rise_s = known(message.has_rise_s(), message.rise_s()),
+                    .rest_ratio = known(message.has_rest_ratio(), message.rest_ratio()),
+                    .ratio_change = known(message.has_ratio_change(), message.ratio_change()),
+                    .twist = known(message.has_twist(), message.twist()),
+                    .smoothness = known(message.has_smoothness(), message.smoothness())};
   return reach;
 }
 
 core::Result<core::ClassEvent> class_of(const v1::Event& event) {
-  const v1::TrunkMovement& told = event.movement();
+  const v1::TrunkMovement& message = event.movement();
   core::ClassEvent out{
-      .number = told.number(), .segment = event.segment(), .scan = {event.scan()}, .host_time_ns = event.host_time_ns(), .movement = {}};
+      .number = message.number(), .segment = event.segment(), .scan = {event.scan()}, .host_time_ns = event.host_time_ns(), .movement = {}};
   core::TrunkMovement& movement = out.movement;
-  const bool is_class = event.has_movement() && told.trunk_class() >= -1 && told.trunk_class() <= 3;
+  const bool is_class = event.has_movement() && message.trunk_class() >= -1 && message.trunk_class() <= 3;
   if (!is_class) return tl::make_unexpected(damaged(event, "trunk_class"));
-  if (!is_16_bit(told.reasons())) return tl::make_unexpected(damaged(event, "reasons"));
-  if (static_cast<std::size_t>(told.probability_size()) != movement.probability.size()) {
+  if (!is_16_bit(message.reasons())) return tl::make_unexpected(damaged(event, "reasons"));
+  if (static_cast<std::size_t>(message.probability_size()) != movement.probability.size()) {
     return tl::make_unexpected(damaged(event, "probability"));
   }
-  if (!std::ranges::all_of(told.probability(), [](double share) { return share >= 0.0 && share <= 1.0; })) {
+  if (!std::ranges::all_of(message.probability(), [](double share) { return share >= 0.0 && share <= 1.0; })) {
     return tl::make_unexpected(damaged(event, "probability"));
   }
-  movement.trunk_class = static_cast<core::TrunkClass>(told.trunk_class());
-  std::ranges::copy(told.probability(), movement.probability.begin());
-  movement.trunk_deg = known(told.has_trunk_deg(), told.trunk_deg());
-  movement.trunk_lo_deg = known(told.has_trunk_lo_deg(), told.trunk_lo_deg());
-  movement.trunk_hi_deg = known(told.has_trunk_hi_deg(), told.trunk_hi_deg());
-  movement.reasons = static_cast<std::uint16_t>(told.reasons());
+  movement.trunk_class = static_cast<core::TrunkClass>(message.trunk_class());
+  std::ranges::copy(message.probability(), movement.probability.begin());
+  movement.trunk_deg = known(message.has_trunk_deg(), message.trunk_deg());
+  movement.trunk_lo_deg = known(message.has_trunk_lo_deg(), message.trunk_lo_deg());
+  movement.trunk_hi_deg = known(message.has_trunk_hi_deg(), message.trunk_hi_deg());
+  movement.reasons = static_cast<std::uint16_t>(message.reasons());
   return out;
 }
 
@@ -99,10 +99,10 @@ core::Result<posturography::Analysis> analysis_of(const v1::Sway& sway) {
   analysis.flags = sway.flags();
   analysis.missing = sway.missing();
   analysis.interpolated = sway.interpolated();
-  for (const v1::SwayMeasure& told : sway.measures()) {
-    if (!std::isfinite(told.value())) return damaged("its measure \"" + told.symbol() + "\" has no value");
-    const auto measure = posturography::measure_named(told.symbol());
-    if (measure && posturography::info(*measure).unit == told.unit()) analysis.measures.set(*measure, told.value());
+  for (const v1::SwayMeasure& entry : sway.measures()) {
+    if (!std::isfinite(entry.value())) return damaged("its measure \"" + entry.symbol() + "\" has no value");
+    const auto measure = posturography::measure_named(entry.symbol());
+    if (measure && posturography::info(*measure).unit == entry.unit()) analysis.measures.set(*measure, entry.value());
   }
   return analysis;
 }

@@ -132,12 +132,12 @@ void Pipeline::process(const core::Acquired& acquired, core::Frame& frame) noexc
   frame.lost_scans_total = acquired.lost_scans_total;
   if (acquired.gap_before.reason != core::GapReason::None) reset_stages();
   events_.clear();
-  take(block);
+  copy_input(block);
   if (trigger_) trigger_->process(device_, trigger_column_, events_.triggers);
   run_stages(frame);
 }
 
-void Pipeline::take(const core::Block& block) noexcept {
+void Pipeline::copy_input(const core::Block& block) noexcept {
   device_.copy_position(block);
   if (block.count() == 0) return;
   if (!is_acceptable(block)) {
@@ -179,7 +179,7 @@ core::Status Pipeline::restore(std::span<const double> state, std::uint32_t segm
     return core::fail(core::ErrorCode::DataDamaged, "the recorded state of the stages has " + std::to_string(state.size()) +
                                                         " numbers; these stages have " + std::to_string(state_size()));
   }
-  if (std::string refusing = take_up(state); !refusing.empty()) {
+  if (std::string refusing = restore_stages(state); !refusing.empty()) {
     return core::fail(core::ErrorCode::DataDamaged, "the recorded state of " + refusing + " is not valid");
   }
   segment_ = segment;
@@ -188,7 +188,7 @@ core::Status Pipeline::restore(std::span<const double> state, std::uint32_t segm
 }
 
 /// Returns the stage that rejected its saved state; empty if none did. Otherwise resets everything: a partly restored pipeline is invalid.
-std::string Pipeline::take_up(std::span<const double> state) {
+std::string Pipeline::restore_stages(std::span<const double> state) {
   std::string refusing;
   if (trigger_) {
     if (!trigger_->restore(state.first(EdgeDetector::kStateSize))) refusing = "the trigger";

@@ -73,9 +73,9 @@ class Pipeline {
   core::Status watch_trigger(const PipelineInput& input);
   core::Result<core::StreamFormat> append(const StageConfig& config, const core::StreamFormat& input, const StageContext& context);
   [[nodiscard]] bool is_acceptable(const core::Block& block) const noexcept;
-  void take(const core::Block& block) noexcept;
+  void copy_input(const core::Block& block) noexcept;
   void reset_stages() noexcept;
-  [[nodiscard]] std::string take_up(std::span<const double> state);
+  [[nodiscard]] std::string restore_stages(std::span<const double> state);
   void run_stages(core::Frame& frame) noexcept;
   void fill_aux(core::Block& out) const noexcept;
 

@@ -21,12 +21,13 @@
 
 namespace dts::pipeline {
 
+/// A number in the option's unit, or one of its words.
 using OptionValue = std::variant<double, std::string>;
 
 /// One option of a stage: a number with unit and range, or one of `choices`.
 struct OptionDescription {
-  std::string_view name;  ///< "window_scans"; includes the unit.
-  std::string_view sentence;
+  std::string_view name;      ///< "window_scans"; includes the unit.
+  std::string_view sentence;  ///< What the option does, for the list of stages.
   double default_value = 0.0;
   double minimum = 0.0;
   double maximum = 0.0;
@@ -34,9 +35,10 @@ struct OptionDescription {
   std::vector<std::string_view> choices;  ///< If not empty, the option is one of these words; the first is the default.
 };
 
+/// Description of a kind of stage, for configuration files and their checks.
 struct StageDescription {
-  std::string_view id;  ///< [a-z0-9_]
-  std::string_view sentence;
+  std::string_view id;             ///< [a-z0-9_]
+  std::string_view sentence;       ///< What the stage does.
   std::string_view output_stream;  ///< Name of the stream that the stage makes: "filtered". Empty: it only finds events, and the next stage
                                    ///< has the same input.
   std::vector<OptionDescription> options;
@@ -68,8 +70,9 @@ struct StageContext {
 class StageOptions {
  public:
   explicit StageOptions(std::map<std::string, OptionValue, std::less<>> values) : values_(std::move(values)) {}
-  /// Returns an option's value. Throws if the stage's description has no such option of this kind: that is a bug.
+  /// Returns the number of an option, in its unit. Throws if the stage's description has no such option of this kind: that is a bug.
   [[nodiscard]] double number(std::string_view name) const;
+  /// Returns the word of an option; valid as long as these options exist. Throws like `number`.
   [[nodiscard]] const std::string& word(std::string_view name) const;
 
  private:
@@ -85,9 +88,11 @@ class Stage {
  public:
   virtual ~Stage() = default;
 
+  /// Returns the description of this kind of stage; it never changes. Thread: any.
   [[nodiscard]] virtual const StageDescription& describe() const noexcept = 0;
-  /// Receives the format of its input and returns the format of its output (the pipeline sets the name). Allocates all memory for blocks of
-  /// up to `max_scans`. Thread: control.
+  /// Receives the format of its input (channels with units, rate) and returns the format of its output (the pipeline sets the name).
+  /// Allocates all memory for blocks of up to `max_scans`. Fails with InvalidArgument if the stage cannot use this input, and with
+  /// LimitExceeded if an option is beyond its limit at this rate. Thread: control, before the pipeline thread runs.
   [[nodiscard]] virtual core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) = 0;
   /// Fills `out` from `in`. `out` already has the position and count of `in` and capacity for as many scans; a stage that makes fewer scans
   /// sets count, first scan and host time itself. A value may be NaN only with a quality bit that explains it. A stage that makes no stream
@@ -101,7 +106,7 @@ class Stage {
   virtual void reset() noexcept = 0;
 
   /// Returns the number of values in the saved history of the signal, with which a replay can begin in the middle of a stream; fixed after
-  /// `prepare`.
+  /// `prepare`. Thread: any, after `prepare`. Realtime-safe: yes.
   [[nodiscard]] virtual std::size_t state_size() const noexcept = 0;
   /// Writes this history to `state`, which has `state_size()` values. Thread: rig. Realtime-safe: yes.
   virtual void save(std::span<double> state) const noexcept = 0;

@@ -53,7 +53,7 @@ struct CopSeries {
 /// Creates an even series from samples with time stamps. Even stamps: keeps the samples, with NaN where rows are missing, at the simplest
 /// rate (whole Hz) that the written digits allow. Stamps uneven by less than 10 % of a step: interpolates linearly. Others: averages over
 /// sliding windows (Audiffren & Contal 2016). `load_n` may be empty. Fails with InvalidArgument if there are fewer than two rows, if times
-/// do not rise or are not finite, if columns differ in length, or if the holes exceed 1e6 samples plus 16 for every row. Thread: any.
+/// do not rise or are not finite, if columns differ in length, or if the gaps exceed 1e6 samples plus 16 for every row. Thread: any.
 [[nodiscard]] core::Result<CopSeries> even_series(std::span<const double> t_s, std::span<const double> ml_mm, std::span<const double> ap_mm,
                                                   std::span<const double> load_n = {});
 

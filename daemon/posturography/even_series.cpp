@@ -119,7 +119,7 @@ Grid grid_of(std::span<const double> t_s, std::vector<double> index, double unit
 
 bool is_even(const Grid& grid, double unit_s) { return grid.off_s <= std::max(kEven / grid.rate_hz, kWritten * unit_s); }
 
-/// Returns the grid of the rows with holes, or the grid without a hole if the first would miss a tenth of the samples and the second also
+/// Returns the grid of the rows with gaps, or the grid without a gap if the first would miss a tenth of the samples and the second also
 /// fits: 75 Hz in two decimals is 0.00, 0.01, 0.03, 0.04, and not 100 Hz with every fourth sample lost.
 Grid likeliest_grid(std::span<const double> t_s, double unit_s) {
   Grid grid = grid_of(t_s, indices(t_s, step_s(t_s)), unit_s);
@@ -127,8 +127,8 @@ Grid likeliest_grid(std::span<const double> t_s, double unit_s) {
   if (grid.samples() * (1.0 - kManyMissing) <= rows) return grid;
   std::vector<double> index(t_s.size());
   for (std::size_t i = 0; i < index.size(); ++i) index[i] = static_cast<double>(i);
-  Grid without_hole = grid_of(t_s, std::move(index), unit_s);
-  return is_even(without_hole, unit_s) ? without_hole : grid;
+  Grid without_gap = grid_of(t_s, std::move(index), unit_s);
+  return is_even(without_gap, unit_s) ? without_gap : grid;
 }
 
 struct Column {
@@ -140,7 +140,7 @@ void place(const Grid& grid, const Column& column) {
   for (std::size_t i = 0; i < column.rows.size(); ++i) column.samples[static_cast<std::size_t>(grid.index[i])] = column.rows[i];
 }
 
-/// Interpolates linearly between neighbouring rows that are at most one and a half steps apart; NaN in holes.
+/// Interpolates linearly between neighbouring rows that are at most one and a half steps apart; NaN in gaps.
 void interpolate(std::span<const double> t_s, const Grid& grid, const Column& column) {
   std::size_t after = 1;
   for (std::size_t k = 0; k < column.samples.size(); ++k) {
@@ -148,7 +148,7 @@ void interpolate(std::span<const double> t_s, const Grid& grid, const Column& co
     while (after + 1 < t_s.size() && t_s[after] < at) ++after;
     const double apart = t_s[after] - t_s[after - 1];
     if (apart * grid.rate_hz > 1.5) {
-      // A hole: its ends still count for the nearest sample.
+      // A gap: its ends still count for the nearest sample.
       const std::size_t nearest = at - t_s[after - 1] < t_s[after] - at ? after - 1 : after;
       if (std::abs(t_s[nearest] - at) * grid.rate_hz < 2.0 * kLinear) column.samples[k] = column.rows[nearest];
       continue;

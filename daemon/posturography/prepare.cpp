@@ -91,7 +91,7 @@ CleanStretch clean_stretch(const CopSeries& series) {
 
 /// Copies both columns of the stretch minus their first values, with gaps interpolated linearly. Subtracting the first value makes a
 /// constant exactly 0, and avoids losing digits far from the origin. Returns the number of interpolated samples.
-std::size_t take_stretch(const CopSeries& series, const Stretch& stretch, Prepared& prepared) {
+std::size_t copy_stretch(const CopSeries& series, const Stretch& stretch, Prepared& prepared) {
   const double first_ml = series.ml_mm[stretch.begin];
   const double first_ap = series.ap_mm[stretch.begin];
   prepared.ml_mm.resize(stretch.size());
@@ -195,7 +195,7 @@ core::Result<Prepared> prepare(const CopSeries& series, const Preparation& prepa
   prepared.profile = preparation.profile;
   prepared.missing = clean.missing;
   prepared.flags = flags_of(series, clean, preparation);
-  prepared.interpolated = take_stretch(series, clean.longest, prepared);
+  prepared.interpolated = copy_stretch(series, clean.longest, prepared);
   if (is_filtered) {
     const LowPass low_pass = butterworth4(kLp10CutoffHz, series.rate_hz);
     filter_zero_phase(low_pass, prepared.ml_mm);

@@ -24,7 +24,7 @@ GapReason reason_of(v1::GapReason number) {
 
 }  // namespace
 
-void LossCounter::take(const v1::Event& event) {
+void LossCounter::add(const v1::Event& event) {
   if (event.has_loss()) return losses_.add(GapReason::RingFull, {.gaps = 1, .scans = event.loss().scans()});
   if (!event.has_segment_start()) return;
   const bool is_first = !has_begun_;

@@ -13,7 +13,7 @@ namespace dts::record {
 /// order. Ignores the gap before the first segment, because it lies before the recording.
 class LossCounter {
  public:
-  void take(const v1::Event& event);
+  void add(const v1::Event& event);
   [[nodiscard]] const core::Losses& losses() const noexcept { return losses_; }
 
  private:

@@ -14,8 +14,8 @@ namespace {
 
 class Looker {
  public:
-  void take(const Chunk& chunk) {
-    std::visit([this](const auto& content) { take(content); }, chunk.content);
+  void add(const Chunk& chunk) {
+    std::visit([this](const auto& content) { add(content); }, chunk.content);
     overview_.end = chunk.offset + chunk.length;
   }
   /// Returns the result. `torn`: why reading ended early; empty: it did not.
@@ -38,16 +38,16 @@ class Looker {
     bool holds_events = false;
   };
 
-  void take(const FileHeader& header);
-  void take(const StreamHeader& header);
-  void take(const Samples& samples);
-  void take(const StreamFooter& footer);
-  void take(const ClockOffset&) {}
-  void take(const Boundary&) {}
-  void take(const UnknownChunk&) {}
+  void add(const FileHeader& header);
+  void add(const StreamHeader& header);
+  void add(const Samples& samples);
+  void add(const StreamFooter& footer);
+  void add(const ClockOffset&) {}
+  void add(const Boundary&) {}
+  void add(const UnknownChunk&) {}
 
-  void take_events(const Samples& samples);
-  static void take_time(double time_s, double scan_s, Traits& traits);
+  void add_events(const Samples& samples);
+  static void add_time(double time_s, double scan_s, Traits& traits);
   [[nodiscard]] std::optional<std::size_t> reference() const;
   void say(const std::string& damage);
 
@@ -61,7 +61,7 @@ class Looker {
 
 void Looker::say(const std::string& damage) { overview_.damage += (overview_.damage.empty() ? "" : "; ") + damage; }
 
-void Looker::take(const FileHeader& header) {
+void Looker::add(const FileHeader& header) {
   if (fact(header.facts, "format_version").empty()) return;  // a file of another program
   auto session = session_facts(header.facts);
   if (session) {
@@ -71,7 +71,7 @@ void Looker::take(const FileHeader& header) {
   }
 }
 
-void Looker::take(const StreamHeader& header) {
+void Looker::add(const StreamHeader& header) {
   const auto& info = header.info;
   Traits traits{.grid = std::nullopt};
   const bool is_text = info.value_type == ValueType::Text;
@@ -83,19 +83,19 @@ void Looker::take(const StreamHeader& header) {
   traits_.push_back(std::move(traits));
 }
 
-void Looker::take(const Samples& samples) {
+void Looker::add(const Samples& samples) {
   const std::size_t index = overview_.index_of_number.at(samples.stream);
   overview_.sample_counts[index] += samples.times_s.size();
   Traits& traits = traits_[index];
-  if (traits.holds_events) take_events(samples);
+  if (traits.holds_events) add_events(samples);
   if (!traits.grid) return;
   const double scan_s = 1.0 / overview_.streams[index].rate->hz();
-  for (const double time_s : samples.times_s) take_time(time_s, scan_s, traits);
+  for (const double time_s : samples.times_s) add_time(time_s, scan_s, traits);
 }
 
-void Looker::take_time(double time_s, double scan_s, Traits& traits) {
+void Looker::add_time(double time_s, double scan_s, Traits& traits) {
   constexpr double kMostScans = 9e15;  // below 2^53, where a double holds every whole number exactly
-  if (traits.grid->take(time_s)) {
+  if (traits.grid->add(time_s)) {
     const auto segment = traits.grid->place().segment;
     traits.segments.add({segment, time_s, time_s});
     const double missing = std::round((time_s - traits.end_s) / scan_s);
@@ -109,17 +109,17 @@ void Looker::take_time(double time_s, double scan_s, Traits& traits) {
   traits.end_s = time_s + scan_s;
 }
 
-void Looker::take_events(const Samples& samples) {
+void Looker::add_events(const Samples& samples) {
   const std::size_t channels = samples.texts.size() / std::max<std::size_t>(samples.times_s.size(), 1);
   for (std::size_t text = 0; text < samples.texts.size(); ++text) {
     const auto event = event_of_text(samples.texts[text]);
     if (!event) continue;
-    losses_.take(*event);
+    losses_.add(*event);
     if (event->has_segment_start()) segment_events_.push_back({event->segment(), {event->scan()}, samples.times_s[text / channels]});
   }
 }
 
-void Looker::take(const StreamFooter& footer) {
+void Looker::add(const StreamFooter& footer) {
   traits_[overview_.index_of_number.at(footer.stream)].has_footer = true;
   if (incomplete_.empty()) incomplete_ = fact(footer.facts, "incomplete");
   if (recovered_.empty() && !fact(footer.facts, "recovered").empty()) recovered_ = fact(footer.facts, "lost_s_at_most");
@@ -174,7 +174,7 @@ core::Result<Overview> look_through(const std::string& file) {
     if (!chunk) return looker.finish(chunk.error().what);
     if (!*chunk && !has_header) return core::fail(core::ErrorCode::DataDamaged, file + " ends before its file header");
     if (!*chunk) return looker.finish({});
-    looker.take(**chunk);
+    looker.add(**chunk);
     has_header = true;
   }
 }

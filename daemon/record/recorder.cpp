@@ -102,13 +102,13 @@ core::Status Recorder::take(const core::Frame& frame, std::span<const core::Even
   }
   offset_ns_ = raw.host_time_ns - (origins_ns_[segment_] + rate_.time_ns(raw.first_scan));
   if (std::abs(offset_ns_) <= kRoundingNs) offset_ns_ = 0;
-  take_quality(frame);
+  write_quality(frame);
   for (const core::Event& event : events) {
     if (!std::holds_alternative<core::SwayEvent>(event)) keep(events::make(event, {}));  // preliminary values are not recorded
   }
   next_raw_ = raw.first_scan + raw.count();
   for (Column& column : columns_) {
-    DTS_TRY(take_block(column, frame.streams[column.recorded.frame_index], raw));
+    DTS_TRY(write_block(column, frame.streams[column.recorded.frame_index], raw));
   }
   return write_offsets(raw);
 }
@@ -130,7 +130,7 @@ core::Status Recorder::begin_segment(const core::Frame& frame) {
   start.set_reason(static_cast<v1::GapReason>(gap_.reason));
   start.set_missing_scans(gap_.missing_scans);
   start.set_is_exact(gap_.is_exact);
-  losses_.take(event);
+  losses_.add(event);
   gap_ = {};
   next_raw_ = raw.first_scan;
   DTS_TRY(take(event));
@@ -157,12 +157,12 @@ void Recorder::note_loss(std::uint64_t scans) {
   event.set_segment(segment_);
   event.set_scan(next_raw_.value);
   event.mutable_loss()->set_scans(scans);
-  losses_.take(event);
+  losses_.add(event);
   keep(event);
   is_quality_due_ = true;
 }
 
-core::Status Recorder::take_block(Column& column, const core::Block& block, const core::Block& raw) {
+core::Status Recorder::write_block(Column& column, const core::Block& block, const core::Block& raw) {
   if (block.count() == 0) return {};
   const core::Rate& rate = *column.recorded.info.rate;
   if (!column.has_origin) {  // from the same frame as the raw stream's origin, so that all streams of a segment have one time axis
@@ -184,7 +184,7 @@ core::Status Recorder::take_block(Column& column, const core::Block& block, cons
   return {};
 }
 
-void Recorder::take_quality(const core::Frame& frame) {
+void Recorder::write_quality(const core::Frame& frame) {
   const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
   for (std::size_t scan = 0; scan < raw.count(); ++scan) {
     bool has_changed = std::exchange(is_quality_due_, false);
@@ -282,11 +282,11 @@ core::Status Recorder::write_waiting() {
 }
 
 core::Result<XdfWriter::Closed> Recorder::close(const std::string& incomplete) {
-  const auto told = write_waiting();
+  const auto waiting = write_waiting();
   if (!incomplete.empty()) return writer_->close_incomplete(incomplete);
   if (lost_scans_ > 0)
     return writer_->close_incomplete(std::to_string(lost_scans_) + " scans were dropped: the queue to the recorder was full");
-  if (!told) return tl::make_unexpected(told.error());
+  if (!waiting) return tl::make_unexpected(waiting.error());
   return writer_->close();
 }
 

@@ -82,8 +82,8 @@ class Recorder {
 
   core::Status begin_segment(const core::Frame& frame);
   void note_jump(const core::Block& raw);
-  core::Status take_block(Column& column, const core::Block& block, const core::Block& raw);
-  void take_quality(const core::Frame& frame);
+  core::Status write_block(Column& column, const core::Block& block, const core::Block& raw);
+  void write_quality(const core::Frame& frame);
   void keep(const v1::Event& event);
   core::Status write_pending(Column& column);
   core::Status write_events();

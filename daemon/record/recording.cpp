@@ -33,7 +33,7 @@ class FileRecording : public Recording {
   [[nodiscard]] std::uint64_t size() const noexcept override { return overview_.end; }
 
  private:
-  std::optional<RecordedItem> take_chunk(Chunk& chunk);
+  std::optional<RecordedItem> start_chunk(Chunk& chunk);
   RecordedItem next_of_samples();
   RecordedScans next_scans(const StreamInfo& info);
   TimedEvent next_event(std::size_t channels);
@@ -76,12 +76,12 @@ core::Result<std::optional<RecordedItem>> FileRecording::next() {
     if (reader_->offset() >= overview_.end) return std::optional<RecordedItem>();  // the rest is torn, or was written after `open`
     DTS_TRY_ASSIGN(auto chunk, reader_->next());
     if (!chunk) return std::optional<RecordedItem>();
-    if (auto item = take_chunk(*chunk)) return item;
+    if (auto item = start_chunk(*chunk)) return item;
   }
 }
 
 /// Returns an item if the whole chunk is one item; stores samples for `next_of_samples`.
-std::optional<RecordedItem> FileRecording::take_chunk(Chunk& chunk) {
+std::optional<RecordedItem> FileRecording::start_chunk(Chunk& chunk) {
   if (const auto* offset = std::get_if<ClockOffset>(&chunk.content)) {
     const auto stream = overview_.index_of_number.find(offset->stream);
     if (stream == overview_.index_of_number.end()) return std::nullopt;
@@ -124,12 +124,12 @@ RecordedScans FileRecording::next_scans(const StreamInfo& info) {
   const std::size_t begin = taken_;
   const auto& times_s = samples_.times_s;
   RecordedScans scans{.stream = stream_, .first_time_s = times_s[begin]};
-  grid.take(times_s[begin]);
+  grid.add(times_s[begin]);
   const auto place = overview_.has_segment_events ? overview_.segments.place_of(times_s[begin], *info.rate) : grid.place();
   scans.segment = place.segment;
   scans.first_scan = place.scan;
   for (taken_ = begin + 1; taken_ < times_s.size() && grid.continues(times_s[taken_ - 1], times_s[taken_]); ++taken_)
-    grid.take(times_s[taken_]);
+    grid.add(times_s[taken_]);
   scans.count = taken_ - begin;
   if (scans.count == times_s.size()) {
     scans.values = std::move(samples_.values);

@@ -36,7 +36,7 @@ bool GridTracker::continues(double previous_s, double time_s) const noexcept {
   return std::abs(time_s - previous_s - scan_s_) <= 0.5 * scan_s_;
 }
 
-bool GridTracker::take(double time_s) noexcept {
+bool GridTracker::add(double time_s) noexcept {
   const bool is_next = previous_s_ && continues(*previous_s_, time_s);
   if (is_next) {
     ++scan_;

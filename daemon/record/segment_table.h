@@ -48,7 +48,7 @@ class GridTracker {
   /// Returns true if a sample at `time_s` is the next one after the sample at `previous_s`.
   [[nodiscard]] bool continues(double previous_s, double time_s) const noexcept;
   /// Adds one more sample; returns true if it starts a segment.
-  bool take(double time_s) noexcept;
+  bool add(double time_s) noexcept;
   [[nodiscard]] SegmentTable::Place place() const noexcept { return {segment_, {scan_}}; }  ///< Of the sample added last.
 
  private:

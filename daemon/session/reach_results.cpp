@@ -86,13 +86,13 @@ void ReachResults::take(const TrialEvent& event, std::uint32_t segment, core::Sc
   } else if (event.kind != Go && event.kind != Done) {
     attempt.is_void = true;
   }
-  if (told_until_) decide_until(told_until_);
+  if (complete_until_) decide_until(complete_until_);
 }
 
 void ReachResults::advance(std::uint32_t segment, core::ScanIndex scan) {
   const Place place{segment, scan};
-  if (!told_until_ || *told_until_ < place) told_until_ = place;
-  if (!undecided_.empty()) decide_until(told_until_);
+  if (!complete_until_ || *complete_until_ < place) complete_until_ = place;
+  if (!undecided_.empty()) decide_until(complete_until_);
 }
 
 void ReachResults::finish() { decide_until(std::nullopt); }
@@ -110,20 +110,20 @@ void ReachResults::decide_until(const std::optional<Place>& place) {
 void ReachResults::decide(const Key& key, Attempt& attempt) {
   attempt.is_decided = true;
   attempt.reach = reach_of(attempt);
-  if (attempt.reach) attempt.told = class_of(*attempt.reach, *attempt.done);
+  if (attempt.reach) attempt.live = class_of(*attempt.reach, *attempt.done);
   fresh_.push_back(result_of(key, attempt, own_scale()));
 }
 
 std::optional<core::ReachEvent> ReachResults::reach_of(const Attempt& attempt) const {
   if (attempt.go->segment != attempt.done->segment) return std::nullopt;  // a gap: its content is unknown
-  std::vector<core::ReachEvent> told;
+  std::vector<core::ReachEvent> candidates;
   for (const core::ReachEvent& event : reaches_) {
     if (event.segment != attempt.go->segment || event.scan >= attempt.done->scan) continue;
     const bool is_within = event.p2.scan >= attempt.go->scan && event.p2.scan < attempt.done->scan;
-    if (is_within || event.step == core::ReachStep::Cancelled) told.push_back(event);
+    if (is_within || event.step == core::ReachStep::Cancelled) candidates.push_back(event);
   }
-  std::ranges::stable_sort(told, {}, &core::ReachEvent::scan);
-  return pipeline::main_reach(told);
+  std::ranges::stable_sort(candidates, {}, &core::ReachEvent::scan);
+  return pipeline::main_reach(candidates);
 }
 
 std::optional<core::TrunkMovement> ReachResults::class_of(const core::ReachEvent& reach, const Place& done) const {
@@ -176,7 +176,7 @@ ReachTrialResult ReachResults::result_of(const Key& key, const Attempt& attempt,
                           .go = attempt.go->scan,
                           .has_gap = attempt.go->segment != attempt.done->segment,
                           .reach = attempt.reach,
-                          .movement = attempt.told,
+                          .movement = attempt.live,
                           .expected = expected_class(person_, attempt.target_cm)};
   if (!attempt.reach || model_ == nullptr) return result;
   const core::ReachEvent& reach = *attempt.reach;

@@ -91,7 +91,7 @@ class ReachResults {
     bool is_void = false;
     bool is_decided = false;
     std::optional<core::ReachEvent> reach;
-    std::optional<core::TrunkMovement> told;  ///< The class from the rig's own pipeline.
+    std::optional<core::TrunkMovement> live;  ///< The class from the rig's own pipeline.
   };
   using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
 
@@ -112,7 +112,7 @@ class ReachResults {
   std::vector<ReachTrialResult> fresh_;  ///< Decided since the last `take_decided`, each with what was known at that time.
   std::deque<core::ReachEvent> reaches_;
   std::deque<core::ClassEvent> classes_;
-  std::optional<Place> told_until_;
+  std::optional<Place> complete_until_;
 };
 
 }  // namespace dts::session

@@ -44,7 +44,7 @@ struct Counts {
   std::size_t trials = 0;
   std::size_t gaps = 0;
   std::size_t found = 0;
-  std::size_t judged = 0;                 ///< Has a class, Rejected included.
+  std::size_t classified = 0;             ///< Has a class, Rejected included.
   std::array<std::size_t, 5> of_class{};  ///< From Rejected to Maximum.
   std::size_t agreed = 0;
   std::size_t compared = 0;
@@ -73,14 +73,14 @@ bool has_sound_angle(const core::TrunkMovement& movement) {
 bool is_known(TrunkClass trunk_class) { return trunk_class >= TrunkClass::Rejected && trunk_class <= TrunkClass::Maximum; }
 
 void count_class(Counts& counts, const ReachTrialResult& result) {
-  const bool is_judged = result.movement && is_known(result.movement->trunk_class);
-  if (is_judged) {
-    ++counts.judged;
+  const bool is_classified = result.movement && is_known(result.movement->trunk_class);
+  if (is_classified) {
+    ++counts.classified;
     ++counts.of_class[static_cast<std::size_t>(static_cast<int>(result.movement->trunk_class) + 1)];
   }
   if (!result.expected || result.has_gap) return;
   const bool is_still = !result.reach && *result.expected == TrunkClass::None;  // the arm alone hardly moves the seat
-  const bool has_class = is_judged && result.movement->trunk_class != TrunkClass::Rejected;
+  const bool has_class = is_classified && result.movement->trunk_class != TrunkClass::Rejected;
   if (!is_still && !has_class) return;
   ++counts.compared;
   if (is_still || result.movement->trunk_class == *result.expected) ++counts.agreed;
@@ -115,7 +115,7 @@ Counts total(const std::vector<Target>& targets) {
     sum.trials += target.counts.trials;
     sum.gaps += target.counts.gaps;
     sum.found += target.counts.found;
-    sum.judged += target.counts.judged;
+    sum.classified += target.counts.classified;
     sum.agreed += target.counts.agreed;
     sum.compared += target.counts.compared;
     for (std::size_t k = 0; k < sum.of_class.size(); ++k) sum.of_class[k] += target.counts.of_class[k];
@@ -183,17 +183,18 @@ SessionFigure share(const std::string& name, std::size_t part, const char* part_
   return {.name = name, .value = static_cast<double>(part) / static_cast<double>(whole), .unit = "1", .details = details.text()};
 }
 
-void add_shares(const Counts& all, std::vector<SessionFigure>& figures) {
-  figures.push_back({.name = "trials", .value = static_cast<double>(all.trials), .unit = "1", .details = {}});
+void add_shares(const Counts& all, std::vector<SessionFigure>& summary) {
+  summary.push_back({.name = "trials", .value = static_cast<double>(all.trials), .unit = "1", .details = {}});
   if (all.trials > all.gaps) {
-    figures.push_back(share("reaches_detected_share", all.found, "detected", all.trials - all.gaps, "trials_without_gap"));
+    summary.push_back(share("reaches_detected_share", all.found, "detected", all.trials - all.gaps, "trials_without_gap"));
   }
-  if (all.judged > 0) figures.push_back(share("rejected_share", all.of(TrunkClass::Rejected), "rejected", all.judged, "classified"));
-  if (all.compared > 0) figures.push_back(share("class_agreement_share", all.agreed, "agreed", all.compared, "compared"));
+  if (all.classified > 0)
+    summary.push_back(share("rejected_share", all.of(TrunkClass::Rejected), "rejected", all.classified, "classified"));
+  if (all.compared > 0) summary.push_back(share("class_agreement_share", all.agreed, "agreed", all.compared, "compared"));
 }
 
 void add_critical_boundary(const std::vector<Target>& targets, const std::optional<physics::Person>& person,
-                           std::vector<SessionFigure>& figures) {
+                           std::vector<SessionFigure>& summary) {
   const Target* target = person ? at_critical_boundary(targets, *person) : nullptr;
   if (target == nullptr || !target->trunk_deg.mean()) return;
   JsonObject details;
@@ -203,29 +204,29 @@ void add_critical_boundary(const std::vector<Target>& targets, const std::option
   details.add("trials", target->counts.trials);
   details.add("angles", target->trunk_deg.count());
   details.add("sd_deg", target->trunk_deg.deviation());
-  figures.push_back(
+  summary.push_back(
       {.name = "trunk_at_critical_boundary_deg", .value = *target->trunk_deg.mean(), .unit = "deg", .details = details.text()});
 }
 
 }  // namespace
 
 std::vector<SessionFigure> summarize(std::span<const ReachTrialResult> results, const std::optional<physics::Person>& person) {
-  std::vector<SessionFigure> figures;
-  if (results.empty()) return figures;
+  std::vector<SessionFigure> summary;
+  if (results.empty()) return summary;
   const std::vector<Target> targets = by_target(results);
-  add_shares(total(targets), figures);
-  add_critical_boundary(targets, person, figures);
-  if (const auto spread = pooled_deviation(targets, &Target::trunk_deg)) figures.push_back({"trunk_sd_deg", *spread, "deg", {}});
-  if (const auto spread = pooled_deviation(targets, &Target::d2_mm)) figures.push_back({"d2_sd_mm", *spread, "mm", {}});
+  add_shares(total(targets), summary);
+  add_critical_boundary(targets, person, summary);
+  if (const auto spread = pooled_deviation(targets, &Target::trunk_deg)) summary.push_back({"trunk_sd_deg", *spread, "deg", {}});
+  if (const auto spread = pooled_deviation(targets, &Target::d2_mm)) summary.push_back({"d2_sd_mm", *spread, "mm", {}});
   Sample sparc;
   for (const ReachTrialResult& result : results) {
     if (result.reach) sparc.add(result.reach->features.smoothness);
   }
-  if (sparc.mean()) figures.push_back({"sparc_mean", *sparc.mean(), "1", {}});
+  if (sparc.mean()) summary.push_back({"sparc_mean", *sparc.mean(), "1", {}});
   JsonObject details;
   details.add_json("targets", "[" + core::join(targets, ",", json_of) + "]");
-  figures.push_back({"targets", static_cast<double>(targets.size()), "1", details.text()});
-  return figures;
+  summary.push_back({"targets", static_cast<double>(targets.size()), "1", details.text()});
+  return summary;
 }
 
 }  // namespace dts::session

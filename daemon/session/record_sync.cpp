@@ -44,7 +44,7 @@ struct RecordSync::Files {
 
 void RecordSync::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) {
-    static_cast<void>(core::configure_this_thread("record-sync", {}));  // default policy, cannot be refused
+    static_cast<void>(core::configure_this_thread("record-sync", {}));  // default policy, cannot be rejected
     run(stop);
   });
 }

@@ -16,7 +16,7 @@ using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
 constexpr double kLeastStandingS = 10.0;  // for a recording without trials: a shorter time is a person who steps on and off
 constexpr double kSteppingOnS = 1.0;      // as in the stage `steadiness`
 constexpr double kSteppingOffS = 0.5;     // the load decreases before the centre of pressure becomes invalid
-constexpr double kLongestHoleS = 0.05;    // posturography sheet section 7: a gap up to this length is interpolated
+constexpr double kLongestGapS = 0.05;     // posturography sheet section 7: a gap up to this length is interpolated
 
 /// The stream "cop" of a recording.
 struct CopColumns {
@@ -57,23 +57,23 @@ core::Result<CopColumns> find_cop(const record::Recording& recording) {
 }
 
 core::Status for_each(record::Recording& recording, double from, const std::function<void(double)>& progress,
-                      const std::function<core::Status(const record::RecordedItem&)>& take) {
+                      const std::function<core::Status(const record::RecordedItem&)>& handle) {
   while (true) {
     DTS_TRY_ASSIGN(const auto item, recording.next());
     if (!item) return {};
     if (recording.size() > 0) progress(from + 0.5 * static_cast<double>(recording.offset()) / static_cast<double>(recording.size()));
-    DTS_TRY(take(*item));
+    DTS_TRY(handle(*item));
   }
 }
 
 /// Collects trials from their events, like SwayResults.
 class TrialSteps {
  public:
-  core::Status take(const record::TimedEvent& timed) {
+  core::Status add(const record::TimedEvent& timed) {
     const v1::Event& event = timed.event;
-    if (event.has_trial()) return take_step(event, timed.time_s);
-    if (event.has_sway()) return take_told(event);
-    if (event.has_figure()) take_figure(event.figure());
+    if (event.has_trial()) return add_step(event, timed.time_s);
+    if (event.has_sway()) return add_live(event);
+    if (event.has_figure()) add_session_result(event.figure());
     return {};
   }
   /// Returns the trials in the order of their beginning, without those that were never measured.
@@ -83,17 +83,17 @@ class TrialSteps {
       if (trial.outcome.empty() || trial.trial == 0) continue;
       standing.trials.push_back(trial);
       // The quality bits of the stream "cop" are not recorded, but their effect is in the daemon's recorded result.
-      if (trial.told && trial.told->analysis)
-        standing.trials.back().cop.flags = trial.told->analysis->flags & posturography::sway_flag::kDoubtful;
+      if (trial.live && trial.live->analysis)
+        standing.trials.back().cop.flags = trial.live->analysis->flags & posturography::sway_flag::kDoubtful;
     }
     std::ranges::stable_sort(standing.trials, {}, [](const StandingTrial& trial) { return std::pair(trial.segment, trial.first_scan); });
-    standing.told_figures = figures_;
+    standing.live_results = session_results_;
     return standing;
   }
   [[nodiscard]] bool empty() const noexcept { return trials_.empty(); }
 
  private:
-  core::Status take_step(const v1::Event& event, double time_s) {
+  core::Status add_step(const v1::Event& event, double time_s) {
     DTS_TRY_ASSIGN(const auto step, trial_of(event));
     const Key key{step.trial, step.attempt};
     if (step.trial == 0 || (trials_.size() >= SwayResults::kMostAttempts && !trials_.contains(key))) return {};
@@ -119,19 +119,19 @@ class TrialSteps {
     }
     return {};
   }
-  core::Status take_told(const v1::Event& event) {
-    DTS_TRY_ASSIGN(auto told, sway_of(event));
-    if (const auto trial = trials_.find({told.trial, told.attempt}); trial != trials_.end()) trial->second.told = std::move(told);
+  core::Status add_live(const v1::Event& event) {
+    DTS_TRY_ASSIGN(auto live, sway_of(event));
+    if (const auto trial = trials_.find({live.trial, live.attempt}); trial != trials_.end()) trial->second.live = std::move(live);
     return {};
   }
-  void take_figure(const v1::SessionResult& figure) {
-    if (!std::isfinite(figure.value()) || figures_.size() >= kMostFigures) return;
-    figures_.push_back({.name = figure.name(), .value = figure.value(), .unit = figure.unit(), .details = figure.details()});
+  void add_session_result(const v1::SessionResult& result) {
+    if (!std::isfinite(result.value()) || session_results_.size() >= kMostResults) return;
+    session_results_.push_back({.name = result.name(), .value = result.value(), .unit = result.unit(), .details = result.details()});
   }
 
-  static constexpr std::size_t kMostFigures = 10'000;
+  static constexpr std::size_t kMostResults = 10'000;
   std::map<Key, StandingTrial> trials_;
-  std::vector<SessionFigure> figures_;
+  std::vector<SessionFigure> session_results_;
 };
 
 /// Appends sample `i` of `scans`.
@@ -153,17 +153,17 @@ class TrialSamples {
     for (StandingTrial& trial : trials_) trial.cop.rate_hz = cop.rate.hz();
   }
 
-  core::Status take(const record::RecordedScans& scans) {
+  core::Status add(const record::RecordedScans& scans) {
     for (StandingTrial& trial : trials_) {
       if (scans.segment < trial.segment || scans.segment > trial.end_segment) continue;
-      if (trial.problem.empty()) take(scans, trial);
+      if (trial.problem.empty()) add(scans, trial);
     }
     return {};
   }
 
  private:
   /// Locates samples by index in the trial's first segment, and by time after a gap.
-  void take(const record::RecordedScans& scans, StandingTrial& trial) {
+  void add(const record::RecordedScans& scans, StandingTrial& trial) {
     const std::uint64_t begin = cop_index(trial.first_scan, cop_.raw_rate, cop_.rate);
     const std::uint64_t end = cop_index(trial.end_scan, cop_.raw_rate, cop_.rate);
     const bool is_first = scans.segment == trial.segment;
@@ -201,9 +201,9 @@ class TrialSamples {
 class FreeStanding {
  public:
   FreeStanding(std::vector<StandingTrial>& trials, const CopColumns& cop)
-      : trials_(trials), cop_(cop), longest_hole_(static_cast<std::size_t>(kLongestHoleS * cop.rate.hz() + 1e-9)) {}
+      : trials_(trials), cop_(cop), longest_gap_(static_cast<std::size_t>(kLongestGapS * cop.rate.hz() + 1e-9)) {}
 
-  core::Status take(const record::RecordedScans& scans) {
+  core::Status add(const record::RecordedScans& scans) {
     for (std::size_t i = 0; i < scans.count; ++i) {
       const std::uint64_t index = scans.first_scan.value + i;
       if (scans.segment != segment_ || index != next_) finish();
@@ -211,8 +211,8 @@ class FreeStanding {
       next_ = index + 1;
       const double* const sample = &scans.values[i * cop_.width];
       const bool is_there = std::isfinite(sample[cop_.ml]) && std::isfinite(sample[cop_.ap]);
-      hole_ = is_there ? 0 : hole_ + 1;
-      if (hole_ > longest_hole_) finish();
+      gap_ = is_there ? 0 : gap_ + 1;
+      if (gap_ > longest_gap_) finish();
       if (!is_there && current_.ml_mm.empty()) continue;
       if (current_.ml_mm.empty()) first_ = index;
       append(current_, scans, i, cop_);
@@ -251,12 +251,12 @@ class FreeStanding {
 
   std::vector<StandingTrial>& trials_;
   CopColumns cop_;
-  std::size_t longest_hole_;
+  std::size_t longest_gap_;
   posturography::CopSeries current_;
   std::uint32_t segment_ = 0;
   std::uint64_t first_ = 0;
   std::uint64_t next_ = 0;
-  std::size_t hole_ = 0;
+  std::size_t gap_ = 0;
   std::size_t samples_ = 0;
 };
 
@@ -266,7 +266,7 @@ core::Status read_samples(record::Recording& recording, const CopColumns& cop, R
   return for_each(recording, 0.5, progress, [&](const record::RecordedItem& item) -> core::Status {
     const auto* scans = std::get_if<record::RecordedScans>(&item);
     if (scans == nullptr || scans->stream != cop.stream) return {};
-    return reader.take(*scans);
+    return reader.add(*scans);
   });
 }
 
@@ -275,11 +275,11 @@ core::Status read_samples(record::Recording& recording, const CopColumns& cop, R
 core::Result<RecordedStanding> read_recorded_standing(record::Recording& recording, const std::function<void(double)>& progress) {
   DTS_TRY_ASSIGN(const auto cop, find_cop(recording));
   TrialSteps steps;
-  const auto told = for_each(recording, 0.0, progress, [&steps](const record::RecordedItem& item) -> core::Status {
+  const auto done = for_each(recording, 0.0, progress, [&steps](const record::RecordedItem& item) -> core::Status {
     const auto* timed = std::get_if<record::TimedEvent>(&item);
-    return timed == nullptr ? core::Status{} : steps.take(*timed);
+    return timed == nullptr ? core::Status{} : steps.add(*timed);
   });
-  if (!told) return tl::make_unexpected(told.error());
+  if (!done) return tl::make_unexpected(done.error());
   RecordedStanding standing = steps.result();
   standing.raw_rate_hz = cop.raw_rate.hz();
   DTS_TRY(recording.rewind());

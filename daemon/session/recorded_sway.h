@@ -30,7 +30,7 @@ struct StandingTrial {
   double begin_s = 0.0;                   ///< Stream time of the first sample.
   posturography::CopSeries cop{};         ///< NaN in gaps. Empty if there is a problem.
   std::string problem{};                  ///< Why there are no samples: with its gaps, the trial is too long.
-  std::optional<SwayTrialResult> told{};  ///< The daemon's recorded result.
+  std::optional<SwayTrialResult> live{};  ///< The daemon's recorded result.
 
   [[nodiscard]] bool counts() const noexcept { return outcome.empty() || outcome == "done"; }
 };
@@ -38,7 +38,7 @@ struct StandingTrial {
 /// Trials of quiet standing in a recording.
 struct RecordedStanding {
   std::vector<StandingTrial> trials{};
-  std::vector<SessionFigure> told_figures{};  ///< From the events "figure".
+  std::vector<SessionFigure> live_results{};  ///< From the events "figure".
   double raw_rate_hz = 0.0;                   ///< Rate of the raw scans, which segments and trials use as index.
 };
 

@@ -204,7 +204,7 @@ void Recordings::start() {
   if (interrupted_.empty()) return;
   log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; dtsd makes repaired copies");
   recovery_thread_ = std::jthread([this](const std::stop_token& stop) {
-    static_cast<void>(core::configure_this_thread("recover", {}));  // default policy, cannot be refused
+    static_cast<void>(core::configure_this_thread("recover", {}));  // default policy, cannot be rejected
     recover_all(stop);
   });
 }

@@ -113,13 +113,13 @@ v1::Event to_event(const SwayTrialResult& result, const std::string& session_id,
   return event;
 }
 
-v1::Event to_event(const SessionFigure& figure) {
+v1::Event to_event(const SessionFigure& result) {
   v1::Event event;
   v1::SessionResult& out = *event.mutable_figure();
-  out.set_name(clean_text(figure.name));
-  out.set_value(figure.value);
-  out.set_unit(figure.unit);
-  out.set_details(clean_text(figure.details));
+  out.set_name(clean_text(result.name));
+  out.set_value(result.value);
+  out.set_unit(result.unit);
+  out.set_details(clean_text(result.details));
   return event;
 }
 
@@ -134,37 +134,37 @@ v1::DeviceState to_message(device::DeviceState state) {
 }
 
 core::Result<TrialEvent> trial_of(const v1::Event& event) {
-  const v1::TrialChange& told = event.trial();
-  if (told.step() < v1::TRIAL_EVENT_KIND_READY || told.step() > v1::TRIAL_EVENT_KIND_FINISHED) {
+  const v1::TrialChange& message = event.trial();
+  if (message.step() < v1::TRIAL_EVENT_KIND_READY || message.step() > v1::TRIAL_EVENT_KIND_FINISHED) {
     return tl::make_unexpected(events::damaged(event, "step"));
   }
-  if (told.labels_size() > kMostLabels) return tl::make_unexpected(events::damaged(event, "labels"));
+  if (message.labels_size() > kMostLabels) return tl::make_unexpected(events::damaged(event, "labels"));
   const auto known = [](bool is_known, double value) { return is_known && std::isfinite(value) ? std::optional(value) : std::nullopt; };
-  return TrialEvent{.kind = static_cast<TrialEventKind>(told.step()),
-                    .trial = told.trial(),
-                    .attempt = told.attempt(),
-                    .block = std::max(told.block(), 1U),
-                    .condition = told.condition(),
-                    .labels = labels_of(told.labels()),
-                    .target_cm = known(told.has_target_cm(), told.target_cm()),
-                    .rest_s = known(told.has_rest_s(), told.rest_s()).value_or(0.0)};
+  return TrialEvent{.kind = static_cast<TrialEventKind>(message.step()),
+                    .trial = message.trial(),
+                    .attempt = message.attempt(),
+                    .block = std::max(message.block(), 1U),
+                    .condition = message.condition(),
+                    .labels = labels_of(message.labels()),
+                    .target_cm = known(message.has_target_cm(), message.target_cm()),
+                    .rest_s = known(message.has_rest_s(), message.rest_s()).value_or(0.0)};
 }
 
 core::Result<SwayTrialResult> sway_of(const v1::Event& event) {
-  const v1::Sway& told = event.sway();
-  if (!event.has_sway() || told.is_preliminary()) return tl::make_unexpected(events::damaged(event, "is_preliminary"));
-  if (told.labels_size() > kMostLabels) return tl::make_unexpected(events::damaged(event, "labels"));
-  SwayTrialResult result{.trial = told.trial(),
-                         .attempt = told.attempt(),
-                         .condition = told.condition(),
-                         .labels = labels_of(told.labels()),
-                         .segment = told.first_segment(),
-                         .first_scan = {told.first_scan()},
-                         .end_scan = {told.end_scan()},
-                         .end_segment = told.end_segment(),
-                         .problem = told.problem()};
+  const v1::Sway& message = event.sway();
+  if (!event.has_sway() || message.is_preliminary()) return tl::make_unexpected(events::damaged(event, "is_preliminary"));
+  if (message.labels_size() > kMostLabels) return tl::make_unexpected(events::damaged(event, "labels"));
+  SwayTrialResult result{.trial = message.trial(),
+                         .attempt = message.attempt(),
+                         .condition = message.condition(),
+                         .labels = labels_of(message.labels()),
+                         .segment = message.first_segment(),
+                         .first_scan = {message.first_scan()},
+                         .end_scan = {message.end_scan()},
+                         .end_segment = message.end_segment(),
+                         .problem = message.problem()};
   if (!result.problem.empty()) return result;
-  auto analysis = events::analysis_of(told);
+  auto analysis = events::analysis_of(message);
   if (!analysis) {
     core::Error error = events::damaged(event, "result");
     error.what += ": " + analysis.error().what;

@@ -22,7 +22,7 @@ namespace dts::session {
 [[nodiscard]] v1::Event to_event(const TrialEvent& event, const std::string& session_id);
 [[nodiscard]] v1::Event to_event(const ReachTrialResult& result, const std::string& session_id);
 [[nodiscard]] v1::Event to_event(const SwayTrialResult& result, const std::string& session_id, const std::string& software);
-[[nodiscard]] v1::Event to_event(const SessionFigure& figure);
+[[nodiscard]] v1::Event to_event(const SessionFigure& result);
 [[nodiscard]] v1::DeviceState to_message(device::DeviceState state);
 
 /// Reads a step of a trial. Fails with DataDamaged, naming the field.

@@ -208,7 +208,7 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
   }
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {
-    tell(rig_name, at, marker_event(text));
+    report_event(rig_name, at, marker_event(text));
     find(rig_name).value()->session.note(marker_event(text), at);
   }
   return marks;
@@ -261,9 +261,9 @@ void Supervisor::tick() {
 
 /// Logs every gap, even one that ended between two calls.
 void Supervisor::log_gaps(Entry& entry, const AcquisitionReport& report) {
-  const std::uint64_t fresh = report.losses.total().gaps - entry.told_gaps;
+  const std::uint64_t fresh = report.losses.total().gaps - entry.reported_gaps;
   if (fresh == 0) return;
-  entry.told_gaps = report.losses.total().gaps;
+  entry.reported_gaps = report.losses.total().gaps;
   const std::string more = fresh > 1 ? " (and " + std::to_string(fresh - 1) + " more gaps before it)" : "";
   log_.warning("rig '" + entry.rig->config().name + "': " + (report.last_gap.is_exact ? "" : "about ") +
                std::to_string(report.last_gap.missing_scans) + " scans missing before segment " + std::to_string(report.segment) + ", " +
@@ -277,7 +277,7 @@ DataPosition Supervisor::position(Entry& entry) {
   return {.segment = report.segment, .scan = {report.next_scan > 0 ? report.next_scan - 1 : 0}, .host_time_ns = report.last_scan_host_ns};
 }
 
-void Supervisor::tell(const std::string& rig, const DataPosition& at, v1::Event event) {
+void Supervisor::report_event(const std::string& rig, const DataPosition& at, v1::Event event) {
   place(event, at);
   notices_.push_back({.rig = rig, .event = std::move(event)});
 }
@@ -288,18 +288,18 @@ void Supervisor::collect_session_changes(Entry& entry) {
 }
 
 void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& report) {
-  if (report.device == entry.told_state && report.text() == entry.told_message) return;
-  entry.told_state = report.device;
-  entry.told_message = report.text();
+  if (report.device == entry.reported_state && report.text() == entry.reported_message) return;
+  entry.reported_state = report.device;
+  entry.reported_message = report.text();
   const std::string line = "rig '" + entry.rig->config().name + "': device " + std::string(name(report.device)) +
-                           (entry.told_message.empty() ? "" : ": " + entry.told_message);
-  if (entry.told_message.empty()) {
+                           (entry.reported_message.empty() ? "" : ": " + entry.reported_message);
+  if (entry.reported_message.empty()) {
     log_.info(line);
   } else {
     log_.warning(line);
   }
-  const v1::Event event = device_event(report.device, entry.rig->config().device_uri, entry.told_message);
-  tell(entry.rig->config().name, position(entry), event);
+  const v1::Event event = device_event(report.device, entry.rig->config().device_uri, entry.reported_message);
+  report_event(entry.rig->config().name, position(entry), event);
   entry.session.note(event, position(entry));
 }
 

@@ -108,9 +108,9 @@ class Supervisor {
   struct Entry {
     std::unique_ptr<Rig> rig;
     RigSession session;
-    device::DeviceState told_state = device::DeviceState::Closed;
-    std::string told_message{};
-    std::uint64_t told_gaps = 0;
+    device::DeviceState reported_state = device::DeviceState::Closed;
+    std::string reported_message{};
+    std::uint64_t reported_gaps = 0;
     bool has_pulse_due = false;  ///< A session has started but has no scans yet; the sync pulse is due.
     std::int64_t rate_since_ns = 0;
     std::uint64_t rate_since_scans = 0;
@@ -127,7 +127,7 @@ class Supervisor {
   }
   [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
   /// Keeps an event for the bus.
-  void tell(const std::string& rig, const DataPosition& at, v1::Event event);
+  void report_event(const std::string& rig, const DataPosition& at, v1::Event event);
   void finish_recordings();
   void log_gaps(Entry& entry, const AcquisitionReport& report);
   void collect_session_changes(Entry& entry);

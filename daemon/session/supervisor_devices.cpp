@@ -51,7 +51,7 @@ void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
   if (auto risen = entry.rig->set_sync_output(true); !risen) {
     const std::string message = "no sync pulse: " + core::to_string(risen.error());
     log_.warning("rig '" + config.name + "': " + message);
-    tell(config.name, position(entry), device_event(entry.told_state, config.device_uri, message));
+    report_event(config.name, position(entry), device_event(entry.reported_state, config.device_uri, message));
     return;
   }
   entry.sync_low_at_ns = now_ns + static_cast<std::int64_t>(config.sync_pulse_ms * core::kNanosecondsPerMillisecond);
@@ -65,7 +65,7 @@ void Supervisor::end_sync_pulse(Entry& entry, std::int64_t now_ns) {
   log_.warning("rig '" + entry.rig->config().name + "': the sync pulse did not end: " + core::to_string(fallen.error()));
   // Retries: a line that stays high would have no edge at the next session. Does not retry if the device is away, because it loses its
   // outputs.
-  const bool is_there = fallen.error().code != core::ErrorCode::DeviceGone && entry.told_state != device::DeviceState::Closed;
+  const bool is_there = fallen.error().code != core::ErrorCode::DeviceGone && entry.reported_state != device::DeviceState::Closed;
   if (is_there) entry.sync_low_at_ns = now_ns + kSyncRetryNs;
 }
 

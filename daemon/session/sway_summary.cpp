@@ -92,7 +92,7 @@ std::vector<Measure> core_measures() {
   return measures;
 }
 
-void add_means(const StandingCondition& condition, std::vector<SessionFigure>& figures) {
+void add_means(const StandingCondition& condition, std::vector<SessionFigure>& summary) {
   const auto duration_s = common_duration_s(condition);
   for (const Measure measure : core_measures()) {
     const Spread spread = spread_of(condition, measure);
@@ -104,7 +104,7 @@ void add_means(const StandingCondition& condition, std::vector<SessionFigure>& f
     details.add("rate_hz", condition.trials.front()->analysis->rate_hz);
     details.add("duration_s", duration_s);
     const posturography::MeasureInfo& about = posturography::info(measure);
-    figures.push_back({.name = condition.name + "/" + std::string(about.symbol),
+    summary.push_back({.name = condition.name + "/" + std::string(about.symbol),
                        .value = spread.mean,
                        .unit = std::string(about.unit),
                        .details = details.text()});
@@ -123,7 +123,7 @@ std::string why_durations_differ(const StandingCondition& open, const StandingCo
 }
 
 /// Eyes closed divided by eyes open, only for equal stance, surface and duration (posturography sheet section 6).
-void add_romberg(const StandingCondition& open, const StandingCondition& closed, std::vector<SessionFigure>& figures) {
+void add_romberg(const StandingCondition& open, const StandingCondition& closed, std::vector<SessionFigure>& summary) {
   if (!why_durations_differ(open, closed).empty()) return;
   const auto open_s = common_duration_s(open);
   for (const Measure measure : core_measures()) {
@@ -140,7 +140,7 @@ void add_romberg(const StandingCondition& open, const StandingCondition& closed,
     details.add("closed_trials", without.count);
     details.add("duration_s", *open_s);
     const std::string stance = open.stance();
-    figures.push_back({.name = "romberg/" + (stance.empty() ? "" : stance + "/") + std::string(about.symbol),
+    summary.push_back({.name = "romberg/" + (stance.empty() ? "" : stance + "/") + std::string(about.symbol),
                        .value = quotient,
                        .unit = "1",
                        .details = details.text()});
@@ -186,14 +186,14 @@ std::vector<MissingQuotient> missing_quotients(const std::vector<SwayTrialResult
 
 std::vector<SessionFigure> sway_summary(const std::vector<SwayTrialResult>& trials) {
   const std::vector<StandingCondition> conditions = by_condition(trials);
-  std::vector<SessionFigure> figures;
-  for (const StandingCondition& condition : conditions) add_means(condition, figures);
+  std::vector<SessionFigure> summary;
+  for (const StandingCondition& condition : conditions) add_means(condition, summary);
   for (const StandingCondition& open : conditions) {
     if (open.label("eyes") != "open" || only_one(conditions, "open", open.stance()) == nullptr) continue;
     const StandingCondition* const closed = only_one(conditions, "closed", open.stance());
-    if (closed != nullptr) add_romberg(open, *closed, figures);
+    if (closed != nullptr) add_romberg(open, *closed, summary);
   }
-  return figures;
+  return summary;
 }
 
 }  // namespace dts::session

@@ -144,7 +144,7 @@ core::Status TrialRun::next(std::int64_t now_ns) {
   if (phase_ == TrialPhase::Waiting || phase_ == TrialPhase::Resting) {
     start(upcoming_, 1, now_ns);
   } else if (phase_ == TrialPhase::Measuring && !phase_ends_ns_) {
-    tell(TrialEventKind::Done, now_ns);
+    report(TrialEventKind::Done, now_ns);
     go_on(now_ns);
   } else {
     return wrong_state("trial " + std::to_string(places_[*current_].trial) + " is under way (" + std::string(name(phase_)) + ")",
@@ -156,7 +156,7 @@ core::Status TrialRun::next(std::int64_t now_ns) {
 core::Status TrialRun::redo(std::int64_t now_ns) {
   tick(now_ns);
   DTS_TRY(check_voidable());
-  tell(TrialEventKind::Redone, now_ns);
+  report(TrialEventKind::Redone, now_ns);
   start(*current_, attempt_ + 1, now_ns);
   return {};
 }
@@ -164,7 +164,7 @@ core::Status TrialRun::redo(std::int64_t now_ns) {
 core::Status TrialRun::reject(std::int64_t now_ns) {
   tick(now_ns);
   DTS_TRY(check_voidable());
-  tell(TrialEventKind::Rejected, now_ns);
+  report(TrialEventKind::Rejected, now_ns);
   is_void_ = true;
   if (is_under_way()) go_on(now_ns);
   return {};
@@ -172,7 +172,7 @@ core::Status TrialRun::reject(std::int64_t now_ns) {
 
 void TrialRun::abort(std::int64_t now_ns) {
   tick(now_ns);
-  if (is_under_way()) tell(TrialEventKind::Aborted, now_ns);
+  if (is_under_way()) report(TrialEventKind::Aborted, now_ns);
   has_ended_ = true;
   if (phase_ != TrialPhase::Finished) enter(TrialPhase::Waiting, now_ns, std::nullopt);
 }
@@ -226,17 +226,17 @@ void TrialRun::start(std::size_t place, std::uint32_t attempt, std::int64_t at_n
   upcoming_ = first_open_from(place + 1);
   attempt_ = attempt;
   is_void_ = false;
-  tell(TrialEventKind::Ready, at_ns);
+  report(TrialEventKind::Ready, at_ns);
   enter(TrialPhase::Ready, at_ns, cue_delay_s(plan_, seed_, places_[place].trial, attempt));
 }
 
 void TrialRun::settle(std::int64_t at_ns) {
-  tell(TrialEventKind::Go, at_ns);
+  report(TrialEventKind::Go, at_ns);
   enter(TrialPhase::Settling, at_ns, plan_.settle_s);
 }
 
 void TrialRun::measure(std::int64_t at_ns) {
-  tell(TrialEventKind::Measure, at_ns);
+  report(TrialEventKind::Measure, at_ns);
   // At least 1 ns: a duration that rounds to 0 would nest all trials of the plan in one call.
   enter(TrialPhase::Measuring, at_ns, plan_.duration_s > 0.0 ? std::optional(std::max(plan_.duration_s, 1e-9)) : std::nullopt);
 }
@@ -252,7 +252,7 @@ void TrialRun::go_on(std::int64_t at_ns) {
     stop_resting(at_ns);
     return;
   }
-  tell(TrialEventKind::Rest, at_ns);
+  report(TrialEventKind::Rest, at_ns);
   events_.back().rest_s = rest_s;
   enter(TrialPhase::Resting, at_ns, rest_s);
 }
@@ -269,7 +269,7 @@ void TrialRun::leave_phase(std::int64_t at_ns) {
   switch (phase_) {
     case TrialPhase::Ready: return settle(at_ns);
     case TrialPhase::Settling: return measure(at_ns);
-    case TrialPhase::Measuring: tell(TrialEventKind::Done, at_ns); return go_on(at_ns);
+    case TrialPhase::Measuring: report(TrialEventKind::Done, at_ns); return go_on(at_ns);
     case TrialPhase::Resting: return stop_resting(at_ns);
     case TrialPhase::Waiting:
     case TrialPhase::Finished: break;
@@ -287,7 +287,7 @@ void TrialRun::enter(TrialPhase phase, std::int64_t at_ns, std::optional<double>
   if (*phase_ends_ns_ == at_ns) leave_phase(at_ns);
 }
 
-void TrialRun::tell(TrialEventKind kind, std::int64_t at_ns) {
+void TrialRun::report(TrialEventKind kind, std::int64_t at_ns) {
   const PlannedTrial& place = places_[*current_];
   const Condition& condition = plan_.conditions[place.condition];
   events_.push_back({.kind = kind,

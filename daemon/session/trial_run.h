@@ -118,7 +118,7 @@ class TrialRun {
   void stop_resting(std::int64_t at_ns);
   void leave_phase(std::int64_t at_ns);
   void enter(TrialPhase phase, std::int64_t at_ns, std::optional<double> length_s);
-  void tell(TrialEventKind kind, std::int64_t at_ns);
+  void report(TrialEventKind kind, std::int64_t at_ns);
 
   TrialPlan plan_;
   std::uint64_t seed_;

@@ -54,12 +54,12 @@ class Gateway {
     io_.poll();
   }
   void publish(std::size_t which, std::string_view bytes) {
-    hub_.take(std::make_shared<gateway::Carried>(gateway::Carried{.topic = kTopics[which % kTopics.size()],
-                                                                  .kind = kKinds[which % kKinds.size()],
-                                                                  .bytes = std::string(bytes),
-                                                                  .scans = 1,
-                                                                  .is_retained = which % 2 != 0,
-                                                                  .instance_id = 7}));
+    hub_.handle(std::make_shared<gateway::Carried>(gateway::Carried{.topic = kTopics[which % kTopics.size()],
+                                                                    .kind = kKinds[which % kKinds.size()],
+                                                                    .bytes = std::string(bytes),
+                                                                    .scans = 1,
+                                                                    .is_retained = which % 2 != 0,
+                                                                    .instance_id = 7}));
   }
   std::unique_ptr<gateway::Tab> open(v1::Role role, Listener& listener) { return hub_.open_tab({.user = "anna", .role = role}, listener); }
   [[nodiscard]] std::size_t wishes() const noexcept { return wishes_; }

@@ -19,7 +19,7 @@ from dts.errors import error_of
 from dts.events import fields_of, words_of_bits
 from dts.inbox import Inbox
 from dts.live import Collector
-from dts.loss import Hole, LossTracker, Position
+from dts.loss import ScanGap, LossTracker, Position
 from dts.recording import _on_host
 from dts.streams import to_utc
 from dts.subscriber import Subscriber, check_timeout
@@ -160,21 +160,21 @@ class WireCheck(unittest.TestCase):
 class Losses(unittest.TestCase):
     def test_WhatIsMissingBetweenTwoBlocks(self) -> None:
         at = Position(segment=3, first_scan=50, scan_count=10, sequence=5)
-        cases: dict[str, tuple[dict[str, int], Hole]] = {
-            "continued": ({"first_scan": 60, "sequence": 6}, Hole()),
-            "skipped": ({"first_scan": 90, "sequence": 9}, Hole(30)),
-            "repeated": ({}, Hole(0, False, False)),
-            "sequence goes back": ({"first_scan": 60, "sequence": 4}, Hole(0, False, False)),
-            "scans go back": ({"first_scan": 59, "sequence": 6}, Hole(0, False, False)),
-            "segment goes back": ({"segment": 2, "first_scan": 60, "sequence": 6}, Hole(0, False, False)),
-            "new segment": ({"segment": 4, "first_scan": 7, "sequence": 6}, Hole()),
-            "new segment after a loss": ({"segment": 4, "first_scan": 7, "sequence": 7}, Hole(7, False)),
+        cases: dict[str, tuple[dict[str, int], ScanGap]] = {
+            "continued": ({"first_scan": 60, "sequence": 6}, ScanGap()),
+            "skipped": ({"first_scan": 90, "sequence": 9}, ScanGap(30)),
+            "repeated": ({}, ScanGap(0, False, False)),
+            "sequence goes back": ({"first_scan": 60, "sequence": 4}, ScanGap(0, False, False)),
+            "scans go back": ({"first_scan": 59, "sequence": 6}, ScanGap(0, False, False)),
+            "segment goes back": ({"segment": 2, "first_scan": 60, "sequence": 6}, ScanGap(0, False, False)),
+            "new segment": ({"segment": 4, "first_scan": 7, "sequence": 6}, ScanGap()),
+            "new segment after a loss": ({"segment": 4, "first_scan": 7, "sequence": 7}, ScanGap(7, False)),
         }
-        for name, (change, hole) in cases.items():
+        for name, (change, gap) in cases.items():
             with self.subTest(name):
                 tracker = LossTracker()
-                self.assertEqual(tracker.advance(at), Hole())
-                self.assertEqual(tracker.advance(at._replace(**change)), hole)
+                self.assertEqual(tracker.advance(at), ScanGap())
+                self.assertEqual(tracker.advance(at._replace(**change)), gap)
 
     def test_RecordListsWhatIsMissing(self) -> None:
         def gap(segment: int, missing: int, is_exact: bool = True) -> bytes:
@@ -203,7 +203,7 @@ class Losses(unittest.TestCase):
                     self.assertFalse(collector.is_complete)
                     inbox.accept([b"dtsd/status" if body == restarted else b"rig/gap" if len(body) < 40 else b"rig/cop", body])
                     for item in iter(inbox.next, None):
-                        collector.take(item)
+                        collector.add(item)
                 samples = collector.samples()
                 self.assertTrue(collector.is_complete)
                 self.assertEqual((samples.gaps, len(samples), len(samples.segments), len(samples.time_s)), (gaps, count, count, count))

@@ -262,9 +262,9 @@ int work(const Arguments& arguments, client::ControlClient& dts, const Job& job,
   const Prompt* const asks = guided ? &prompt : nullptr;
   const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
   std::optional<Answer> typed;
-  const bool hears = is_input_terminal();  // also with --auto: s skips, q quits
+  const bool accepts_keys = is_input_terminal();  // also with --auto: s skips, q quits
   const auto is_stopped = [&] {
-    if (hears) typed = prompt.overhear();
+    if (accepts_keys) typed = prompt.poll();
     return typed.has_value();
   };
   if (progress.next() < job.points.size()) {

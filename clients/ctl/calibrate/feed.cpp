@@ -47,12 +47,12 @@ Result<std::optional<FeedBlock>> LiveFeed::receive(std::chrono::milliseconds tim
   if (std::holds_alternative<client::Event>(*message)) is_broken_ = true;
   const auto* block = std::get_if<client::Block>(&*message);
   if (block == nullptr || block->topic != topic_) return std::nullopt;
-  DTS_TRY_ASSIGN(auto taken, take(*block));
+  DTS_TRY_ASSIGN(auto taken, convert(*block));
   return std::optional<FeedBlock>(std::move(taken));
 }
 
-Result<FeedBlock> LiveFeed::take(const client::Block& block) {
-  heard_ = std::chrono::steady_clock::now();
+Result<FeedBlock> LiveFeed::convert(const client::Block& block) {
+  received_at_ = std::chrono::steady_clock::now();
   FeedBlock taken;
   for (const std::string& name : channels_) {
     const auto& channels = block.format->channels;
@@ -73,7 +73,7 @@ Result<FeedBlock> LiveFeed::take(const client::Block& block) {
 }
 
 Result<void> LiveFeed::check_silence() const {
-  if (std::chrono::steady_clock::now() - heard_ < kFeedSilence) return {};
+  if (std::chrono::steady_clock::now() - received_at_ < kFeedSilence) return {};
   return tl::make_unexpected(explain_silence(subscriber_.status(), {topic_}, endpoint_));
 }
 
@@ -85,7 +85,7 @@ Result<void> LiveFeed::discard() {
   }
   has_begun_ = false;
   is_broken_ = false;
-  heard_ = std::chrono::steady_clock::now();
+  received_at_ = std::chrono::steady_clock::now();
   return {};
 }
 

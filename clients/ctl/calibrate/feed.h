@@ -45,7 +45,7 @@ class LiveFeed final : public Feed {
       : subscriber_(std::move(subscriber)), endpoint_(std::move(endpoint)), topic_(std::move(topic)), channels_(std::move(channels)) {}
 
   [[nodiscard]] client::Result<std::optional<FeedBlock>> receive(std::chrono::milliseconds timeout);
-  [[nodiscard]] client::Result<FeedBlock> take(const client::Block& block);
+  [[nodiscard]] client::Result<FeedBlock> convert(const client::Block& block);
   [[nodiscard]] client::Result<void> check_silence() const;
 
   client::Subscriber subscriber_;
@@ -55,7 +55,7 @@ class LiveFeed final : public Feed {
   std::uint32_t segment_ = 0;
   bool has_begun_ = false;
   bool is_broken_ = false;
-  std::chrono::steady_clock::time_point heard_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point received_at_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace dts::ctl

@@ -35,13 +35,13 @@ Result<std::optional<SteadyReading>> Measurer::measure(const Test& is_there) {
     if (options_.is_stopped && options_.is_stopped()) return std::nullopt;
     DTS_TRY_ASSIGN(const auto block, feed_.next());
     if (!block) continue;
-    take(*block, is_there);
+    add(*block, is_there);
     if (auto reading = detector_.reading()) return reading;
     say_unrest(block->columns.front().size());
   }
 }
 
-void Measurer::take(const FeedBlock& block, const Test& is_there) {
+void Measurer::add(const FeedBlock& block, const Test& is_there) {
   if (block.follows_loss) spoil("scans were lost");
   doubt_ = doubts(block);
   if (!doubt_.empty()) {

@@ -49,7 +49,7 @@ class Measurer {
   [[nodiscard]] client::Result<void> begin_anew();
 
  private:
-  void take(const FeedBlock& block, const Test& is_there);
+  void add(const FeedBlock& block, const Test& is_there);
   void spoil(const std::string& why);
   /// Returns the first quality problem, in words, and keeps advice about it.
   [[nodiscard]] std::string doubts(const FeedBlock& block);

@@ -138,7 +138,7 @@ Result<void> ProgressFile::read(const Json& calibration, std::size_t channel_cou
                             kOther);
       }
     } else {
-      DTS_TRY(take(line, number, channel_count));
+      DTS_TRY(add_line(line, number, channel_count));
     }
     begin = end + 1;
   }
@@ -147,7 +147,7 @@ Result<void> ProgressFile::read(const Json& calibration, std::size_t channel_cou
   return {};
 }
 
-Result<void> ProgressFile::take(const Json& line, std::size_t number, std::size_t channel_count) {
+Result<void> ProgressFile::add_line(const Json& line, std::size_t number, std::size_t channel_count) {
   const auto damaged = [&] {
     return client::fail(ErrorCode::DataDamaged, path_.string() + ":" + std::to_string(number) + ": not a point", kFresh);
   };

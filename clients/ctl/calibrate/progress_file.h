@@ -57,7 +57,7 @@ class ProgressFile {
   [[nodiscard]] static client::Result<ProgressFile> open(const std::filesystem::path& file, int flags);
   [[nodiscard]] client::Result<void> append(const std::string& line);
   [[nodiscard]] client::Result<void> read(const cli::Json& calibration, std::size_t channel_count);
-  [[nodiscard]] client::Result<void> take(const cli::Json& line, std::size_t number, std::size_t channel_count);
+  [[nodiscard]] client::Result<void> add_line(const cli::Json& line, std::size_t number, std::size_t channel_count);
 
   std::filesystem::path path_;
   Descriptor descriptor_;

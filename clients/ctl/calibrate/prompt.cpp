@@ -39,7 +39,7 @@ Reply Prompt::ask(const std::string& question, std::string_view choices) const {
   }
 }
 
-std::optional<Answer> Prompt::overhear() const {
+std::optional<Answer> Prompt::poll() const {
   while (is_typed_ && is_typed_()) {
     const auto line = read_line_();
     if (!line || *line == "q") return Answer::Quit;

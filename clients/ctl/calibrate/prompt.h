@@ -39,7 +39,7 @@ class Prompt {
   /// Asks until the person types one of the `choices`.
   [[nodiscard]] Reply ask(const std::string& question, std::string_view choices) const;
   /// Reads a line typed without a question, during other work; drops a line that has no meaning then.
-  [[nodiscard]] std::optional<Answer> overhear() const;
+  [[nodiscard]] std::optional<Answer> poll() const;
 
  private:
   std::ostream& talk_;

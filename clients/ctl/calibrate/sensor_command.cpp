@@ -101,7 +101,7 @@ Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std
   const std::vector<std::string> labels = options.labels;
   const Prompt prompt(console.talk, standard_input(), has_standard_input);
   const bool is_guided = !wishes.is_auto && is_input_terminal();
-  if (is_guided) options.is_stopped = [&prompt] { return prompt.overhear() == Answer::Quit; };
+  if (is_guided) options.is_stopped = [&prompt] { return prompt.poll() == Answer::Quit; };
   Measurer measurer(feed, std::move(options));
   return measure_gaps(
       {.gaps_mm = wishes.gaps_mm, .measurer = measurer, .prompt = is_guided ? &prompt : nullptr, .say = say, .labels = labels});

@@ -27,7 +27,7 @@ void SteadyDetector::add(std::span<const double> scan) {
 
 void SteadyDetector::reset() noexcept { count_ = 0; }
 
-SteadyDetector::Judgement SteadyDetector::judge(std::size_t channel) const {
+SteadyDetector::Estimate SteadyDetector::estimate_of(std::size_t channel) const {
   const std::size_t window = limits_.window_scans;
   const std::size_t lead = ring_scans() - window;
   const auto value = [&](std::size_t age) { return ring_[channel][(count_ + age) % ring_scans()]; };  // age 0 is the oldest
@@ -39,8 +39,8 @@ SteadyDetector::Judgement SteadyDetector::judge(std::size_t channel) const {
   std::array<double, kQuarters + 1> means{};
   std::array<double, kQuarters> noises{};
   means[kQuarters] = mean(0, lead);
-  Judgement judgement;
-  judgement.mean = mean(lead, lead + window);
+  Estimate estimate;
+  estimate.mean = mean(lead, lead + window);
   for (std::size_t quarter = 0; quarter < kQuarters; ++quarter) {
     const std::size_t first = lead + quarter * window / kQuarters;
     const std::size_t end = lead + (quarter + 1) * window / kQuarters;
@@ -50,22 +50,22 @@ SteadyDetector::Judgement SteadyDetector::judge(std::size_t channel) const {
     noises[quarter] = std::sqrt(squares / static_cast<double>(end - first - 1));
   }
   std::ranges::sort(noises);
-  judgement.noise = 0.5 * (noises[1] + noises[2]);
+  estimate.noise = 0.5 * (noises[1] + noises[2]);
   const auto [low, high] = std::ranges::minmax(means);
-  judgement.drift = high - low;
+  estimate.drift = high - low;
   const double independent = std::max(1.0, static_cast<double>(window) / static_cast<double>(kQuarters) / kDependentScans);
-  judgement.drift_limit = limits_.drift + kDeviations * judgement.noise / std::sqrt(independent);
-  return judgement;
+  estimate.drift_limit = limits_.drift + kDeviations * estimate.noise / std::sqrt(independent);
+  return estimate;
 }
 
 std::optional<SteadyReading> SteadyDetector::reading() const {
   if (!is_full()) return std::nullopt;
   SteadyReading reading{.mean = {}, .noise = {}, .scans = limits_.window_scans};
   for (std::size_t channel = 0; channel < ring_.size(); ++channel) {
-    const Judgement judgement = judge(channel);
-    if (!rests(judgement)) return std::nullopt;
-    reading.mean.push_back(judgement.mean);
-    reading.noise.push_back(judgement.noise);
+    const Estimate estimate = estimate_of(channel);
+    if (!rests(estimate)) return std::nullopt;
+    reading.mean.push_back(estimate.mean);
+    reading.noise.push_back(estimate.noise);
   }
   return reading;
 }
@@ -75,13 +75,13 @@ std::optional<SteadyDetector::Unrest> SteadyDetector::unrest() const {
   std::optional<Unrest> worst;
   double worst_part = 1.0;
   for (std::size_t channel = 0; channel < ring_.size(); ++channel) {
-    const Judgement judgement = judge(channel);
-    const double noise_part = judgement.noise / limits_.noise;
-    const double drift_part = judgement.drift / judgement.drift_limit;
+    const Estimate estimate = estimate_of(channel);
+    const double noise_part = estimate.noise / limits_.noise;
+    const double drift_part = estimate.drift / estimate.drift_limit;
     if (std::max(noise_part, drift_part) <= worst_part) continue;
     worst_part = std::max(noise_part, drift_part);
-    worst = Unrest{channel, noise_part > drift_part ? "varies by " + cli::decimal(judgement.noise, 4) + " rms"
-                                                    : "drifts by " + cli::decimal(judgement.drift, 4)};
+    worst = Unrest{channel, noise_part > drift_part ? "varies by " + cli::decimal(estimate.noise, 4) + " rms"
+                                                    : "drifts by " + cli::decimal(estimate.drift, 4)};
   }
   return worst;
 }

@@ -59,15 +59,15 @@ class SteadyDetector {
   [[nodiscard]] std::optional<Unrest> unrest() const;
 
  private:
-  struct Judgement {
+  struct Estimate {
     double mean = 0.0;
     double noise = 0.0;
     double drift = 0.0;  ///< Range of the means of lead-in and quarters.
     double drift_limit = 0.0;
   };
-  [[nodiscard]] Judgement judge(std::size_t channel) const;
-  [[nodiscard]] bool rests(const Judgement& judgement) const noexcept {
-    return judgement.noise <= limits_.noise && judgement.drift <= judgement.drift_limit;
+  [[nodiscard]] Estimate estimate_of(std::size_t channel) const;
+  [[nodiscard]] bool rests(const Estimate& estimate) const noexcept {
+    return estimate.noise <= limits_.noise && estimate.drift <= estimate.drift_limit;
   }
 
   SteadyLimits limits_;

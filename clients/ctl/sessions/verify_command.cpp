@@ -47,7 +47,7 @@ void count(record::Recording& recording, Verified& verified) {
   if (recording.session()) counts.planned_trials = report::planned_trials(*recording.session());
   if (counts.planned_trials == 0) return;  // without planned trials there is nothing to find
   record::TrialCollector trials(recording.find_stream("raw"));
-  for (auto item = recording.next(); item && *item; item = recording.next()) trials.take(**item);
+  for (auto item = recording.next(); item && *item; item = recording.next()) trials.add(**item);
   const auto rows = trials.rows();
   counts.valid_trials = static_cast<std::uint64_t>(std::ranges::count_if(rows, record::is_valid));
 }

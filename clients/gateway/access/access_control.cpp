@@ -37,7 +37,7 @@ constexpr seconds kLongestForOne{30};
 constexpr unsigned kFreeForOne = 20;
 
 constexpr double kLinesPerSecond = 1.0;
-constexpr double kRefusedLinesAtOnce = 1.0;
+constexpr double kRejectedLinesAtOnce = 1.0;
 constexpr double kLoginLinesAtOnce = 20.0;  // many users log in when a shift begins
 // The audit trail cannot be erased, so its size must be limited: the same limits as for the daemon's entries about failed commands.
 constexpr double kNotesPerSecond = 0.1;
@@ -63,7 +63,7 @@ struct Thinned {
 };
 
 /// What is reported about logins of one kind.
-struct Told {
+struct LoginReports {
   Thinned lines;
   Thinned notes{.bucket = core::TokenBucket(kNotesPerSecond, kNotesAtOnce)};
   std::string newest_line{};
@@ -136,7 +136,7 @@ class AccessControlImpl final : public AccessControl {
     if (options_.users_file.empty())
       return respond(error_answer(403, "no login is set up on this gateway", "start the gateway with --users FILE"));
     if (waiting_.size() == kMostWaiting) {
-      note_refusal(login->user, stranger_of(request));
+      note_rejection(login->user, stranger_of(request));
       return respond(come_later(kQueueIsShorterIn));
     }
     waiting_.push_back(
@@ -154,12 +154,12 @@ class AccessControlImpl final : public AccessControl {
     respond(std::move(answer));
   }
 
-  void tell_who(const HttpRequest& request, const Respond& respond) override { respond(describe(identify(request))); }
+  void describe_user(const HttpRequest& request, const Respond& respond) override { respond(describe(identify(request))); }
   [[nodiscard]] std::uint64_t refused_logins_total() const noexcept override { return refused_logins_total_; }
 
   void report_rest(bool is_end) override {
     const auto now = options_.now();
-    for (Told* kind : {&logins_, &refusals_}) {
+    for (LoginReports* kind : {&logins_, &rejections_}) {
       if (kind->lines.follows(now, is_end)) write_line(*kind, std::exchange(kind->lines.others, 0));
       if (kind->notes.follows(now, is_end)) write_note(*kind, std::exchange(kind->notes.others, 0));
     }
@@ -184,7 +184,7 @@ class AccessControlImpl final : public AccessControl {
       Attempt attempt = std::move(waiting_.front());
       waiting_.pop_front();
       if (const seconds wait = wait_of(attempt); wait > seconds{0}) {
-        note_refusal(attempt.login.user, attempt.stranger);
+        note_rejection(attempt.login.user, attempt.stranger);
         attempt.respond(come_later(wait));
       } else if (!refresh()) {
         attempt.respond(error_answer(503, "cannot read the list of users", "see the reason: dts-gateway user list"));
@@ -216,8 +216,8 @@ class AccessControlImpl final : public AccessControl {
     names_.forgive(user.name);
     pairs_.forgive(pair_of(user.name, stranger));
     const Identity identity{.user = user.name, .role = user.role};
-    tell(logins_, "login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger.address,
-         {.user = user.name, .address = stranger.address});
+    report(logins_, "login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger.address,
+           {.user = user.name, .address = stranger.address});
     HttpResponse answer = describe(identity);
     const std::string token = tokens_.issue(identity, options_.now());
     answer.headers.emplace_back("Set-Cookie", cookie_text(token, options_.token_life, is_secure));
@@ -225,7 +225,7 @@ class AccessControlImpl final : public AccessControl {
   }
 
   [[nodiscard]] HttpResponse turn_away(const std::string& name, const Stranger& stranger) {
-    note_refusal(name, stranger);
+    note_rejection(name, stranger);
     addresses_.add_failure(stranger.counted_as, options_.now());
     if (is_user_name(name)) {
       names_.add_failure(name, options_.now());
@@ -234,14 +234,14 @@ class AccessControlImpl final : public AccessControl {
     return error_answer(401, "name or password is wrong");
   }
 
-  void note_refusal(const std::string& name, const Stranger& stranger) {
+  void note_rejection(const std::string& name, const Stranger& stranger) {
     ++refused_logins_total_;
     const bool is_known = users_.find(name) != nullptr;
-    tell(refusals_, "login refused: " + (is_known ? name : "a name that no user has") + " from " + stranger.address,
-         {.user = is_known ? name : "", .address = stranger.address, .is_refused = true});
+    report(rejections_, "login rejected: " + (is_known ? name : "a name that no user has") + " from " + stranger.address,
+           {.user = is_known ? name : "", .address = stranger.address, .is_refused = true});
   }
 
-  void tell(Told& kind, const std::string& line, const LoginNote& note) {
+  void report(LoginReports& kind, const std::string& line, const LoginNote& note) {
     const auto now = options_.now();
     kind.newest_line = line;
     kind.newest_note = note;
@@ -250,10 +250,10 @@ class AccessControlImpl final : public AccessControl {
     report_rest(false);
   }
 
-  void write_line(const Told& kind, std::uint64_t others) const {
+  void write_line(const LoginReports& kind, std::uint64_t others) const {
     options_.log(kind.newest_line + (others == 0 ? "" : ", and " + std::to_string(others) + " more since the line before"));
   }
-  void write_note(Told& kind, std::uint64_t others) const {
+  void write_note(LoginReports& kind, std::uint64_t others) const {
     kind.newest_note.more = others;
     options_.note(kind.newest_note);
   }
@@ -267,8 +267,8 @@ class AccessControlImpl final : public AccessControl {
   std::deque<Attempt> waiting_;
   bool is_comparing_ = false;
   std::uint64_t refused_logins_total_ = 0;
-  Told logins_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
-  Told refusals_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
+  LoginReports logins_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
+  LoginReports rejections_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kRejectedLinesAtOnce)}};
   PasswordThread passwords_;  // last: its thread ends before the other members are destroyed
 };
 

@@ -19,7 +19,7 @@ namespace dts::gateway {
 /// Returns the time since the machine started, including suspend: a login ends overnight even if the lid was closed.
 [[nodiscard]] std::chrono::steady_clock::time_point time_since_boot() noexcept;
 
-/// A login, or a refused attempt, for the daemon's audit trail.
+/// A login, or a rejected attempt, for the daemon's audit trail.
 struct LoginNote {
   std::string user;     ///< Empty: the name belongs to no user.
   std::string address;  ///< The full address; limits count the /64 of an IPv6 address.
@@ -42,7 +42,7 @@ struct AccessOptions {
 /// Identifies who sent a request: by the token in the cookie "dts_token" (HttpOnly, SameSite=Strict, Secure over TLS), or as the local
 /// user.
 ///
-/// Logins and refused attempts are written to the log, with name and address, and to the audit trail as notes. Of each kind a few are
+/// Logins and rejected attempts are written to the log, with name and address, and to the audit trail as notes. Of each kind a few are
 /// written at once, then one line a second and one note in ten seconds, with the number of the others (`report_rest`: also if no login
 /// follows). A name that no user has is not written: it may be a password in the wrong field.
 /// Passwords are hashed with libsodium (argon2id), on a separate thread, one at a time; a wrong name needs as much time as a wrong
@@ -64,8 +64,8 @@ class AccessControl {
   /// Handles POST /api/logout: deletes the token. Same-origin only.
   virtual void log_out(const HttpRequest& request, const Respond& respond) = 0;
   /// Handles GET /api/me: {"user","role","can_log_in"}; role "none" if not logged in.
-  virtual void tell_who(const HttpRequest& request, const Respond& respond) = 0;
-  /// Returns the number of logins that failed, or were refused because too many failed or wait.
+  virtual void describe_user(const HttpRequest& request, const Respond& respond) = 0;
+  /// Returns the number of logins that failed, or were rejected because too many failed or wait.
   [[nodiscard]] virtual std::uint64_t refused_logins_total() const noexcept = 0;
   /// Writes the newest of the delayed logins to log and audit trail, with the number of the others, as soon as the limits allow; with
   /// `is_end` at once. Every login also does this. Call it about every second, and at the end.

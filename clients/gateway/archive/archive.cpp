@@ -131,10 +131,10 @@ class ArchiveImpl final : public Archive {
     const auto show = [page](const report::Report& made) { return page.empty() ? list_pages(made) : show_page(made, page); };
     const std::string key = session.session_id() + "\n" + fingerprint_of(session);
     if (const ReportPointer made = shelf_.find(key)) return respond(show(*made));
-    const bool is_taken = reports_.ask(
+    const bool is_accepted = reports_.ask(
         key, [files = std::move(files)](const std::stop_token& stop) { return make_pages(files, stop); },
         [show, respond](const core::Result<ReportPointer>& made) { respond(made ? show(**made) : not_made(made.error())); });
-    if (!is_taken) respond(busy());
+    if (!is_accepted) respond(busy());
   }
 
   void send_export(const v1::SessionRecord& session, ExportFormat format, std::vector<std::string> files, const Respond& respond) {
@@ -143,7 +143,7 @@ class ArchiveImpl final : public Archive {
     if (ExportCache::Held held = cache_->find(key)) return respond(zip_answer(std::move(held), file_name));
     const ExportOrder order{.session_id = session.session_id(), .format = format, .files = std::move(files), .most_bytes = work_bytes_};
     const auto folder = std::make_shared<WorkFolder>(cache_->new_folder());
-    const bool is_taken = exports_.ask(
+    const bool is_accepted = exports_.ask(
         key,
         [order, folder](const std::stop_token& stop) {
           return make_export(order, folder->path(), stop).map([&folder](std::uint64_t bytes) { return MadeExport{folder, bytes}; });
@@ -153,7 +153,7 @@ class ArchiveImpl final : public Archive {
           ExportCache::Held held = cache_->find(key);
           respond(held ? zip_answer(std::move(held), file_name) : busy());
         });
-    if (!is_taken) respond(busy());
+    if (!is_accepted) respond(busy());
   }
 
   /// Holds the export, so that the cache cannot remove the file before it is sent.

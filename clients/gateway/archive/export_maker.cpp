@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 core::Status check_size(const ExportOrder& order, std::uint64_t bytes) {
   if (bytes <= order.most_bytes) return {};
   return core::fail(core::ErrorCode::LimitExceeded,
-                    "this export is too large for the gateway: it may take " + std::to_string(order.most_bytes >> 20U) + " MiB",
+                    "this export is too large for the gateway: the limit is " + std::to_string(order.most_bytes >> 20U) + " MiB",
                     "on the daemon's host: dtsctl session export " + order.session_id + " --format " + name(order.format));
 }
 

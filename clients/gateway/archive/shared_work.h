@@ -32,12 +32,12 @@ class SharedWork {
       under_way->second.push_back(std::move(made));
       return true;
     }
-    const bool is_taken = worker_.submit([this, key, make = std::move(make)](const std::stop_token& stop) -> Worker::Told {
+    const bool is_accepted = worker_.submit([this, key, make = std::move(make)](const std::stop_token& stop) -> Worker::Answer {
       auto thing = std::make_shared<core::Result<Thing>>(made_by(make, stop));
-      return [this, key, thing] { tell(key, *thing); };
+      return [this, key, thing] { answer(key, *thing); };
     });
-    if (is_taken) askers_[key].push_back(std::move(made));
-    return is_taken;
+    if (is_accepted) askers_[key].push_back(std::move(made));
+    return is_accepted;
   }
 
  private:
@@ -50,7 +50,7 @@ class SharedWork {
     }
   }
 
-  void tell(const std::string& key, const core::Result<Thing>& thing) {
+  void answer(const std::string& key, const core::Result<Thing>& thing) {
     if (thing) keep_(key, *thing);
     const auto askers = askers_.extract(key);  // a caller may request again
     for (const Made& made : askers.mapped()) made(thing);

@@ -30,12 +30,12 @@ void Worker::run(const std::stop_token& stop) {
     Work work = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
-    Told told = work(stop);
+    Answer answer = work(stop);
     work = nullptr;  // releases what the work holds before the result is passed on
-    boost::asio::post(io_, [this, is_alive, told = std::move(told)] {
+    boost::asio::post(io_, [this, is_alive, answer = std::move(answer)] {
       if (is_alive.expired()) return;
       --not_done_;
-      told();
+      answer();
     });
   }
 }

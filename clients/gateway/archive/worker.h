@@ -19,9 +19,9 @@ class Worker {
   static constexpr std::size_t kMostWaiting = 8;  ///< In addition to the work in progress.
 
   /// Runs on the io thread when the work is done.
-  using Told = std::function<void()>;
+  using Answer = std::function<void()>;
   /// Must end soon when a stop is requested.
-  using Work = std::function<Told(const std::stop_token& stop)>;
+  using Work = std::function<Answer(const std::stop_token& stop)>;
 
   explicit Worker(boost::asio::io_context& io);
   /// Requests the work in progress to stop and waits for it. Waiting work never starts, and no result is passed on any more.

@@ -72,14 +72,14 @@ class BusReader::Loop {
   void give_up(const client::Error& problem);
   [[nodiscard]] std::vector<std::string> topics() const;
   void learn_rigs();
-  void tell(bool is_up, std::string problem);
+  void report(bool is_up, std::string problem);
 
   std::string endpoint_;
   std::function<void(BusItem)> on_item_;
   std::optional<client::Subscriber> subscriber_;
   std::vector<std::string> wanted_;
   std::vector<std::string> rigs_;
-  Clock::time_point heard_ = Clock::now();
+  Clock::time_point received_at_ = Clock::now();
   bool is_up_ = false;
   std::mutex mutex_;
   std::condition_variable_any stopped_;
@@ -119,19 +119,19 @@ void BusReader::Loop::turn() {
   const auto message = subscriber_->receive(kTurn);
   if (!message) return give_up(message.error());
   if (*message) return pass_on(**message);
-  if (is_up_ && Clock::now() - heard_ > kSilence) tell(false, "the daemon does not answer");
+  if (is_up_ && Clock::now() - received_at_ > kSilence) report(false, "the daemon does not answer");
 }
 
 void BusReader::Loop::pass_on(const client::Message& message) {
-  heard_ = Clock::now();
-  if (!is_up_) tell(true, {});
+  received_at_ = Clock::now();
+  if (!is_up_) report(true, {});
   if (std::holds_alternative<client::Status>(message)) learn_rigs();
   if (auto carried = std::visit(ToCarried(), message)) on_item_(std::move(carried));
 }
 
 void BusReader::Loop::give_up(const client::Error& problem) {
   subscriber_.reset();
-  tell(false, problem.what);
+  report(false, problem.what);
 }
 
 client::Result<void> BusReader::Loop::grant_wishes() {
@@ -167,11 +167,11 @@ void BusReader::Loop::learn_rigs() {
   if (!wishes_) wishes_ = wanted_;  // subscribed again, with the new rigs
 }
 
-void BusReader::Loop::tell(bool is_up, std::string problem) {
+void BusReader::Loop::report(bool is_up, std::string problem) {
   is_up_ = is_up;
   v1::Link link;
   link.set_is_up(is_up);
-  link.set_since_host_time_ns(std::chrono::nanoseconds(heard_.time_since_epoch()).count());
+  link.set_since_host_time_ns(std::chrono::nanoseconds(received_at_.time_since_epoch()).count());
   link.set_problem(std::move(problem));
   on_item_(std::move(link));
 }

@@ -9,7 +9,7 @@
 namespace dts::gateway {
 namespace {
 
-constexpr std::chrono::milliseconds kTellingPause{200};
+constexpr std::chrono::milliseconds kWishPause{200};
 constexpr std::chrono::seconds kLongestStatus{5};  // the daemon publishes it every second
 
 TabQueue::Dropped sum(const TabQueue::Dropped& one, const TabQueue::Dropped& other) {
@@ -23,14 +23,14 @@ Hub::Hub(boost::asio::io_context& io, CommandPool& commands, std::function<void(
 
 Hub::~Hub() = default;
 
-void Hub::take(const BusItem& item) {
+void Hub::handle(const BusItem& item) {
   if (const auto* message = std::get_if<CarriedPointer>(&item)) {
     keep(*message);
     for (HubTab* tab : tabs_) tab->push(*message);
     return;
   }
   link_ = std::get<v1::Link>(item);
-  for (HubTab* tab : tabs_) tab->tell(link_);
+  for (HubTab* tab : tabs_) tab->send_link(link_);
 }
 
 /// Keeps retained messages; drops those of a daemon that was restarted.
@@ -38,7 +38,7 @@ void Hub::keep(const CarriedPointer& message) {
   if (message->instance_id != instance_id_) retained_.clear();
   instance_id_ = message->instance_id;
   if (message->is_retained) retained_[message->topic] = message;
-  if (message->topic == kStatusTopic) told_status_ = std::chrono::steady_clock::now();
+  if (message->topic == kStatusTopic) status_received_at_ = std::chrono::steady_clock::now();
 }
 
 std::unique_ptr<Tab> Hub::open_tab(const Identity& identity, TabConnection& connection) {
@@ -51,12 +51,12 @@ std::unique_ptr<Tab> Hub::open_tab(const Identity& identity, TabConnection& conn
 void Hub::close_tab(HubTab& tab) {
   tabs_.erase(&tab);
   dropped_for_closed_ = sum(dropped_for_closed_, tab.dropped());
-  tell_wishes();
+  send_wishes();
 }
 
 CarriedPointer Hub::status(std::chrono::steady_clock::time_point now) const {
   const auto known = retained_.find(std::string(kStatusTopic));
-  const bool is_fresh = now - told_status_ <= kLongestStatus;
+  const bool is_fresh = now - status_received_at_ <= kLongestStatus;
   return link_.is_up() && is_fresh && known != retained_.end() ? known->second : nullptr;
 }
 
@@ -68,12 +68,12 @@ TabQueue::Dropped Hub::dropped() const {
 
 void Hub::wishes_changed(HubTab& tab) {
   for (const auto& [topic, message] : retained_) tab.push(message);
-  tell_wishes();
+  send_wishes();
 }
 
-void Hub::tell_wishes() {
-  if (is_telling_later_) return;
-  if (!tellings_.take(std::chrono::steady_clock::now())) return tell_wishes_later();
+void Hub::send_wishes() {
+  if (is_sending_later_) return;
+  if (!wish_sends_.take(std::chrono::steady_clock::now())) return send_wishes_later();
   std::set<std::string> together;
   for (const HubTab* tab : tabs_) together.insert(tab->prefixes().begin(), tab->prefixes().end());
   if (together == wishes_) return;
@@ -81,13 +81,13 @@ void Hub::tell_wishes() {
   want_({together.begin(), together.end()});
 }
 
-void Hub::tell_wishes_later() {
-  is_telling_later_ = true;
-  timer_.expires_after(kTellingPause);
+void Hub::send_wishes_later() {
+  is_sending_later_ = true;
+  timer_.expires_after(kWishPause);
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (error) return;
-    is_telling_later_ = false;
-    tell_wishes();
+    is_sending_later_ = false;
+    send_wishes();
   });
 }
 

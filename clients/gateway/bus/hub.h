@@ -34,7 +34,7 @@ class Hub {
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
 
-  void take(const BusItem& item);
+  void handle(const BusItem& item);
   [[nodiscard]] std::unique_ptr<Tab> open_tab(const Identity& identity, TabConnection& connection);
 
   /// Returns the daemon's newest status; nullptr if no status arrived lately, even if its data still arrive.
@@ -49,10 +49,10 @@ class Hub {
  private:
   /// Most topic updates per second for the reader, apart from a burst: each update costs reader and daemon work in proportion to the
   /// topics.
-  static constexpr double kTellings_hz = 5.0;
+  static constexpr double kWishSends_hz = 5.0;
   void keep(const CarriedPointer& message);
-  void tell_wishes();
-  void tell_wishes_later();
+  void send_wishes();
+  void send_wishes_later();
 
   boost::asio::io_context& io_;
   CommandPool& commands_;
@@ -60,12 +60,12 @@ class Hub {
   std::string version_;
   v1::Link link_;
   boost::asio::steady_timer timer_;  ///< Runs while changed topics wait to be passed to the reader.
-  core::TokenBucket tellings_{kTellings_hz};
-  bool is_telling_later_ = false;
+  core::TokenBucket wish_sends_{kWishSends_hz};
+  bool is_sending_later_ = false;
   std::set<HubTab*> tabs_;
   TabQueue::Dropped dropped_for_closed_;  ///< Of tabs that are closed.
   std::set<std::string> wishes_;          ///< The topics last passed to the reader.
-  std::chrono::steady_clock::time_point told_status_{};
+  std::chrono::steady_clock::time_point status_received_at_{};
   std::uint64_t instance_id_ = 0;                   ///< Of the daemon that sent the retained messages.
   std::map<std::string, CarriedPointer> retained_;  ///< By topic; limited by the number of states of the daemon's rigs.
 };

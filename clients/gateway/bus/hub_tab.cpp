@@ -56,7 +56,7 @@ void HubTab::welcome(const std::string& version, const v1::Link& link) {
   send(message);
 }
 
-void HubTab::tell(const v1::Link& link) {
+void HubTab::send_link(const v1::Link& link) {
   v1::FromGateway message;
   *message.mutable_link() = link;
   send(message);

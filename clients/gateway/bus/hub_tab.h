@@ -29,7 +29,7 @@ class HubTab final : public Tab {
   void on_message(std::string_view message) override;
 
   void welcome(const std::string& version, const v1::Link& link);
-  void tell(const v1::Link& link);
+  void send_link(const v1::Link& link);
   void push(const CarriedPointer& message);
   [[nodiscard]] const std::vector<std::string>& prefixes() const noexcept { return queue_.prefixes(); }
   [[nodiscard]] const TabQueue::Dropped& dropped() const noexcept { return queue_.dropped(); }

@@ -30,7 +30,7 @@ namespace http = boost::beast::http;
 using boost::system::error_code;
 
 /// Limits in time and bytes for reading from a peer after its last answer. Closing with unread bytes would reset the connection, and the
-/// peer might not receive the reason for the refusal.
+/// peer might not receive the reason for the rejection.
 constexpr std::chrono::seconds kLingerTime{2};
 constexpr std::size_t kLingerBytes = 256U << 10U;
 

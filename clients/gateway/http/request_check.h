@@ -14,8 +14,8 @@ namespace dts::gateway {
 
 using RawRequest = boost::beast::http::request<boost::beast::http::string_body>;
 
-/// Converts a parsed request to one for the routes, or returns the reason for its refusal. Every refusal ends the connection: the bytes
-/// after a bad request cannot be trusted to be a request.
+/// Converts a parsed request to one for the routes, or returns the reason why it is rejected. Every rejection ends the connection: the
+/// bytes after a bad request cannot be trusted to be a request.
 [[nodiscard]] tl::expected<HttpRequest, HttpResponse> check_request(RawRequest raw, const Peer& peer, bool is_secure,
                                                                     const HostCheck& hosts);
 

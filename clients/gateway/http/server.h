@@ -40,7 +40,7 @@ struct ServerOptions {
   std::string certificate_file{};  ///< PEM chain; with `key_file`: TLS 1.2 or newer only. Empty: plain HTTP.
   std::string key_file{};
   /// Names (without port) by which browsers may address the gateway, in addition to its address and, on loopback, "localhost". Any other
-  /// name in a Host header is refused, because it belongs to a foreign page (DNS rebinding).
+  /// name in a Host header is rejected, because it belongs to a foreign page (DNS rebinding).
   std::vector<std::string> host_names{};
   ServerLimits limits{};
 };

@@ -28,7 +28,7 @@ std::string word(const google::protobuf::EnumValueDescriptor& value) {
   return text;
 }
 
-/// Adds one series per state, 1 for the present one, so that a change of state leaves no series with a hole.
+/// Adds one series per state, 1 for the present one, so that a change of state leaves no series with a gap.
 void add_states(const Described& what, const google::protobuf::EnumDescriptor& type, int present, const MetricLabels& labels,
                 Exposition& out) {
   for (int index = 1; index < type.value_count(); ++index) {

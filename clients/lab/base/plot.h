@@ -24,7 +24,7 @@ struct Marks {
 [[nodiscard]] Marks support_marks(const physics::Plate& plate, const physics::Support& support);
 
 /// A quantity over a rectangle of the plate: heat map with contour lines, in colours that colour-blind people can distinguish (viridis).
-/// NaN leaves a hole.
+/// NaN leaves an empty spot.
 struct PlateMap {
   std::string title;
   std::string quantity;  ///< With unit: "deflection (mm)".

@@ -25,7 +25,7 @@ constexpr int kMostSteps = 30;
 constexpr auto kUnlikeHint =
     "check that the recordings overlap by at least half and have the same axes; or add two or more events in a column trigger or marker";
 
-/// Both axes on even steps, and running sums for the moments of any stretch. Holes count as the mean.
+/// Both axes on even steps, and running sums for the moments of any stretch. Gaps count as the mean.
 struct Sampled {
   std::array<std::vector<double>, 2> axes;  ///< Mean removed.
   std::array<std::vector<double>, 2> sums;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFewestScans = 20;
 constexpr double kShortestS = 2.0;
-constexpr double kHoleSteps = 3.5;  ///< Two missing samples are interpolated; three are a hole.
+constexpr double kGapSteps = 3.5;  ///< Two missing samples are interpolated; three are a gap.
 
 double median_step(std::span<const double> t_s) {
   if (t_s.size() < 2) return 0.0;
@@ -72,7 +72,7 @@ SmoothSeries::SmoothSeries(std::span<const double> t_s, std::span<const double> 
     t_s_.push_back(t_s[k]);
     values_.push_back(values[k]);
   }
-  longest_step_s_ = kHoleSteps * median_step(t_s);
+  longest_step_s_ = kGapSteps * median_step(t_s);
   for (std::size_t k = 0; k < t_s_.size(); ++k) {
     const std::size_t before = k == 0 ? 0 : k - 1;
     const std::size_t after = std::min(k + 1, t_s_.size() - 1);

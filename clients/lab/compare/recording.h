@@ -33,7 +33,7 @@ struct Recording {
 /// are from its events.
 [[nodiscard]] Recording read_xdf_recording(const std::string& file, files::Problems& problems);
 
-/// A smooth curve through samples at any times (cubic Hermite with the slopes of the neighbours), with holes where samples are missing.
+/// A smooth curve through samples at any times (cubic Hermite with the slopes of the neighbours), with gaps where samples are missing.
 class SmoothSeries {
  public:
   SmoothSeries(std::span<const double> t_s, std::span<const double> values);
@@ -42,7 +42,7 @@ class SmoothSeries {
     double value;
     double slope_per_s;
   };
-  /// Returns NaN outside the samples and in holes longer than three steps.
+  /// Returns NaN outside the samples and in gaps longer than three steps.
   [[nodiscard]] Value at(double t_s) const;
 
  private:

@@ -145,11 +145,11 @@ class TrialReader {
                                          {.name = "file", .is_required = false, .is_text = true}};
     const CsvTable table = CsvTable::read(file_, columns, problems_);
     if (problems_.size() != before) return;
-    for (std::size_t row = 0; row < table.row_count(); ++row) take(table, row);
+    for (std::size_t row = 0; row < table.row_count(); ++row) add_trial(table, row);
   }
 
  private:
-  void take(const CsvTable& table, std::size_t row) {
+  void add_trial(const CsvTable& table, std::size_t row) {
     const std::size_t line = CsvTable::line_of_row(row);
     const std::string& subject = table.texts("subject")[row];
     const auto found = std::ranges::find(set_.subjects, subject, &Subject::name);

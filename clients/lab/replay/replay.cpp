@@ -61,7 +61,7 @@ class Replay {
   [[nodiscard]] ReplayReport finish();
 
  private:
-  core::Status take(const record::RecordedItem& item);
+  core::Status process_item(const record::RecordedItem& item);
   core::Status process_ready();
   core::Status begin(const core::Block& block);
   void process();
@@ -108,14 +108,14 @@ core::Status Replay::run(const std::function<void(double)>& progress) {
   while (true) {
     DTS_TRY_ASSIGN(auto item, recording_.next());
     if (!item) break;
-    DTS_TRY(take(*item));
+    DTS_TRY(process_item(*item));
     progress(static_cast<double>(recording_.offset()) / static_cast<double>(std::max<std::uint64_t>(recording_.size(), 1)));
   }
   merger_.finish();
   return process_ready();
 }
 
-core::Status Replay::take(const record::RecordedItem& item) {
+core::Status Replay::process_item(const record::RecordedItem& item) {
   if (const auto* scans = std::get_if<record::RecordedScans>(&item)) {
     if (StreamCheck* check = checks_by_stream_[scans->stream].get()) check->add_recorded(*scans);
   }

@@ -59,7 +59,7 @@ cli::Json to_json(const ReplayReport& report, const std::string& file, const std
   return json;
 }
 
-std::string verdict(const ComparedStream& stream) {
+std::string comparison(const ComparedStream& stream) {
   if (!stream.difference) return stream.scans > 0 ? "identical" : "nothing to compare";
   const Difference& at = *stream.difference;
   return "differs at segment " + std::to_string(at.segment) + ", scan " + std::to_string(at.scan) +
@@ -70,7 +70,7 @@ void print(const ReplayReport& report, cli::Console& console) {
   cli::Table table({"STREAM", ">SCANS", "COMPARED WITH THE RECORDING"});
   for (const ComparedStream& stream : report.streams) {
     const auto style = stream.difference ? cli::Style::Bad : cli::Style::Good;
-    table.add({{cli::printable(stream.name)}, {std::to_string(stream.scans)}, {cli::printable(verdict(stream)), style}});
+    table.add({{cli::printable(stream.name)}, {std::to_string(stream.scans)}, {cli::printable(comparison(stream)), style}});
   }
   table.print(console);
   for (const ChannelSummary& channel : report.cop) {

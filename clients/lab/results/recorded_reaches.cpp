@@ -16,14 +16,14 @@ namespace {
 using Step = std::variant<core::ReachEvent, core::ClassEvent, session::TrialEvent>;
 
 /// The result that the daemon recorded when it decided a trial.
-struct ToldResult {
+struct LiveResult {
   std::uint32_t number = 0;  ///< Of the reach; 0: none.
   std::optional<std::int64_t> trunk_class{};
   std::optional<double> trunk_deg{};
 
-  friend bool operator==(const ToldResult&, const ToldResult&) = default;
+  friend bool operator==(const LiveResult&, const LiveResult&) = default;
 };
-using ToldResults = std::map<std::pair<std::uint32_t, std::uint32_t>, ToldResult>;  ///< Key: trial and attempt.
+using LiveResults = std::map<std::pair<std::uint32_t, std::uint32_t>, LiveResult>;  ///< Key: trial and attempt.
 
 struct PlacedStep {
   std::uint32_t segment = 0;
@@ -47,40 +47,41 @@ core::Status add(const v1::Event& event, std::vector<PlacedStep>& steps) {
 
 /// The results that the daemon recorded when it decided each trial, and again at the end of the session, when it knew the subject's own
 /// scale.
-struct Told {
-  ToldResults decided;
-  ToldResults at_end;
+struct LiveTrials {
+  LiveResults decided;
+  LiveResults at_end;
 };
 
-void add_told(const v1::Event& event, Told& both) {
+void add_live(const v1::Event& event, LiveTrials& both) {
   if (!event.has_trial_result()) return;
   const v1::TrialResult& result = event.trial_result();
-  ToldResults& told = result.is_at_end() ? both.at_end : both.decided;
-  if (told.size() >= session::ReachResults::kMostAttempts) return;
-  ToldResult& out = told[{result.trial(), result.attempt()}] = {.number = result.reach().number()};
+  LiveResults& live = result.is_at_end() ? both.at_end : both.decided;
+  if (live.size() >= session::ReachResults::kMostAttempts) return;
+  LiveResult& out = live[{result.trial(), result.attempt()}] = {.number = result.reach().number()};
   if (!result.has_movement()) return;
   out.trunk_class = result.movement().trunk_class();
   if (std::isfinite(result.movement().trunk_deg()) && result.movement().has_trunk_deg()) out.trunk_deg = result.movement().trunk_deg();
 }
 
-ToldResult told_of(const session::ReachTrialResult& result) {
-  ToldResult told{.number = result.reach ? result.reach->number : 0};
-  if (!result.movement) return told;
-  told.trunk_class = static_cast<std::int64_t>(result.movement->trunk_class);
-  if (std::isfinite(result.movement->trunk_deg)) told.trunk_deg = result.movement->trunk_deg;
-  return told;
+LiveResult live_of(const session::ReachTrialResult& result) {
+  LiveResult live{.number = result.reach ? result.reach->number : 0};
+  if (!result.movement) return live;
+  live.trunk_class = static_cast<std::int64_t>(result.movement->trunk_class);
+  if (std::isfinite(result.movement->trunk_deg)) live.trunk_deg = result.movement->trunk_deg;
+  return live;
 }
 
-void compare(const std::vector<session::ReachTrialResult>& results, const ToldResults& told, RecordedReaches& recorded) {
+void compare(const std::vector<session::ReachTrialResult>& results, const LiveResults& live, RecordedReaches& recorded) {
   for (const session::ReachTrialResult& result : results) {
-    const auto found = told.find({result.trial, result.attempt});
-    if (found == told.end()) continue;
-    ++recorded.told;
-    if (found->second != told_of(result)) ++recorded.differing;
+    const auto found = live.find({result.trial, result.attempt});
+    if (found == live.end()) continue;
+    ++recorded.live_results;
+    if (found->second != live_of(result)) ++recorded.differing;
   }
 }
 
-core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, Told& told, const std::function<void(double)>& progress) {
+core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, LiveTrials& live,
+                                                 const std::function<void(double)>& progress) {
   std::vector<PlacedStep> steps;
   while (true) {
     DTS_TRY_ASSIGN(auto item, recording.next());
@@ -88,7 +89,7 @@ core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, T
     if (recording.size() > 0) progress(static_cast<double>(recording.offset()) / static_cast<double>(recording.size()));
     const auto* timed = std::get_if<record::TimedEvent>(&*item);
     if (timed == nullptr) continue;
-    add_told(timed->event, told);
+    add_live(timed->event, live);
     DTS_TRY(add(timed->event, steps));
     if (steps.size() > kMostRecordedSteps) {
       return core::fail(core::ErrorCode::Unsupported,
@@ -101,7 +102,7 @@ core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, T
   return steps;
 }
 
-void take(const PlacedStep& placed, session::ReachResults& results) {
+void add(const PlacedStep& placed, session::ReachResults& results) {
   if (const auto* reach = std::get_if<core::ReachEvent>(&placed.step)) results.take(*reach);
   if (const auto* movement = std::get_if<core::ClassEvent>(&placed.step)) results.take(*movement);
   if (const auto* trial = std::get_if<session::TrialEvent>(&placed.step)) results.take(*trial, placed.segment, placed.scan);
@@ -122,21 +123,21 @@ std::uint64_t count_reaches(const std::vector<PlacedStep>& steps) {
 
 core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording, const classifier::TrunkModel* model,
                                                     const std::function<void(double)>& progress) {
-  Told told;
-  DTS_TRY_ASSIGN(const auto steps, read_steps(recording, told, progress));
+  LiveTrials live;
+  DTS_TRY_ASSIGN(const auto steps, read_steps(recording, live, progress));
   RecordedReaches recorded;
   if (const auto& facts = recording.session()) recorded.person = session::person_of(facts->fields);
   session::ReachResults results(recorded.person, model);
   for (const PlacedStep& step : steps) {
     results.advance(step.segment, step.scan);
-    compare(results.take_decided(), told.decided, recorded);  // uses only what was known at that time
-    take(step, results);
+    compare(results.take_decided(), live.decided, recorded);  // uses only what was known at that time
+    add(step, results);
   }
   results.finish();
-  compare(results.take_decided(), told.decided, recorded);
+  compare(results.take_decided(), live.decided, recorded);
   recorded.reaches = count_reaches(steps);
   recorded.trials = results.results();
-  compare(recorded.trials, told.at_end, recorded);
+  compare(recorded.trials, live.at_end, recorded);
   recorded.summary = results.summary();
   return recorded;
 }

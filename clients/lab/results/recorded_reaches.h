@@ -21,8 +21,8 @@ struct RecordedReaches {
   std::uint64_t reaches = 0;              ///< Final reaches that were not cancelled, inside or outside trials.
   std::vector<session::ReachTrialResult> trials;
   std::vector<session::SessionFigure> summary;
-  std::uint64_t told = 0;       ///< Trial results that the daemon recorded.
-  std::uint64_t differing = 0;  ///< The number of these that differ from the results recomputed for that moment.
+  std::uint64_t live_results = 0;  ///< Trial results that the daemon recorded.
+  std::uint64_t differing = 0;     ///< The number of these that differ from the results recomputed for that moment.
 };
 
 inline constexpr std::size_t kMostRecordedSteps = 1'000'000;

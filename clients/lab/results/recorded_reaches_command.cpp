@@ -53,21 +53,21 @@ cli::Json to_json(const session::ReachTrialResult& result) {
   return json;
 }
 
-cli::Json to_json(const session::SessionFigure& figure) {
-  cli::Json json{{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}};
-  if (!figure.details.empty()) json["details"] = cli::Json::parse(figure.details);
+cli::Json to_json(const session::SessionFigure& result) {
+  cli::Json json{{"name", result.name}, {"value", result.value}, {"unit", result.unit}};
+  if (!result.details.empty()) json["details"] = cli::Json::parse(result.details);
   return json;
 }
 
 cli::Json to_json(const RecordedReaches& recorded, const std::string& file, const std::string& damage) {
   cli::Json json{{"file", file},
                  {"reaches", recorded.reaches},
-                 {"recorded_results", recorded.told},
+                 {"recorded_results", recorded.live_results},
                  {"differing_results", recorded.differing},
                  {"trials", cli::Json::array()},
                  {"summary", cli::Json::array()}};
   for (const session::ReachTrialResult& result : recorded.trials) json["trials"].push_back(to_json(result));
-  for (const session::SessionFigure& figure : recorded.summary) json["summary"].push_back(to_json(figure));
+  for (const session::SessionFigure& result : recorded.summary) json["summary"].push_back(to_json(result));
   if (!damage.empty()) json["damage"] = damage;
   return json;
 }
@@ -106,16 +106,16 @@ void print(const RecordedReaches& recorded, cli::Console& console) {
   trials.print(console);
   if (!recorded.trials.empty()) console.out << '\n';
   cli::Table summary({"SUMMARY", ">VALUE", "UNIT"});
-  for (const session::SessionFigure& figure : recorded.summary) {
-    summary.add({{figure.name}, {decimal(figure.value, 3)}, {figure.unit == "1" ? "" : figure.unit}});
+  for (const session::SessionFigure& result : recorded.summary) {
+    summary.add({{result.name}, {decimal(result.value, 3)}, {result.unit == "1" ? "" : result.unit}});
   }
   summary.print(console);
   console.out << recorded.reaches << " reaches, " << recorded.trials.size() << " trials\n";
-  if (recorded.told == 0) return;
-  const std::string verdict = recorded.differing == 0 ? "live and recomputed values match"
-                                                      : std::to_string(recorded.differing) + " differ from the recomputed values";
-  console.out << recorded.told << " live results in the recording: "
-              << cli::styled(console, recorded.differing == 0 ? cli::Style::Good : cli::Style::Bad, verdict) << '\n';
+  if (recorded.live_results == 0) return;
+  const std::string comparison = recorded.differing == 0 ? "live and recomputed values match"
+                                                         : std::to_string(recorded.differing) + " differ from the recomputed values";
+  console.out << recorded.live_results << " live results in the recording: "
+              << cli::styled(console, recorded.differing == 0 ? cli::Style::Good : cli::Style::Bad, comparison) << '\n';
 }
 
 int run_reach_results(const Arguments& arguments, cli::Console& console) {

@@ -96,7 +96,7 @@ void show(const std::vector<Prediction>& predictions, const SteadinessModel& mod
 }
 
 /// Prints reasons to doubt the answers.
-void tell_doubts(const std::vector<Prediction>& predictions, const SteadinessModel& model, cli::Console& console) {
+void print_doubts(const std::vector<Prediction>& predictions, const SteadinessModel& model, cli::Console& console) {
   std::size_t silent = 0;
   std::size_t outside = 0;
   std::size_t invalid = 0;
@@ -137,7 +137,7 @@ int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
     }
   }
   show(predictions, *model, arguments, console);
-  tell_doubts(predictions, *model, console);
+  print_doubts(predictions, *model, console);
   return cli::kOk;
 }
 

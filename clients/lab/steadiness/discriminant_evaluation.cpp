@@ -38,7 +38,7 @@ std::size_t place_of(const std::vector<std::string>& classes, const std::string&
 }
 
 /// Fits without the fold and counts its predictions. If the fit fails, there is no prediction, which counts as wrong.
-void judge_fold(const Samples& samples, const Folds& folds, std::size_t fold, Evaluation& evaluation) {
+void classify_fold(const Samples& samples, const Folds& folds, std::size_t fold, Evaluation& evaluation) {
   std::vector<std::size_t> others;
   for (std::size_t row = 0; row < folds.of_row.size(); ++row) {
     if (folds.of_row[row] != fold) others.push_back(row);
@@ -47,12 +47,12 @@ void judge_fold(const Samples& samples, const Folds& folds, std::size_t fold, Ev
   for (std::size_t row = 0; row < folds.of_row.size(); ++row) {
     if (folds.of_row[row] != fold) continue;
     const std::size_t wanted = place_of(evaluation.classes, samples.labels[row]);
-    std::size_t told = evaluation.classes.size();
+    std::size_t predicted = evaluation.classes.size();
     if (discriminant) {
       const Answer answer = classify(*discriminant, samples.values[row]);
-      if (answer.best) told = place_of(evaluation.classes, discriminant->classes[*answer.best]);
+      if (answer.best) predicted = place_of(evaluation.classes, discriminant->classes[*answer.best]);
     }
-    ++evaluation.confusion[wanted][told];
+    ++evaluation.confusion[wanted][predicted];
   }
 }
 
@@ -75,12 +75,12 @@ void count_people(const Samples& samples, Evaluation& evaluation) {
 void add_shares(Evaluation& evaluation) {
   std::size_t commonest = 0;
   for (std::size_t k = 0; k < evaluation.classes.size(); ++k) {
-    const auto& told = evaluation.confusion[k];
-    const std::size_t count = std::accumulate(told.begin(), told.end(), std::size_t{0});
+    const auto& predicted = evaluation.confusion[k];
+    const std::size_t count = std::accumulate(predicted.begin(), predicted.end(), std::size_t{0});
     evaluation.rows += count;
-    evaluation.correct += told[k];
+    evaluation.correct += predicted[k];
     commonest = std::max(commonest, count);
-    const double share = static_cast<double>(told[k]) / static_cast<double>(count);
+    const double share = static_cast<double>(predicted[k]) / static_cast<double>(count);
     evaluation.balanced_accuracy += share / static_cast<double>(evaluation.classes.size());
   }
   evaluation.accuracy = static_cast<double>(evaluation.correct) / static_cast<double>(evaluation.rows);
@@ -111,7 +111,7 @@ core::Result<Evaluation> evaluate_left_out(const Samples& samples, const std::fu
   const Folds folds = folds_of(samples);
   for (std::size_t fold = 0; fold < folds.count; ++fold) {
     progress(static_cast<double>(fold) / static_cast<double>(folds.count));
-    judge_fold(samples, folds, fold, evaluation);
+    classify_fold(samples, folds, fold, evaluation);
   }
   count_people(samples, evaluation);
   add_shares(evaluation);

@@ -116,8 +116,8 @@ void print_confusion(const Evaluation& evaluation, cli::Console& console) {
   cli::Table table(headers);
   for (std::size_t k = 0; k < evaluation.classes.size(); ++k) {
     std::vector<cli::Cell> row{{evaluation.classes[k]}};
-    for (std::size_t told = 0; told < evaluation.confusion[k].size(); ++told) {
-      row.push_back({std::to_string(evaluation.confusion[k][told]), told == k ? cli::Style::Good : cli::Style::Plain});
+    for (std::size_t predicted = 0; predicted < evaluation.confusion[k].size(); ++predicted) {
+      row.push_back({std::to_string(evaluation.confusion[k][predicted]), predicted == k ? cli::Style::Good : cli::Style::Plain});
     }
     table.add(std::move(row));
   }
@@ -125,7 +125,7 @@ void print_confusion(const Evaluation& evaluation, cli::Console& console) {
 }
 
 /// Prints the conclusions that the figures allow, and their limits.
-void print_verdict(const Evaluation& evaluation, cli::Console& console) {
+void print_conclusions(const Evaluation& evaluation, cli::Console& console) {
   const bool is_better = evaluation.is_better_than_chance();
   const std::string words = is_better ? "Better than always predicting the most frequent label."
                                       : "No better than chance: these measures do not predict these labels.";
@@ -156,7 +156,7 @@ void print_result(const Evaluation& evaluation, const SteadinessModel& model, co
   console.out << '\n';
   print_confusion(evaluation, console);
   console.out << '\n';
-  print_verdict(evaluation, console);
+  print_conclusions(evaluation, console);
   cli::print_hint(console, "to use it: dtslab steadiness classify " + file + " TABLE.csv");
 }
 

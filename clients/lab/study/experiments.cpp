@@ -65,7 +65,7 @@ std::size_t of_trunk(const training::TrainingSet& set) {
 }
 
 /// Counts a reach that was not found as rejected. The thesis has no such reaches, because its points were checked by eye (5.3.3).
-std::vector<Confusion> judge(const classifier::TrunkModel& model, const StudyGroup& group) {
+std::vector<Confusion> classify(const classifier::TrunkModel& model, const StudyGroup& group) {
   std::vector<Confusion> answers(group.volunteers.size());
   for (const StudyReach& one : group.reaches) {
     if (one.wanted == TrunkClass::None) continue;
@@ -87,9 +87,9 @@ core::Result<NetworkResult> teach(const StudyGroup& lessons, const People& peopl
   DTS_TRY_ASSIGN(const auto model, classifier::TrunkModel::create(std::move(form)));
   return NetworkResult{.trained_on = of_trunk(set),
                        .own_r = regression_r(model, set),
-                       .teachers = judge(model, people.teachers),
-                       .healthy = judge(model, people.healthy),
-                       .stroke = judge(model, people.stroke)};
+                       .teachers = classify(model, people.teachers),
+                       .healthy = classify(model, people.healthy),
+                       .stroke = classify(model, people.stroke)};
 }
 
 core::Result<People> draw_people(const StudyOptions& options, std::uint64_t seed, const Progress& progress) {
@@ -136,8 +136,8 @@ core::Result<Draw> run_draw(const Lessons& lessons, const StudyOptions& options,
   }
   if (!options.has_recommended || !options.has_healthy) return draw;
   DTS_TRY_ASSIGN(draw.recommended,
-                 judge_volunteers_left_out({&people.teachers, &people.healthy}, seed, [&](double done) { progress(0.5 + 0.5 * done); }));
-  draw.invented = judge_by_model(*lessons.invented, {&people.teachers, &people.healthy});
+                 classify_volunteers_left_out({&people.teachers, &people.healthy}, seed, [&](double done) { progress(0.5 + 0.5 * done); }));
+  draw.invented = classify_by_model(*lessons.invented, {&people.teachers, &people.healthy});
   return draw;
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 using classifier::kClasses;
 using core::TrunkClass;
-using training::JudgedReach;
+using training::ClassifiedReach;
 using training::LeftOutReach;
 
 constexpr double kIntervalPart = 0.9;
@@ -43,9 +43,9 @@ std::array<double, kClasses> widths_without(const std::vector<AngleError>& error
   return widths;
 }
 
-std::vector<AngleError> errors_of(const std::vector<JudgedReach>& judged) {
+std::vector<AngleError> errors_of(const std::vector<ClassifiedReach>& classified) {
   std::vector<AngleError> errors;
-  for (const auto& [reach, movement, volunteer, arm_alone] : judged) {
+  for (const auto& [reach, movement, volunteer, arm_alone] : classified) {
     const bool counts = reach->wanted >= TrunkClass::Minor && std::isfinite(movement.trunk_deg);
     if (counts) errors.push_back({volunteer, movement.trunk_deg, reach->flexion_deg});
   }
@@ -54,17 +54,17 @@ std::vector<AngleError> errors_of(const std::vector<JudgedReach>& judged) {
 
 LeftOutFigures figures_of(const training::TrainingSet& set, const std::vector<LeftOutReach>& left_out,
                           core::TrunkMovement LeftOutReach::*view) {
-  std::vector<JudgedReach> judged;
+  std::vector<ClassifiedReach> classified;
   for (const LeftOutReach& one : left_out)
-    judged.push_back({&set.reaches[one.reach], one.*view, set.reaches[one.reach].subject, one.arm_alone});
-  const std::vector<AngleError> errors = errors_of(judged);
+    classified.push_back({&set.reaches[one.reach], one.*view, set.reaches[one.reach].subject, one.arm_alone});
+  const std::vector<AngleError> errors = errors_of(classified);
   LeftOutFigures figures{.answers = std::vector<Confusion>(set.subjects.size())};
   std::vector<training::Forecast> forecasts;
   for (std::size_t volunteer = 0; volunteer < set.subjects.size(); ++volunteer) {
-    const double temperature = training::fit_temperature(training::forecasts_of(judged, volunteer));
+    const double temperature = training::fit_temperature(training::forecasts_of(classified, volunteer));
     const auto widths = widths_without(errors, volunteer);
-    const double none_from = training::none_from_of(judged, volunteer);
-    for (const JudgedReach& one : judged) {
+    const double none_from = training::none_from_of(classified, volunteer);
+    for (const ClassifiedReach& one : classified) {
       if (one.group != volunteer) continue;
       const training::TrainingReach* const reach = one.reach;
       core::TrunkMovement movement = one.movement;
@@ -85,7 +85,7 @@ LeftOutFigures figures_of(const training::TrainingSet& set, const std::vector<Le
 }
 
 /// Counts every reach that was not found or is unfit as rejected, so that no reach is missing.
-void add_unjudged(const std::vector<const StudyGroup*>& groups, LeftOutFigures& figures) {
+void add_unclassified(const std::vector<const StudyGroup*>& groups, LeftOutFigures& figures) {
   std::size_t first = 0;
   for (const StudyGroup* group : groups) {
     for (const StudyReach& one : group->reaches) {
@@ -163,18 +163,19 @@ double coverage_left_out(const std::vector<AngleError>& errors, std::size_t volu
   return static_cast<double>(covered) / static_cast<double>(errors.size());
 }
 
-core::Result<RecommendedResult> judge_volunteers_left_out(const std::vector<const StudyGroup*>& groups, std::uint64_t seed,
-                                                          const Progress& progress) {
+core::Result<RecommendedResult> classify_volunteers_left_out(const std::vector<const StudyGroup*>& groups, std::uint64_t seed,
+                                                             const Progress& progress) {
   const training::TrainingSet set = training_set(groups);
-  DTS_TRY_ASSIGN(const auto judged, training::judge_left_out(set, {.seed = seed}, progress));
-  RecommendedResult result{.general = figures_of(set, judged, &LeftOutReach::general), .own = figures_of(set, judged, &LeftOutReach::own)};
+  DTS_TRY_ASSIGN(const auto classified, training::classify_left_out(set, {.seed = seed}, progress));
+  RecommendedResult result{.general = figures_of(set, classified, &LeftOutReach::general),
+                           .own = figures_of(set, classified, &LeftOutReach::own)};
   for (const training::TrainingSubject& subject : set.subjects) result.names.push_back(subject.name);
-  add_unjudged(groups, result.general);
-  add_unjudged(groups, result.own);
+  add_unclassified(groups, result.general);
+  add_unclassified(groups, result.own);
   return result;
 }
 
-RecommendedResult judge_by_model(const TrunkModel& model, const std::vector<const StudyGroup*>& groups) {
+RecommendedResult classify_by_model(const TrunkModel& model, const std::vector<const StudyGroup*>& groups) {
   const training::TrainingSet set = training_set(groups);
   RecommendedResult result;
   std::vector<std::optional<SubjectCalibration>> scales;

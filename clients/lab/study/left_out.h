@@ -10,12 +10,12 @@
 
 namespace dts::lab::study {
 
-/// Judges each volunteer by a recommended model of all others.
-[[nodiscard]] core::Result<RecommendedResult> judge_volunteers_left_out(const std::vector<const StudyGroup*>& groups, std::uint64_t seed,
-                                                                        const Progress& progress);
+/// Classifies each volunteer by a recommended model of all others.
+[[nodiscard]] core::Result<RecommendedResult> classify_volunteers_left_out(const std::vector<const StudyGroup*>& groups, std::uint64_t seed,
+                                                                           const Progress& progress);
 
-/// Judges all reaches by one model trained on other people, with rejection and intervals as in the daemon.
-[[nodiscard]] RecommendedResult judge_by_model(const classifier::TrunkModel& model, const std::vector<const StudyGroup*>& groups);
+/// Classifies all reaches by one model trained on other people, with rejection and intervals as in the daemon.
+[[nodiscard]] RecommendedResult classify_by_model(const classifier::TrunkModel& model, const std::vector<const StudyGroup*>& groups);
 
 /// An estimated angle and the true angle.
 struct AngleError {

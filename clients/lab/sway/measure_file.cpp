@@ -89,10 +89,10 @@ bool is_report_definition(const AnalysisOptions& options) {
          options.preparation.trim_s == report.trim_s && !options.foot_length_mm;
 }
 
-std::optional<bool> compared(const MeasuredTrial& trial, const std::optional<session::SwayTrialResult>& told) {
-  if (!told) return std::nullopt;
-  if (trial.analysis.has_value() != told->analysis.has_value()) return false;
-  return !trial.analysis || is_same(*trial.analysis, *told->analysis);
+std::optional<bool> compared(const MeasuredTrial& trial, const std::optional<session::SwayTrialResult>& live) {
+  if (!live) return std::nullopt;
+  if (trial.analysis.has_value() != live->analysis.has_value()) return false;
+  return !trial.analysis || is_same(*trial.analysis, *live->analysis);
 }
 
 MeasuredFile measure_recording(const SwayInput& input, const SwayArguments& arguments, const AnalysisOptions& options,
@@ -124,7 +124,7 @@ MeasuredFile measure_recording(const SwayInput& input, const SwayArguments& argu
         trial.problem = core::to_string(analysis.error());
       }
     }
-    if (is_report_definition(options)) trial.is_as_told = compared(trial, one.told);
+    if (is_report_definition(options)) trial.is_as_recorded = compared(trial, one.live);
     measured.trials.push_back(std::move(trial));
   }
   return measured;

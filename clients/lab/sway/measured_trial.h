@@ -27,7 +27,7 @@ struct MeasuredTrial {
   std::optional<posturography::Analysis> analysis;
   std::string problem;  ///< Why there is no analysis.
   /// Whether dtsd recorded the same result. Empty if dtsd recorded none, or if another definition was requested.
-  std::optional<bool> is_as_told;
+  std::optional<bool> is_as_recorded;
 
   [[nodiscard]] std::string label(const std::string& name) const;
   /// Returns a title for people: "standing.csv", "session.xdf, trial 3 (eyes=open)".

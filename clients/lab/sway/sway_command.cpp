@@ -52,7 +52,7 @@ MeasuredFiles measure_all(const std::vector<SwayInput>& inputs, const SwayArgume
 }
 
 /// Call after the progress bar has disappeared.
-void tell_unwell(MeasuredFiles& all, cli::Console& console) {
+void print_problems(MeasuredFiles& all, cli::Console& console) {
   for (const auto& [file, measured] : all.unwell) {
     if (!measured.problems.empty()) all.status = std::max(all.status, report_problems(console, measured.problems));
     if (measured.error) {
@@ -64,7 +64,7 @@ void tell_unwell(MeasuredFiles& all, cli::Console& console) {
   }
 }
 
-void tell_doubts(const std::vector<MeasuredTrial>& trials, const SwayArguments& arguments, cli::Console& console) {
+void print_doubts(const std::vector<MeasuredTrial>& trials, const SwayArguments& arguments, cli::Console& console) {
   constexpr double kRateThatNeedsAFilter = 200.0;
   bool is_noisy = false;
   for (const MeasuredTrial& trial : trials) {
@@ -86,15 +86,15 @@ void tell_doubts(const std::vector<MeasuredTrial>& trials, const SwayArguments& 
 
 cli::Json documents(const MeasuredFiles& all, const SwayArguments& arguments) {
   cli::Json json{{"trials", cli::Json::array()}};
-  std::size_t told = 0;
+  std::size_t compared = 0;
   std::size_t differing = 0;
   for (const MeasuredTrial& trial : all.trials) {
     json["trials"].push_back(to_json(trial, arguments));
-    if (!trial.is_as_told) continue;
-    ++told;
-    if (!*trial.is_as_told) ++differing;
+    if (!trial.is_as_recorded) continue;
+    ++compared;
+    if (!*trial.is_as_recorded) ++differing;
   }
-  json["recorded_results"] = told;
+  json["recorded_results"] = compared;
   json["differing_results"] = differing;
   json["problems"] = cli::Json::array();
   for (const auto& [file, measured] : all.unwell) {
@@ -122,7 +122,7 @@ void show(const MeasuredFiles& all, bool is_single, const SwayArguments& argumen
     print_overview(all.trials, console);
     if (arguments.table.empty()) cli::print_hint(console, "for every measure of every trial, use --table OUT.csv or --json");
   }
-  print_told(all.trials, console);
+  print_live(all.trials, console);
 }
 
 int show_comparison(const MeasuredFiles& all, const SwayArguments& arguments, cli::Console& console) {
@@ -154,7 +154,7 @@ int status_of(const MeasuredFiles& all, cli::Console& console) {
     cli::print_error(console, "no valid trial of quiet standing found", "to include rejected trials: --all");
     return cli::kFailed;
   }
-  const auto differs = [](const MeasuredTrial& trial) { return !trial.is_as_told.value_or(true); };
+  const auto differs = [](const MeasuredTrial& trial) { return !trial.is_as_recorded.value_or(true); };
   return std::ranges::any_of(all.trials, differs) ? cli::kFailed : cli::kOk;
 }
 
@@ -169,13 +169,13 @@ int run_sway(const SwayArguments& arguments, cli::Console& console) {
   if (!inputs) return fail_with(console, inputs.error());
   if (const auto free = check_table(*inputs, arguments.table); !free) return fail_with(console, free.error());
   MeasuredFiles all = measure_all(*inputs, arguments, console);
-  tell_unwell(all, console);
+  print_problems(all, console);
   if (all.is_interrupted) {
     const std::string count = std::to_string(all.files) + " of " + std::to_string(inputs->size());
     cli::print_error(console, "interrupted after " + count + " files; no file was written");
     return cli::kInterrupted;
   }
-  tell_doubts(all.trials, arguments, console);
+  print_doubts(all.trials, arguments, console);
   if (!arguments.table.empty() && !all.trials.empty()) {
     const auto written = files::write_whole_file(arguments.table, table_text(all.trials));
     if (!written) return fail_with(console, written.error());

@@ -164,14 +164,14 @@ void print_overview(std::span<const MeasuredTrial> trials, cli::Console& console
   table.print(console);
 }
 
-void print_told(std::span<const MeasuredTrial> trials, cli::Console& console) {
-  const auto told = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return trial.is_as_told.has_value(); });
-  const auto differing = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return !trial.is_as_told.value_or(true); });
-  if (told == 0) return;
-  const std::string verdict =
+void print_live(std::span<const MeasuredTrial> trials, cli::Console& console) {
+  const auto compared = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return trial.is_as_recorded.has_value(); });
+  const auto differing = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return !trial.is_as_recorded.value_or(true); });
+  if (compared == 0) return;
+  const std::string comparison =
       differing == 0 ? "live and recomputed values match" : std::to_string(differing) + " differ from the recomputed values";
-  console.out << told
-              << " live results in the recording: " << cli::styled(console, differing == 0 ? cli::Style::Good : cli::Style::Bad, verdict)
+  console.out << compared
+              << " live results in the recording: " << cli::styled(console, differing == 0 ? cli::Style::Good : cli::Style::Bad, comparison)
               << '\n';
 }
 
@@ -189,7 +189,7 @@ cli::Json to_json(const MeasuredTrial& trial, const SwayArguments& arguments) {
   }
   if (trial.analysis) add_analysis(*trial.analysis, arguments, json);
   if (!trial.problem.empty()) json["problem"] = trial.problem;
-  if (trial.is_as_told) json["as_recorded"] = *trial.is_as_told;
+  if (trial.is_as_recorded) json["as_recorded"] = *trial.is_as_recorded;
   return json;
 }
 

@@ -22,6 +22,6 @@ void print_measures(const MeasuredTrial& trial, cli::Console& console);
 /// Prints one line per trial with the most important measures.
 void print_overview(std::span<const MeasuredTrial> trials, cli::Console& console);
 /// Prints how many of the results that dtsd recorded differ from those computed here; nothing if dtsd recorded none.
-void print_told(std::span<const MeasuredTrial> trials, cli::Console& console);
+void print_live(std::span<const MeasuredTrial> trials, cli::Console& console);
 
 }  // namespace dts::lab::sway

@@ -16,27 +16,27 @@ using core::TrunkClass;
 constexpr double kIntervalPart = 0.9;
 constexpr std::size_t kEnoughResiduals = 20;  ///< With fewer in a band, all bands are combined.
 constexpr double kLeastResidualDeg = 0.5;
-/// Uncertainty and contradictions are judged again, with temperature and interval.
+/// Uncertainty and contradictions are classified again, with temperature and interval.
 constexpr std::uint16_t kRejecting = core::class_reason::kOutOfRange | core::class_reason::kBadReach;
 
-bool counts(const JudgedReach& one, std::optional<std::size_t> without) {
+bool counts(const ClassifiedReach& one, std::optional<std::size_t> without) {
   return one.group != without && one.reach->wanted >= TrunkClass::Minor;
 }
 
 }  // namespace
 
-std::vector<Forecast> forecasts_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without) {
+std::vector<Forecast> forecasts_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without) {
   std::vector<Forecast> forecasts;
-  for (const JudgedReach& one : judged) {
+  for (const ClassifiedReach& one : classified) {
     if (counts(one, without)) forecasts.push_back({one.movement.probability, static_cast<std::size_t>(one.reach->wanted) - 1});
   }
   return forecasts;
 }
 
-std::array<double, kClasses> residuals_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without) {
+std::array<double, kClasses> residuals_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without) {
   std::array<std::vector<double>, kClasses> by_class;
   std::vector<double> all;
-  for (const JudgedReach& one : judged) {
+  for (const ClassifiedReach& one : classified) {
     if (!counts(one, without) || !std::isfinite(one.movement.trunk_deg)) continue;
     const double residual_deg = std::abs(one.movement.trunk_deg - one.reach->flexion_deg);
     by_class[class_index(one.movement.trunk_deg)].push_back(residual_deg);
@@ -50,20 +50,20 @@ std::array<double, kClasses> residuals_of(std::span<const JudgedReach> judged, s
   return residuals;
 }
 
-double none_from_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without) {
+double none_from_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without) {
   constexpr double kLostPart = 0.02;
   std::vector<double> of_minor;
-  for (const JudgedReach& one : judged) {
+  for (const ClassifiedReach& one : classified) {
     const bool is_minor = one.group != without && one.reach->wanted == TrunkClass::Minor;
     if (is_minor && std::isfinite(one.arm_alone)) of_minor.push_back(one.arm_alone);
   }
   return std::clamp(conformal_quantile(of_minor, 1.0 - kLostPart) + 1e-6, 0.5 + 1e-6, 1.0);
 }
 
-TrunkClass guess_of(const JudgedReach& judged, double none_from) {
-  const TrunkClass guess = judged.movement.trunk_class;
+TrunkClass guess_of(const ClassifiedReach& classified, double none_from) {
+  const TrunkClass guess = classified.movement.trunk_class;
   if (guess != TrunkClass::None && guess != TrunkClass::Minor) return guess;
-  return judged.arm_alone >= none_from ? TrunkClass::None : TrunkClass::Minor;
+  return classified.arm_alone >= none_from ? TrunkClass::None : TrunkClass::Minor;
 }
 
 classifier::Network::Outputs tempered(classifier::Network::Outputs probability, double temperature) {

@@ -15,7 +15,7 @@ namespace dts::lab::training {
 
 /// A best guess by a model without this reach's subject, and the truth. Values fitted to such guesses (temperature, intervals) are
 /// evaluated only on the guesses of other groups; otherwise they would always fit.
-struct JudgedReach {
+struct ClassifiedReach {
   const TrainingReach* reach = nullptr;
   core::TrunkMovement movement;
   std::size_t group = 0;                             ///< Number of the group of people that were left out together.
@@ -23,18 +23,18 @@ struct JudgedReach {
 };
 
 /// Returns the forecasts for reaches that moved the trunk, without one group.
-[[nodiscard]] std::vector<Forecast> forecasts_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without = {});
+[[nodiscard]] std::vector<Forecast> forecasts_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without = {});
 
 /// Returns the half widths of 90 % intervals by the class of the estimated angle, from reaches that moved the trunk, without one group.
-[[nodiscard]] std::array<double, classifier::kClasses> residuals_of(std::span<const JudgedReach> judged,
+[[nodiscard]] std::array<double, classifier::kClasses> residuals_of(std::span<const ClassifiedReach> classified,
                                                                     std::optional<std::size_t> without = {});
 
 /// Returns the probability from which a reach counts as arm-only. At most two in a hundred reaches of class 1 have that probability,
 /// because they must not become class 0. Without one group.
-[[nodiscard]] double none_from_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without = {});
+[[nodiscard]] double none_from_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without = {});
 
 /// Returns the guess, with class 0 and 1 separated by `none_from`: a model without left-out people does not have that value.
-[[nodiscard]] core::TrunkClass guess_of(const JudgedReach& judged, double none_from);
+[[nodiscard]] core::TrunkClass guess_of(const ClassifiedReach& classified, double none_from);
 
 [[nodiscard]] classifier::Network::Outputs tempered(classifier::Network::Outputs probability, double temperature);
 

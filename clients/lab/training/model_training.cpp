@@ -30,7 +30,8 @@ std::optional<classifier::SubjectCalibration> first_calibration(const TrainingSe
   return calibrations.empty() ? std::nullopt : std::optional(calibrations.front());
 }
 
-void judge_fold(const TrunkModel& model, const TrainingSet& set, const std::vector<std::size_t>& fold, std::vector<LeftOutReach>& judged) {
+void classify_fold(const TrunkModel& model, const TrainingSet& set, const std::vector<std::size_t>& fold,
+                   std::vector<LeftOutReach>& classified) {
   for (const std::size_t subject : fold) {
     const auto own = first_calibration(set, subject);
     for (std::size_t k = 0; k < set.reaches.size(); ++k) {
@@ -40,24 +41,24 @@ void judge_fold(const TrunkModel& model, const TrainingSet& set, const std::vect
       result.own = own ? model.best_guess(reach.features, reach.flags, &*own) : result.general;
       result.arm_alone = model.arm_alone_probability(reach.features);
       result.has_own = own && (result.own.reasons & core::class_reason::kCalibrated) != 0;
-      judged.push_back(result);
+      classified.push_back(result);
     }
   }
 }
 
 struct Views {
-  std::vector<JudgedReach> general;
-  std::vector<JudgedReach> own;
+  std::vector<ClassifiedReach> general;
+  std::vector<ClassifiedReach> own;
 };
 
-Views views_of(const TrainingSet& set, const std::vector<LeftOutReach>& judged) {
+Views views_of(const TrainingSet& set, const std::vector<LeftOutReach>& classified) {
   std::vector<std::size_t> group_of(set.subjects.size());
   const auto folds = folds_of(set);
   for (std::size_t fold = 0; fold < folds.size(); ++fold) {
     for (const std::size_t subject : folds[fold]) group_of[subject] = fold;
   }
   Views views;
-  for (const LeftOutReach& one : judged) {
+  for (const LeftOutReach& one : classified) {
     const TrainingReach& reach = set.reaches[one.reach];
     const std::size_t group = group_of[reach.subject];
     views.general.push_back({&reach, one.general, group, one.arm_alone});
@@ -77,14 +78,14 @@ std::set<std::size_t> subjects_of(const TrainingSet& set, bool is_simulated) {
 /// Applies temperature and intervals fitted to all other groups to each group's reaches.
 class LeftOutTally {
  public:
-  LeftOutTally(std::span<const JudgedReach> judged, double coldest, double reject_below)
-      : judged_(judged), coldest_(coldest), reject_below_(reject_below) {
+  LeftOutTally(std::span<const ClassifiedReach> classified, double coldest, double reject_below)
+      : classified_(classified), coldest_(coldest), reject_below_(reject_below) {
     std::set<std::size_t> groups;
-    for (const JudgedReach& one : judged) groups.insert(one.group);
+    for (const ClassifiedReach& one : classified) groups.insert(one.group);
     for (const std::size_t group : groups) {
-      temperatures_[group] = std::max(coldest_, fit_temperature(forecasts_of(judged, group)));
-      half_widths_deg_[group] = residuals_of(judged, group);
-      none_from_[group] = none_from_of(judged, group);
+      temperatures_[group] = std::max(coldest_, fit_temperature(forecasts_of(classified, group)));
+      half_widths_deg_[group] = residuals_of(classified, group);
+      none_from_[group] = none_from_of(classified, group);
     }
   }
 
@@ -94,7 +95,7 @@ class LeftOutTally {
     double right = 0.0;
     double kept = 0.0;
     double kept_right = 0.0;
-    for (const JudgedReach& one : judged_) {
+    for (const ClassifiedReach& one : classified_) {
       if (!counts(one, subjects)) continue;
       TrunkMovement movement = one.movement;
       movement.probability = tempered(movement.probability, temperatures_.at(one.group));
@@ -118,7 +119,7 @@ class LeftOutTally {
     double square = 0.0;
     double count = 0.0;
     double covered = 0.0;
-    for (const JudgedReach& one : judged_) {
+    for (const ClassifiedReach& one : classified_) {
       if (!counts(one, subjects) || !std::isfinite(one.movement.trunk_deg)) continue;
       const double off_deg = std::abs(one.movement.trunk_deg - one.reach->flexion_deg);
       square += off_deg * off_deg;
@@ -131,11 +132,11 @@ class LeftOutTally {
   }
 
  private:
-  static bool counts(const JudgedReach& one, const std::set<std::size_t>& subjects) {
+  static bool counts(const ClassifiedReach& one, const std::set<std::size_t>& subjects) {
     return one.reach->wanted >= TrunkClass::Minor && (subjects.empty() || subjects.count(one.reach->subject) > 0);
   }
 
-  std::span<const JudgedReach> judged_;
+  std::span<const ClassifiedReach> classified_;
   double coldest_;
   double reject_below_;
   std::map<std::size_t, double> temperatures_;
@@ -144,8 +145,8 @@ class LeftOutTally {
 };
 
 /// Sets the values that need left-out people.
-void calibrate(TrunkModelForm& form, const TrainingSet& set, const std::vector<LeftOutReach>& judged) {
-  const Views views = views_of(set, judged);
+void calibrate(TrunkModelForm& form, const TrainingSet& set, const std::vector<LeftOutReach>& classified) {
+  const Views views = views_of(set, classified);
   const bool is_recommended = form.kind == classifier::ModelKind::Recommended;
   // With few people who are all separated, the fit would make a model as confident as possible about everybody.
   const double coldest = folds_of(set).size() < kEnoughFolds ? 1.0 : 0.0;
@@ -186,9 +187,9 @@ void set_facts(TrunkModelForm& form, const TrainingSet& set, const ModelOptions&
 
 }  // namespace
 
-core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, const ModelOptions& options,
-                                                       const std::function<void(double)>& progress) {
-  std::vector<LeftOutReach> judged;
+core::Result<std::vector<LeftOutReach>> classify_left_out(const TrainingSet& set, const ModelOptions& options,
+                                                          const std::function<void(double)>& progress) {
+  std::vector<LeftOutReach> classified;
   const auto folds = folds_of(set);
   for (std::size_t fold = 0; fold < folds.size(); ++fold) {
     if (progress) progress(static_cast<double>(fold) / static_cast<double>(folds.size()));
@@ -198,9 +199,9 @@ core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, c
     fewer.networks = std::min(options.networks, kNetworksLeftOut);
     DTS_TRY_ASSIGN(auto form, fit_model(others, fewer));
     DTS_TRY_ASSIGN(auto model, TrunkModel::create(std::move(form)));
-    judge_fold(model, set, folds[fold], judged);
+    classify_fold(model, set, folds[fold], classified);
   }
-  return judged;
+  return classified;
 }
 
 core::Result<TrunkModel> train_model(const TrainingSet& set, const ModelOptions& options, const std::function<void(double)>& progress) {
@@ -208,8 +209,8 @@ core::Result<TrunkModel> train_model(const TrainingSet& set, const ModelOptions&
   std::set<std::size_t> present;
   for (const TrainingReach& reach : set.reaches) present.insert(reach.subject);
   if (present.size() >= kLeastPeople) {
-    DTS_TRY_ASSIGN(const auto judged, judge_left_out(set, options, progress));
-    calibrate(form, set, judged);
+    DTS_TRY_ASSIGN(const auto classified, classify_left_out(set, options, progress));
+    calibrate(form, set, classified);
   }
   set_facts(form, set, options);
   return TrunkModel::create(std::move(form));

@@ -12,7 +12,7 @@
 
 namespace dts::lab::training {
 
-/// A reach judged by a model without its subject.
+/// A reach classified by a model without its subject.
 struct LeftOutReach {
   std::size_t reach = 0;  ///< Index into TrainingSet::reaches.
   core::TrunkMovement general;
@@ -21,10 +21,10 @@ struct LeftOutReach {
   double arm_alone = core::ReachFeatures::kUnknown;  ///< Probability that the trunk did not move.
 };
 
-/// Judges each person by a model of all others (reach-model section 6), which gives realistic figures. Fails if the fold of one subject
+/// Classifies each person by a model of all others (reach-model section 6), which gives realistic figures. Fails if the fold of one subject
 /// cannot be trained.
-[[nodiscard]] core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, const ModelOptions& options,
-                                                                     const std::function<void(double)>& progress);
+[[nodiscard]] core::Result<std::vector<LeftOutReach>> classify_left_out(const TrainingSet& set, const ModelOptions& options,
+                                                                        const std::function<void(double)>& progress);
 
 /// Fits a model, then sets temperatures, intervals and figures from left-out people. Figures are from recorded people if there are at least
 /// two; those of the angle are from simulated people if there are any. Fails if the networks do not learn their task, because a model that

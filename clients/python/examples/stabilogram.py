@@ -71,7 +71,7 @@ print(f"95 % ellipse area (mm2)   {area_mm2:12.1f}   {daemon_values['PEA95_F']:1
 
 # %% Draw the stabilogram with the same scale on both axes: front is at the top, the subject's right is at the right.
 figure, plots = plt.subplot_mosaic([["map", "ap"], ["map", "ml"]], figsize=(11, 5.5), width_ratios=(1, 1.2), layout="constrained")
-blue, orange = "#0072B2", "#D55E00"  # told apart by the colour-blind too (Okabe & Ito)
+blue, orange = "#0072B2", "#D55E00"  # distinguishable for colour-blind people (Okabe & Ito)
 middle = (ml_mm.mean(), ap_mm.mean())
 
 plots["map"].plot(ml_mm, ap_mm, color=blue, linewidth=0.8)

@@ -63,7 +63,7 @@ tl::unexpected<core::Error> damaged(const Command& command, const std::string& w
   return core::fail(ErrorCode::DataDamaged, "LabJack U6: the reply to " + std::string(command.name) + " " + why, std::string(kReplugHint));
 }
 
-core::Result<Reply> judge(const Command& command, std::span<const std::uint8_t> reply) {
+core::Result<Reply> checked_reply(const Command& command, std::span<const std::uint8_t> reply) {
   if (is_not_understood(reply)) return damaged(command, "reports that the command arrived with a wrong checksum");
   // A reply with an error number may be short; a good reply must be complete.
   if (reply.size() != command.reply_bytes) {
@@ -129,7 +129,7 @@ core::Result<Reply> exchange(usb::UsbPort& port, const Command& command, int tim
     const auto received = port.bulk_in(kReplyEndpoint, buffer, timeout_ms);
     if (!received) return tl::make_unexpected(usb::to_error(received.error(), what, std::string(kReplugHint)));
     const auto reply = std::span(buffer).first(std::min(*received, buffer.size()));
-    if (stale == kMostStaleReplies || belongs_to(command, reply) || is_not_understood(reply)) return judge(command, reply);
+    if (stale == kMostStaleReplies || belongs_to(command, reply) || is_not_understood(reply)) return checked_reply(command, reply);
   }
 }
 
@@ -140,10 +140,10 @@ core::Result<Reply> run(usb::UsbPort& port, const Command& command, int timeout_
 }
 
 core::Error refused(std::string_view command, std::uint8_t error) {
-  return {
-      ErrorCode::Failed,
-      "LabJack U6: " + std::string(command) + " was refused with error " + std::to_string(error) + " (" + std::string(meaning(error)) + ")",
-      ""};
+  return {ErrorCode::Failed,
+          "LabJack U6: " + std::string(command) + " was rejected with error " + std::to_string(error) + " (" + std::string(meaning(error)) +
+              ")",
+          ""};
 }
 
 }  // namespace dts::device::labjack

@@ -21,7 +21,7 @@ constexpr std::array kOptions = {
     UriOption{"terminal", Word, "rse", 0, 0, "rse|nrse|differential|default", "How the inputs are wired; default: NI-DAQmx chooses."},
     UriOption{"range_v", Number, "10", 0.001, 100, "", "Range to both sides of 0 V; the device uses the next larger range that it has."},
     UriOption{"trigger", Word, "none", 0, 0, "none|pfi0|pfi1|pfi2|pfi3|pfi4|pfi5|pfi6|pfi7",
-              "The first scan after dtsd starts begins with a rising edge at this terminal; after a fault or a replug the scan goes on "
+              "The first scan after dtsd starts begins with a rising edge at this terminal; after a fault or a replug the scan continues "
               "without it."},
     UriOption{"library", File, "", 0, 0, "", "Path of the NI-DAQmx library; needed if the system does not find it."},
 };
@@ -30,7 +30,7 @@ tl::unexpected<core::Error> refuse(const DeviceUri& uri, ErrorCode code, const s
   return core::fail(code, "device \"" + uri.text + "\": " + why, std::move(hint));
 }
 
-core::Status take_channels(const DeviceUri& uri, const std::vector<double>& given, NiOptions& options) {
+core::Status set_channels(const DeviceUri& uri, const std::vector<double>& given, NiOptions& options) {
   if (given.size() > core::kMaxChannels) {
     return refuse(uri, ErrorCode::LimitExceeded, std::to_string(given.size()) + " channels, at most " + std::to_string(core::kMaxChannels));
   }
@@ -58,7 +58,7 @@ core::Result<NiOptions> read_ni_options(const DeviceUri& uri) {
                   "write the name that NI's tools show: ni:Dev1");
   }
   const std::vector<double> channels = given.is_given("channels") ? given.numbers("channels") : std::vector<double>{0, 1, 2, 3};
-  DTS_TRY(take_channels(uri, channels, options));
+  DTS_TRY(set_channels(uri, channels, options));
   const std::string& terminal = given.text("terminal");
   options.terminal = std::ranges::find_if(kTerminals, [&](const auto& known) { return known.first == terminal; })->second;
   options.range_v = given.number("range_v");

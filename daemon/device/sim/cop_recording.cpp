@@ -23,8 +23,8 @@ dts::sim::CopPosition between(dts::sim::CopPosition a, dts::sim::CopPosition b, 
 
 core::Result<CopRecording> CopRecording::load(const std::string& path) {
   CopRecording recording;
-  const auto take = [&](std::span<const double> row, const std::string& place) { return recording.append(row, place); };
-  DTS_TRY(read_csv(path, kCopForm, take));
+  const auto add_row = [&](std::span<const double> row, const std::string& place) { return recording.append(row, place); };
+  DTS_TRY(read_csv(path, kCopForm, add_row));
   recording.subtract_mean();
   return recording;
 }

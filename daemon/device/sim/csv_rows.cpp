@@ -50,7 +50,7 @@ tl::unexpected<core::Error> refuse_row(const CsvForm& form, const std::string& p
 }
 
 core::Status read_csv(const std::string& path, const CsvForm& form,
-                      const std::function<core::Status(std::span<const double> row, const std::string& place)>& take) {
+                      const std::function<core::Status(std::span<const double> row, const std::string& place)>& add_row) {
   DTS_TRY(check_file(path, form));
   std::ifstream file(path, std::ios::binary);
   if (!file) return core::fail(ErrorCode::Failed, std::string(form.subject) + " " + path + ": cannot be read");
@@ -69,7 +69,7 @@ core::Status read_csv(const std::string& path, const CsvForm& form,
     }
     if (!parse_row(line, row)) return refuse_row(form, place, "\"" + line + "\" is not " + std::to_string(row.size()) + " numbers");
     if (++rows > form.max_rows) return refuse_row(form, place, "more than " + std::to_string(form.max_rows) + " rows");
-    DTS_TRY(take(row, place));
+    DTS_TRY(add_row(row, place));
   }
   if (rows < form.min_rows) return refuse_row(form, path, "too few rows, at least " + std::to_string(form.min_rows) + " needed");
   return {};

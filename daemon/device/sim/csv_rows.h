@@ -23,10 +23,10 @@ struct CsvForm {
 /// Longest allowed line, characters.
 inline constexpr std::size_t kMaxCsvLineLength = 256;
 
-/// Calls `take` with every row of a CSV file (finite numbers only) and its place "file:line". Fails with NotFound, with InvalidArgument,
-/// naming the place, or with the first error of `take`.
+/// Calls `add_row` with every row of a CSV file (finite numbers only) and its place "file:line". Fails with NotFound, with InvalidArgument,
+/// naming the place, or with the first error of `add_row`.
 [[nodiscard]] core::Status read_csv(const std::string& path, const CsvForm& form,
-                                    const std::function<core::Status(std::span<const double> row, const std::string& place)>& take);
+                                    const std::function<core::Status(std::span<const double> row, const std::string& place)>& add_row);
 
 /// Returns InvalidArgument with the text "place: why" and the hint of `form`.
 [[nodiscard]] tl::unexpected<core::Error> refuse_row(const CsvForm& form, const std::string& place, const std::string& why);

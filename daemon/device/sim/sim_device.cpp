@@ -16,7 +16,7 @@ using core::GapReason;
 
 constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // read() must see interrupt() within 100 ms
 constexpr double kBufferMs = 4000.0;
-constexpr double kHeardWithinS = 0.15;  // shorter than any reaction time: a smaller delay of the reader has no effect
+constexpr double kCueWithinS = 0.15;  // shorter than any reaction time: a smaller delay of the reader has no effect
 
 }  // namespace
 
@@ -151,7 +151,7 @@ void SimDevice::fill(core::Block& block, std::size_t count) noexcept {
 void SimDevice::compute_scan(std::uint64_t scan) noexcept {
   const core::Rate rate = pacer_.rate();
   const double time_s = static_cast<double>(scan) * static_cast<double>(rate.denominator()) / static_cast<double>(rate.numerator());
-  tell_scene(scan, time_s);
+  pass_cues(scan, time_s);
   parts_.scene->evaluate(time_s, row_);
   parts_.daq.convert({row_.data(), parts_.converted_channels}, scan);
   if (parts_.fault.kind != FaultKind::Stuck || !window_.contains(scan)) return;
@@ -164,10 +164,10 @@ void SimDevice::hear(const Cue& cue) noexcept {
   if (state() == DeviceState::Streaming) (void)cues_.push(cue);  // if full, the cue is dropped: no thread reads scans
 }
 
-void SimDevice::tell_scene(std::uint64_t scan, double time_s) noexcept {
+void SimDevice::pass_cues(std::uint64_t scan, double time_s) noexcept {
   for (const Cue* cue = cues_.front(); cue != nullptr && cue->at_ns <= pacer_.instant_ns(scan); cue = cues_.front()) {
     // If the cue is too old, the person reacts late: scans that were already delivered do not change.
-    parts_.scene->hear(std::max(pacer_.device_time_s(cue->at_ns), time_s - kHeardWithinS), *cue);
+    parts_.scene->hear(std::max(pacer_.device_time_s(cue->at_ns), time_s - kCueWithinS), *cue);
     cues_.release();
   }
 }

@@ -70,7 +70,7 @@ class SimDevice final : public Device {
   [[nodiscard]] bool is_break_ahead() const noexcept;
   void fill(core::Block& block, std::size_t count) noexcept;
   void compute_scan(std::uint64_t scan) noexcept;
-  void tell_scene(std::uint64_t scan, double time_s) noexcept;
+  void pass_cues(std::uint64_t scan, double time_s) noexcept;
 
   SimParts parts_;
   core::Clock& clock_;

@@ -17,7 +17,7 @@ constexpr double kMostN = 2000.0;
 
 core::Result<std::vector<Weight>> load_weights(const std::string& path, const physics::Plate& plate) {
   std::vector<Weight> weights;
-  const auto take = [&](std::span<const double> row, const std::string& place) -> core::Status {
+  const auto add_row = [&](std::span<const double> row, const std::string& place) -> core::Status {
     const physics::Point position{plate.a / 2.0 + core::Millimetres{row[0]}, plate.b / 2.0 + core::Millimetres{row[1]}};
     const bool is_on_plate = position.x.value >= 0.0 && position.x <= plate.a && position.y.value >= 0.0 && position.y <= plate.b;
     if (!is_on_plate) {
@@ -30,7 +30,7 @@ core::Result<std::vector<Weight>> load_weights(const std::string& path, const ph
     weights.push_back({position, row[2]});
     return {};
   };
-  DTS_TRY(read_csv(path, kWeightForm, take));
+  DTS_TRY(read_csv(path, kWeightForm, add_row));
   return weights;
 }
 

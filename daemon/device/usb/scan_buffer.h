@@ -30,7 +30,7 @@ class ScanBuffer {
     return {codes_.data() + begin_ + index * channels_, channels_};
   }
   /// Removes the `count` oldest scans.
-  void take(std::size_t count) noexcept { begin_ += count * channels_; }
+  void remove(std::size_t count) noexcept { begin_ += count * channels_; }
 
  private:
   std::size_t channels_ = 1;

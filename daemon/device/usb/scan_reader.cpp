@@ -76,7 +76,7 @@ ReadResult ScanReader::read(core::Block& block, std::int64_t deadline_ns) noexce
   if (block.capacity() == 0 || block.channel_count() != channels_) return {ReadOutcome::Timeout, {}};
   const std::size_t wanted = std::min(block.capacity(), setup_.max_block_scans);
   while (true) {
-    take_chunks(std::max(wanted, held_scans_));
+    read_chunks(std::max(wanted, held_scans_));
     check_start(has_trouble());
     const std::int64_t now_ns = use_.clock.now_ns();
     const bool is_over = now_ns >= deadline_ns || use_.is_interrupted.exchange(false, std::memory_order_acquire);  // pairs with interrupt()
@@ -109,7 +109,7 @@ std::int64_t ScanReader::silence_limit_ns() const noexcept {
   return std::max(usual_ns, period_ns + period_ns / 4 + 50 * kMillisecond);
 }
 
-void ScanReader::take_chunks(std::size_t wanted_scans) noexcept {
+void ScanReader::read_chunks(std::size_t wanted_scans) noexcept {
   while (!has_trouble() && scans_.scans() < wanted_scans) {
     const Chunk* const chunk = use_.stream.front();
     if (chunk == nullptr) return;
@@ -120,16 +120,16 @@ void ScanReader::take_chunks(std::size_t wanted_scans) noexcept {
     const UsbStatus status = chunk->status;
     if (chunk->length > 0) newest_data_ns_ = std::max(newest_data_ns_, core::monotonic_of_raw_ns(use_.clock, chunk->stamp_ns));
     const bool has_believable_bytes = status != UsbStatus::Overflow && status != UsbStatus::Failed;
-    if (has_believable_bytes && !take_bytes(*chunk)) return;
+    if (has_believable_bytes && !add_bytes(*chunk)) return;
     note_arrival(chunk->stamp_ns);
-    if (!has_trouble()) take_status(status);
+    if (!has_trouble()) handle_status(status);
     chunk_used_ = 0;
     use_.stream.release();
   }
 }
 
 /// Returns false if the stream has a fault inside this chunk; the rest of the chunk is kept for after a Gap.
-bool ScanReader::take_bytes(const Chunk& chunk) noexcept {
+bool ScanReader::add_bytes(const Chunk& chunk) noexcept {
   while (chunk_used_ < chunk.length) {
     const std::size_t scans_before = scans_.scans();
     const std::span<std::uint16_t> room = scans_.room();
@@ -168,7 +168,7 @@ void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
 }
 
 /// Ends the scan if the transfer did not end as Completed.
-void ScanReader::take_status(UsbStatus status) noexcept {
+void ScanReader::handle_status(UsbStatus status) noexcept {
   if (status == UsbStatus::Completed) return;
   use_.transfer_errors[static_cast<std::size_t>(status)].fetch_add(1, std::memory_order_relaxed);  // only for the report
   if (status == UsbStatus::NoDevice) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
@@ -250,7 +250,7 @@ void ScanReader::deliver(core::Block& block, std::size_t wanted_scans) noexcept 
     }
   }
   delivered_ += count;
-  scans_.take(count);
+  scans_.remove(count);
   if (count < waiting) doubt_the_rest();
 }
 

@@ -72,9 +72,9 @@ class ScanReader {
  private:
   [[nodiscard]] bool has_trouble() const noexcept { return trouble_.outcome != ReadOutcome::Scans; }
   void set_trouble(ReadOutcome outcome, core::GapReason reason) noexcept { trouble_ = {outcome, {reason, 0, false}}; }
-  void take_chunks(std::size_t wanted_scans) noexcept;
-  [[nodiscard]] bool take_bytes(const Chunk& chunk) noexcept;
-  void take_status(UsbStatus status) noexcept;
+  void read_chunks(std::size_t wanted_scans) noexcept;
+  [[nodiscard]] bool add_bytes(const Chunk& chunk) noexcept;
+  void handle_status(UsbStatus status) noexcept;
   void note_arrival(std::int64_t stamp_ns) noexcept;
   void check_start(bool is_final) noexcept;
   void deliver(core::Block& block, std::size_t wanted_scans) noexcept;

@@ -58,7 +58,7 @@ void BaselineAverage::restore(StateReader& reader, std::size_t channel_count, st
   }
 }
 
-TareOutcome BaselineAverage::judge(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept {
+TareOutcome BaselineAverage::outcome(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept {
   for (std::size_t c = 0; c < channel_count; ++c) {
     if ((sums_[c].bits & kFaultBits) != 0) return TareOutcome::BadSensor;
   }

@@ -23,7 +23,7 @@ class BaselineAverage {
 
   /// Returns Done if no value had a fault bit, every mean is within `limit_mm` of zero and every rms about its mean is within `noise_mm`;
   /// otherwise the reason, with a sensor fault before all others. Valid when no scans remain.
-  [[nodiscard]] TareOutcome judge(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept;
+  [[nodiscard]] TareOutcome outcome(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept;
   [[nodiscard]] double mean(std::size_t channel) const noexcept;
 
   /// Returns the number of values that `save` writes and `restore` reads for so many columns. `scans`: the argument of `start`.

@@ -79,7 +79,7 @@ core::Result<core::StreamFormat> Linearise::prepare(const core::StreamFormat& in
 }
 
 void Linearise::process(const core::Block& in, core::Block& out) noexcept {
-  take_request();
+  handle_request();
   for (std::size_t c = 0; c < out.channel_count(); ++c) convert(rig_->sensors[c], in, out, c);
   // A tare ends at a scan and not at a block: the block is split where the baseline changes.
   const std::size_t averaged = static_cast<std::size_t>(std::min<std::uint64_t>(average_.remaining_scans(), out.count()));
@@ -92,7 +92,7 @@ void Linearise::process(const core::Block& in, core::Block& out) noexcept {
   subtract_baseline(out, averaged, out.count() - averaged);
 }
 
-void Linearise::take_request() noexcept {
+void Linearise::handle_request() noexcept {
   const std::uint64_t requested = tare_->requested();
   if (requested == request_) return;
   request_ = requested;
@@ -102,7 +102,7 @@ void Linearise::take_request() noexcept {
 void Linearise::finish_average() noexcept {
   const std::size_t sensors = rig_->sensors.size();
   if (tare_->is_cancelled(request_)) return report(TareOutcome::None);
-  const TareOutcome outcome = average_.judge(sensors, tare_limit_mm_, tare_noise_mm_);
+  const TareOutcome outcome = average_.outcome(sensors, tare_limit_mm_, tare_noise_mm_);
   if (outcome == TareOutcome::Done) {
     for (std::size_t c = 0; c < sensors; ++c) baseline_mm_[c] = average_.mean(c);
     is_tared_ = true;

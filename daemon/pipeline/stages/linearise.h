@@ -33,7 +33,7 @@ class Linearise final : public Stage {
 
  private:
   void forget() noexcept;
-  void take_request() noexcept;
+  void handle_request() noexcept;
   void finish_average() noexcept;
   void subtract_baseline(core::Block& out, std::size_t first, std::size_t scans) const noexcept;
   void report(TareOutcome outcome) noexcept;

@@ -70,18 +70,18 @@ core::Result<core::StreamFormat> Steadiness::prepare(const core::StreamFormat& i
 
 void Steadiness::process(const core::Block& in, core::Block& /*out*/) noexcept {
   events_.clear();
-  take_window(in.segment);
+  update_window(in.segment);
   const auto ml_mm = in.column(0);
   const auto ap_mm = in.column(1);
   const auto load_n = in.column(2);
   for (std::size_t i = 0; i < in.count(); ++i) {
     const bool is_empty = load_n[i] <= 0.0;  // a COP without load is meaningless; with an unknown load (NaN) it may be valid
-    watch_.take(in.first_scan.value + i, is_empty ? kNaN : ml_mm[i], ap_mm[i], events_);
+    watch_.process(in.first_scan.value + i, is_empty ? kNaN : ml_mm[i], ap_mm[i], events_);
   }
   for (core::SwayEvent& event : std::span(events_.events).first(events_.count)) translate(event, in);
 }
 
-void Steadiness::take_window(std::uint32_t segment) noexcept {
+void Steadiness::update_window(std::uint32_t segment) noexcept {
   const SteadinessWindow& latest = windows_->latest();
   const bool is_new = latest.number != letter_ && !is_same_window(latest, window_);
   letter_ = latest.number;

@@ -33,7 +33,7 @@ class Steadiness final : public Stage {
 
  private:
   void forget() noexcept;
-  void take_window(std::uint32_t segment) noexcept;
+  void update_window(std::uint32_t segment) noexcept;
   [[nodiscard]] SwayWatch::Trial trial_in(std::uint32_t segment) const noexcept;
   [[nodiscard]] std::uint64_t index_of(core::ScanIndex scan) const noexcept;
   [[nodiscard]] core::ScanIndex scan_of(std::uint64_t index) const noexcept;

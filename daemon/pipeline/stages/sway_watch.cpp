@@ -48,7 +48,7 @@ void SwayWatch::expect(const Trial& trial, Events& events) noexcept {
   trial_ = trial;
 }
 
-void SwayWatch::take(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept {
+void SwayWatch::process(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept {
   if (!is_place(ml_mm, ap_mm)) return miss(now, events);
   if (!is_standing_) settle(now, ml_mm, ap_mm);
   if (gap_ > 0) bridge(now, ml_mm, ap_mm, events);
@@ -101,7 +101,7 @@ void SwayWatch::measure(std::uint64_t now, double ml_mm, double ap_mm, Events& e
   sums_.add(ml_mm, ap_mm);
   newest_ = described;
   has_news_ = true;
-  if (described >= due_) tell(events);
+  if (described >= due_) report(events);
 }
 
 void SwayWatch::follow_trial(std::uint64_t described, Events& events) noexcept {
@@ -120,12 +120,12 @@ void SwayWatch::open(Window window, std::uint64_t described) noexcept {
 }
 
 void SwayWatch::close(Events& events) noexcept {
-  if (has_news_) tell(events);
+  if (has_news_) report(events);
   open(Window::None, 0);
   due_ = 0;
 }
 
-void SwayWatch::tell(Events& events) noexcept {
+void SwayWatch::report(Events& events) noexcept {
   core::SwayEvent event;
   event.scan = core::ScanIndex{newest_};
   event.first_scan = core::ScanIndex{first_};

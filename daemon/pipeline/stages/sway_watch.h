@@ -45,7 +45,7 @@ class SwayWatch {
   void expect(const Trial& trial, Events& events) noexcept;
   /// Processes index `now`, which must follow the last one; a value that is not finite is missing. Events contain indices in place of
   /// scans. Realtime-safe: yes.
-  void take(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept;
+  void process(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept;
   /// Forgets the signal but keeps the trial.
   void reset() noexcept;
   void save(StateWriter& writer) const noexcept;
@@ -64,7 +64,7 @@ class SwayWatch {
   void follow_trial(std::uint64_t described, Events& events) noexcept;
   void open(Window window, std::uint64_t described) noexcept;
   void close(Events& events) noexcept;
-  void tell(Events& events) noexcept;
+  void report(Events& events) noexcept;
 
   std::uint64_t divisor_ = 1;
   std::uint64_t every_ = 50;

@@ -96,7 +96,7 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   while (true) {
     const auto item = recording->next();
     if (!item || !*item) break;  // `verify` reports what cannot be read
-    trials.take(**item);
+    trials.add(**item);
     const auto* timed = std::get_if<TimedEvent>(&**item);
     if (timed != nullptr && timed->event.has_session()) is_aborted = timed->event.session().is_aborted();
   }
@@ -118,7 +118,7 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
     trial.session_id = facts.session_id;
     trial.part = facts.part;
   }
-  found.results = trials.figures();
+  found.results = trials.session_results();
   for (ResultRow& result : found.results) result.session_id = facts.session_id;
   found.session_state = session_state(found.part.state, is_aborted);
   found.ended_utc_ns = end_of(found.part);

@@ -54,7 +54,7 @@ tl::unexpected<core::Error> error_of(const std::string& file, const SQLite::Exce
   const std::string why = exception.what();
   if (code_of(result) == ErrorCode::DataDamaged) {
     return core::fail(ErrorCode::DataDamaged, "the catalogue " + file + " is damaged: " + why,
-                      "start dtsd again: it sets the catalogue aside and makes it anew from the recordings, all but the audit trail");
+                      "start dtsd again: it sets the catalogue aside and makes a new one from the recordings, without the audit trail");
   }
   const bool is_of_the_system = (result & 0xff) == SQLITE_IOERR || (result & 0xff) == SQLITE_CANTOPEN;
   const std::string system = is_of_the_system && system_errno != 0 ? " (" + std::system_category().message(system_errno) + ")" : "";

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostTrials = 100'000;
 constexpr std::uint32_t kLargestTrialNumber = 1'000'000;
-constexpr std::size_t kMostFigures = 10'000;
+constexpr std::size_t kMostResults = 10'000;
 constexpr std::size_t kLongestCondition = 64;
 
 bool is_number(std::uint32_t number) { return number >= 1 && number <= kLargestTrialNumber; }
@@ -45,54 +45,54 @@ void end(const v1::Event& event, TrialRow& row) {
 
 }  // namespace
 
-void TrialCollector::take(const RecordedItem& item) {
+void TrialCollector::add(const RecordedItem& item) {
   if (const auto* scans = std::get_if<RecordedScans>(&item)) {
     if (raw_ && scans->stream == *raw_ && scans->count > 0) {
       newest_ = std::max(newest_, Place{scans->segment, scans->first_scan.value + (scans->count - 1)});
     }
   } else if (const auto* timed = std::get_if<TimedEvent>(&item)) {
     newest_ = std::max(newest_, Place{timed->event.segment(), timed->event.scan()});
-    take(timed->event);
+    add(timed->event);
   }
 }
 
-void TrialCollector::take(const v1::Event& event) {
-  if (event.has_trial()) take_step(event);
-  if (event.has_trial_result()) take_result(event, event.trial_result().trial(), event.trial_result().attempt());
-  if (event.has_sway() && !event.sway().is_preliminary()) take_result(event, event.sway().trial(), event.sway().attempt());
-  if (event.has_figure()) take_figure(event.figure());
+void TrialCollector::add(const v1::Event& event) {
+  if (event.has_trial()) add_step(event);
+  if (event.has_trial_result()) add_result(event, event.trial_result().trial(), event.trial_result().attempt());
+  if (event.has_sway() && !event.sway().is_preliminary()) add_result(event, event.sway().trial(), event.sway().attempt());
+  if (event.has_figure()) add_session_result(event.figure());
 }
 
-void TrialCollector::take_step(const v1::Event& event) {
-  const v1::TrialChange& told = event.trial();
-  if (!is_number(told.trial()) || !is_number(told.attempt()) || !(is_start(told.step()) || is_end(told.step()))) return;
-  if (rows_.size() >= kMostTrials && !rows_.contains({told.trial(), told.attempt()})) return;
-  TrialRow& row = rows_[{told.trial(), told.attempt()}];
+void TrialCollector::add_step(const v1::Event& event) {
+  const v1::TrialChange& change = event.trial();
+  if (!is_number(change.trial()) || !is_number(change.attempt()) || !(is_start(change.step()) || is_end(change.step()))) return;
+  if (rows_.size() >= kMostTrials && !rows_.contains({change.trial(), change.attempt()})) return;
+  TrialRow& row = rows_[{change.trial(), change.attempt()}];
   if (row.trial == 0) {  // the first event of this trial, of any step
-    row.trial = told.trial();
-    row.attempt = told.attempt();
+    row.trial = change.trial();
+    row.attempt = change.attempt();
     begin(event, row);
   }
-  if (is_end(told.step())) {
+  if (is_end(change.step())) {
     end(event, row);
   } else if (row.outcome.empty()) {
     begin(event, row);
   }
 }
 
-void TrialCollector::take_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt) {
+void TrialCollector::add_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt) {
   if (const auto row = rows_.find({trial, attempt}); row != rows_.end()) row->second.result = wire::to_json(event);
 }
 
-void TrialCollector::take_figure(const v1::SessionResult& figure) {
-  if (!std::isfinite(figure.value()) || figure.name().empty() || figures_.size() >= kMostFigures) return;
-  figures_[figure.name()] = {
-      .session_id = {}, .name = figure.name(), .value = figure.value(), .unit = figure.unit(), .details = figure.details()};
+void TrialCollector::add_session_result(const v1::SessionResult& result) {
+  if (!std::isfinite(result.value()) || result.name().empty() || session_results_.size() >= kMostResults) return;
+  session_results_[result.name()] = {
+      .session_id = {}, .name = result.name(), .value = result.value(), .unit = result.unit(), .details = result.details()};
 }
 
-std::vector<ResultRow> TrialCollector::figures() const {
+std::vector<ResultRow> TrialCollector::session_results() const {
   std::vector<ResultRow> rows;
-  for (const auto& [name, row] : figures_) rows.push_back(row);
+  for (const auto& [name, row] : session_results_) rows.push_back(row);
   return rows;
 }
 

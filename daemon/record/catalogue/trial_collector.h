@@ -14,30 +14,30 @@
 namespace dts::record {
 
 /// Makes trial rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the
-/// steps of trials, their results and the figures of the session. Skips invalid events. If the recording ends during a trial, the trial
+/// steps of trials, their results and the results of the session. Skips invalid events. If the recording ends during a trial, the trial
 /// counts as aborted there.
 class TrialCollector {
  public:
   /// `raw`: index of the stream whose scans the events count; absent: the end of the recording is the place of its last event.
   explicit TrialCollector(std::optional<std::size_t> raw) : raw_(raw) {}
 
-  void take(const RecordedItem& item);
+  void add(const RecordedItem& item);
   /// Returns the rows, sorted by trial and attempt. The caller sets `session_id` and `part`.
   [[nodiscard]] std::vector<TrialRow> rows() const;
   /// Returns the results of the whole session. The caller sets `session_id`.
-  [[nodiscard]] std::vector<ResultRow> figures() const;
+  [[nodiscard]] std::vector<ResultRow> session_results() const;
 
  private:
   using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< Segment, scan.
-  void take(const v1::Event& event);
-  void take_step(const v1::Event& event);
-  void take_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt);
-  void take_figure(const v1::SessionResult& figure);
+  void add(const v1::Event& event);
+  void add_step(const v1::Event& event);
+  void add_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt);
+  void add_session_result(const v1::SessionResult& result);
 
   std::optional<std::size_t> raw_;
   Place newest_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt. Empty outcome: the trial has not ended.
-  std::map<std::string, ResultRow> figures_;
+  std::map<std::string, ResultRow> session_results_;
 };
 
 }  // namespace dts::record

@@ -39,9 +39,9 @@ class BidsSink : public ExportSink {
       : recording_(recording), names_(recording), origin_s_(origin_s), files_(files), motions_(recording.streams().size()) {}
 
   [[nodiscard]] core::Status create_files();
-  [[nodiscard]] core::Status take(const RecordedScans& scans) override;
-  [[nodiscard]] core::Status take(const RecordedChange& /*change*/) override { return {}; }
-  [[nodiscard]] core::Status take(const TimedEvent& event) override;
+  [[nodiscard]] core::Status write(const RecordedScans& scans) override;
+  [[nodiscard]] core::Status write(const RecordedChange& /*change*/) override { return {}; }
+  [[nodiscard]] core::Status write(const TimedEvent& event) override;
   /// Writes the documents that need the whole recording, and the lists of the dataset.
   [[nodiscard]] core::Status write_documents();
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_.load(); }
@@ -95,7 +95,7 @@ core::Status BidsSink::create_events() {
   return files_.put(names_.path(owner->facts.tracking_system, "events.json"), events_description());
 }
 
-core::Status BidsSink::take(const RecordedScans& scans) {
+core::Status BidsSink::write(const RecordedScans& scans) {
   Motion& motion = motions_[scans.stream];
   if (motion.file == nullptr || scans.count == 0) return {};
   const StreamInfo& info = recording_.streams()[scans.stream];
@@ -117,7 +117,7 @@ core::Status BidsSink::take(const RecordedScans& scans) {
   return motion.file->status();
 }
 
-core::Status BidsSink::take(const TimedEvent& timed) {
+core::Status BidsSink::write(const TimedEvent& timed) {
   const EventCells cells = cells_of(timed);
   const bool is_moment = timed.event.has_marker() || timed.event.has_trigger();
   events_->advance(put_microseconds(events_->reserve(kLongestNumber), to_ns(timed.time_s - origin_s_)));

@@ -48,9 +48,9 @@ class CsvSink : public ExportSink {
       : recording_(recording), origin_s_(origin_s), files_(files), columns_(recording.streams().size()), trials_(recording) {}
 
   [[nodiscard]] core::Status create_files();
-  [[nodiscard]] core::Status take(const RecordedScans& scans) override;
-  [[nodiscard]] core::Status take(const RecordedChange& change) override;
-  [[nodiscard]] core::Status take(const TimedEvent& event) override;
+  [[nodiscard]] core::Status write(const RecordedScans& scans) override;
+  [[nodiscard]] core::Status write(const RecordedChange& change) override;
+  [[nodiscard]] core::Status write(const TimedEvent& event) override;
   /// Writes the documents that need the whole recording.
   [[nodiscard]] core::Status write_documents();
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_.load(); }
@@ -101,8 +101,8 @@ std::string CsvSink::unused_name(const std::string& stream) {
   return name;
 }
 
-core::Status CsvSink::take(const RecordedScans& scans) {
-  trials_.take(scans);
+core::Status CsvSink::write(const RecordedScans& scans) {
+  trials_.add(scans);
   Column& column = columns_[scans.stream];
   if (!column.times) return {};  // an irregular stream, or not exported
   column.times->begin(scans);
@@ -115,7 +115,7 @@ core::Status CsvSink::take(const RecordedScans& scans) {
   return column.file->status();
 }
 
-core::Status CsvSink::take(const RecordedChange& change) {
+core::Status CsvSink::write(const RecordedChange& change) {
   Column& column = columns_[change.stream];
   if (column.file == nullptr) return {};
   char* at = column.file->reserve(longest_row(column.channels));
@@ -125,8 +125,8 @@ core::Status CsvSink::take(const RecordedChange& change) {
   return column.file->status();
 }
 
-core::Status CsvSink::take(const TimedEvent& timed) {
-  trials_.take(timed);
+core::Status CsvSink::write(const TimedEvent& timed) {
+  trials_.add(timed);
   const EventCells cells = cells_of(timed);
   char* at = events_->reserve(longest_row(0));
   events_->advance(put_place(at, to_ns(timed.time_s - origin_s_), timed.event.segment(), timed.event.scan()));

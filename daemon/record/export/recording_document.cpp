@@ -57,7 +57,7 @@ std::string recording_document(const Recording& recording, bool has_label) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void TrialTable::take(const RecordedScans& scans) noexcept {
+void TrialTable::add(const RecordedScans& scans) noexcept {
   if (raw_ != scans.stream || scans.count == 0) return;
   newest_.segment = scans.segment;
   newest_.first_scan = {scans.first_scan.value + (scans.count - 1)};
@@ -67,7 +67,7 @@ std::string TrialTable::text() {
   if (raw_) {
     newest_.stream = *raw_;
     newest_.count = 1;
-    trials_.take(RecordedItem(newest_));
+    trials_.add(RecordedItem(newest_));
   }
   std::string text;
   for (const TrialRow& trial : trials_.rows()) {

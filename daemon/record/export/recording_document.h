@@ -18,10 +18,10 @@ class TrialTable {
   explicit TrialTable(const Recording& recording) : raw_(recording.find_stream("raw")), trials_(raw_) {}
 
   /// Thread: the stream's thread.
-  void take(const RecordedScans& scans) noexcept;
+  void add(const RecordedScans& scans) noexcept;
   /// Thread: the events' thread.
-  void take(const TimedEvent& event) { trials_.take(RecordedItem(event)); }
-  /// Returns the trials as CSV; empty if there was none. Call it after the last `take`.
+  void add(const TimedEvent& event) { trials_.add(RecordedItem(event)); }
+  /// Returns the trials as CSV; empty if there was none. Call it after the last `add`.
   [[nodiscard]] std::string text();
 
  private:

@@ -29,7 +29,7 @@ class Beginnings {
   [[nodiscard]] bool is_complete() const {
     return std::ranges::none_of(waits_for_, [](bool waits) { return waits; });
   }
-  void take(const RecordedItem& item) {
+  void add(const RecordedItem& item) {
     if (const auto* scans = std::get_if<RecordedScans>(&item)) {
       first_scan_s_ = std::min(first_scan_s_.value_or(scans->first_time_s), scans->first_time_s);
       if (scans->stream < waits_for_.size()) waits_for_[scans->stream] = false;
@@ -69,9 +69,9 @@ bool fits(const Recording& recording, const RecordedItem& item) {
 }
 
 core::Status hand_over(const RecordedItem& item, ExportSink& sink) {
-  if (const auto* scans = std::get_if<RecordedScans>(&item)) return sink.take(*scans);
-  if (const auto* change = std::get_if<RecordedChange>(&item)) return sink.take(*change);
-  if (const auto* event = std::get_if<TimedEvent>(&item)) return sink.take(*event);
+  if (const auto* scans = std::get_if<RecordedScans>(&item)) return sink.write(*scans);
+  if (const auto* change = std::get_if<RecordedChange>(&item)) return sink.write(*change);
+  if (const auto* event = std::get_if<TimedEvent>(&item)) return sink.write(*event);
   return {};
 }
 
@@ -110,7 +110,7 @@ core::Result<double> find_origin(Recording& recording) {
   for (bool is_first = true; is_first || !beginnings.is_complete(); is_first = false) {
     DTS_TRY_ASSIGN(const auto item, recording.next());
     if (!item) break;
-    beginnings.take(*item);
+    beginnings.add(*item);
   }
   return recording.rewind().map([&] { return beginnings.origin_s(); });
 }

@@ -14,10 +14,10 @@ namespace dts::record {
 class ExportSink {
  public:
   virtual ~ExportSink() = default;
-  /// If a `take` fails (the disk is full), the walk ends.
-  [[nodiscard]] virtual core::Status take(const RecordedScans& scans) = 0;
-  [[nodiscard]] virtual core::Status take(const RecordedChange& change) = 0;
-  [[nodiscard]] virtual core::Status take(const TimedEvent& event) = 0;
+  /// If a `write` fails (the disk is full), the walk ends.
+  [[nodiscard]] virtual core::Status write(const RecordedScans& scans) = 0;
+  [[nodiscard]] virtual core::Status write(const RecordedChange& change) = 0;
+  [[nodiscard]] virtual core::Status write(const TimedEvent& event) = 0;
 };
 
 /// Returns the time stamp of the earliest first scan of all regular streams; without scans, of the first item in the file. Rewinds.

@@ -54,13 +54,13 @@ inline void put_length(std::string& bytes, std::uint64_t length) {
   return chunk.append(content);
 }
 
-/// Reads numbers from the front of `bytes`. Each `take` returns false if too few bytes are left.
+/// Reads numbers from the front of `bytes`. Each `read` returns false if too few bytes are left.
 class ByteCursor {
  public:
   explicit ByteCursor(std::string_view bytes) noexcept : left_(bytes) {}
 
   template <class Number>
-  [[nodiscard]] bool take(Number& number) noexcept {
+  [[nodiscard]] bool read(Number& number) noexcept {
     if (left_.size() < sizeof(Number)) return false;
     std::array<char, sizeof(Number)> raw{};
     std::memcpy(raw.data(), left_.data(), sizeof(Number));
@@ -69,14 +69,14 @@ class ByteCursor {
     left_.remove_prefix(sizeof(Number));
     return true;
   }
-  [[nodiscard]] bool take_length(std::uint64_t& length) noexcept {
+  [[nodiscard]] bool read_length(std::uint64_t& length) noexcept {
     std::uint8_t bytes = 0;
-    if (!take(bytes)) return false;
-    if (bytes == 8) return take(length);
-    if (bytes == 4) return take_as<std::uint32_t>(length);
-    return bytes == 1 && take_as<std::uint8_t>(length);
+    if (!read(bytes)) return false;
+    if (bytes == 8) return read(length);
+    if (bytes == 4) return read_as<std::uint32_t>(length);
+    return bytes == 1 && read_as<std::uint8_t>(length);
   }
-  [[nodiscard]] bool take_text(std::uint64_t length, std::string_view& text) noexcept {
+  [[nodiscard]] bool read_text(std::uint64_t length, std::string_view& text) noexcept {
     if (length > left_.size()) return false;
     text = left_.substr(0, static_cast<std::size_t>(length));
     left_.remove_prefix(static_cast<std::size_t>(length));
@@ -86,9 +86,9 @@ class ByteCursor {
 
  private:
   template <class Number>
-  [[nodiscard]] bool take_as(std::uint64_t& length) noexcept {
+  [[nodiscard]] bool read_as(std::uint64_t& length) noexcept {
     Number number = 0;
-    if (!take(number)) return false;
+    if (!read(number)) return false;
     length = number;
     return true;
   }

@@ -76,13 +76,13 @@ core::Status ChunkDecoder::decode_stream_header(std::uint32_t number, std::strin
 core::Status ChunkDecoder::decode_of_stream(ChunkTag tag, std::string_view content, Chunk& chunk) {
   ByteCursor cursor(content);
   std::uint32_t number = 0;
-  if (!cursor.take(number)) return core::fail(kDamaged, "no stream number");
+  if (!cursor.read(number)) return core::fail(kDamaged, "no stream number");
   if (tag == ChunkTag::StreamHeader) return decode_stream_header(number, cursor.left(), chunk);
   const auto stream = streams_.find(number);
   if (stream == streams_.end()) return core::fail(kDamaged, "stream " + std::to_string(number) + " has no header");
   if (tag == ChunkTag::ClockOffset) {
     ClockOffset offset{.stream = number};
-    if (!cursor.take(offset.stream_time_s) || !cursor.take(offset.offset_s) || !cursor.left().empty())
+    if (!cursor.read(offset.stream_time_s) || !cursor.read(offset.offset_s) || !cursor.left().empty())
       return core::fail(kDamaged, "not two numbers");
     chunk.content = offset;
     return {};

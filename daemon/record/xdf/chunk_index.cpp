@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kMaxLineBytes = 1024;  ///< A double written with %f has at most 309 digits before its point.
 
 /// Removes the next word from the line and returns it; empty if there is none, or if there is more than one space before it.
-std::string_view take_word(std::string_view& line) noexcept {
+std::string_view read_word(std::string_view& line) noexcept {
   const std::size_t end = std::min(line.find(' '), line.size());
   const std::string_view word = line.substr(0, end);
   line.remove_prefix(std::min(end + 1, line.size()));
@@ -24,14 +24,14 @@ std::string_view take_word(std::string_view& line) noexcept {
 }
 
 template <class Number>
-bool take_number(std::string_view& line, Number& number) noexcept {
-  const auto read = number_of<Number>(take_word(line));
+bool read_number(std::string_view& line, Number& number) noexcept {
+  const auto read = number_of<Number>(read_word(line));
   if (read) number = *read;
   return read.has_value();
 }
 
-bool take_hex(std::string_view& line, std::uint32_t& number) noexcept {
-  const std::string_view word = take_word(line);
+bool read_hex(std::string_view& line, std::uint32_t& number) noexcept {
+  const std::string_view word = read_word(line);
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number, 16);
   return error == std::errc{} && word.size() == 8 && end == word.data() + word.size();
 }
@@ -49,10 +49,10 @@ std::string to_line(const ChunkNote& note) {
 
 std::optional<ChunkNote> note_of_line(std::string_view line) {
   ChunkNote note;
-  const bool is_whole = line.size() < kMaxLineBytes && !line.empty() && line.back() != ' ' && take_number(line, note.offset) &&
-                        take_number(line, note.length) && take_hex(line, note.crc32c) && take_number(line, note.stream) &&
-                        take_number(line, note.segment) && take_number(line, note.first_scan) && take_number(line, note.samples) &&
-                        take_number(line, note.time_s) && line.empty() && std::isfinite(note.time_s);
+  const bool is_whole = line.size() < kMaxLineBytes && !line.empty() && line.back() != ' ' && read_number(line, note.offset) &&
+                        read_number(line, note.length) && read_hex(line, note.crc32c) && read_number(line, note.stream) &&
+                        read_number(line, note.segment) && read_number(line, note.first_scan) && read_number(line, note.samples) &&
+                        read_number(line, note.time_s) && line.empty() && std::isfinite(note.time_s);
   return is_whole ? std::optional(note) : std::nullopt;
 }
 

@@ -67,7 +67,7 @@ core::Result<std::uint64_t> ChunkStream::read_length() {
   if (size_ - offset_ < 1U + length_bytes) return damaged("chunk torn");
   DTS_TRY(append_bytes(length_bytes));
   std::uint64_t length = 0;
-  if (!ByteCursor(chunk_).take_length(length) || length < sizeof(std::uint16_t)) return damaged("chunk without a tag");
+  if (!ByteCursor(chunk_).read_length(length) || length < sizeof(std::uint16_t)) return damaged("chunk without a tag");
   if (length > kMaxChunkBytes) return damaged("chunk of " + std::to_string(length) + " bytes (at most 64 MiB are allowed)");
   if (length > size_ - offset_ - chunk_.size()) return damaged("chunk torn");
   return length;
@@ -81,7 +81,7 @@ core::Result<std::optional<RawChunk>> ChunkStream::next() {
   DTS_TRY(append_bytes(static_cast<std::size_t>(length)));
   RawChunk raw{.offset = offset_, .bytes = chunk_};
   ByteCursor cursor(raw.bytes.substr(prefix_bytes));
-  if (!cursor.take(raw.tag)) return damaged("chunk without a tag");
+  if (!cursor.read(raw.tag)) return damaged("chunk without a tag");
   raw.content = cursor.left();
   offset_ += chunk_.size();
   return std::optional(raw);

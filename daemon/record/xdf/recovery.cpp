@@ -32,10 +32,10 @@ struct Ending {
 /// Estimates the lost time: the removed bytes at the mean byte rate of the kept ones, plus the longest time of data that was not yet in the
 /// file or not yet on the disk.
 Ending ending_of(const Survey& found) {
-  const std::string told = found.footer_fact("incomplete");
-  if (found.is_closed() && !found.streams.empty()) return {.reason = "closed, but not renamed", .incomplete = told};
+  const std::string noted = found.footer_fact("incomplete");
+  if (found.is_closed() && !found.streams.empty()) return {.reason = "closed, but not renamed", .incomplete = noted};
   Ending ending{.reason = found.fault ? found.fault->what : "no footer"};
-  ending.incomplete = told.empty() ? ending.reason : told + "; " + ending.reason;
+  ending.incomplete = noted.empty() ? ending.reason : noted + "; " + ending.reason;
   const auto lost_bytes = static_cast<double>(std::max(found.size, found.indexed_end) - found.end);
   const double lost_s = lost_bytes * found.duration_s() / static_cast<double>(std::max<std::uint64_t>(found.end, 1));
   ending.lost_s_at_most = kLongestUnwrittenS + kLongestUnsynchronisedS + (std::isfinite(lost_s) ? lost_s : 0.0);
@@ -54,7 +54,7 @@ class Copier {
   [[nodiscard]] const DurableFile& file() const noexcept { return *file_; }
 
  private:
-  core::Status take(const RawChunk& raw, const std::string& copy);
+  core::Status copy_chunk(const RawChunk& raw, const std::string& copy);
   [[nodiscard]] ChunkNote note_of(const RawChunk& raw, const Chunk& chunk);
   [[nodiscard]] ChunkNote continued_note(const Samples& samples) const;
   [[nodiscard]] bool is_left_out(const Chunk& chunk) const;
@@ -67,7 +67,7 @@ class Copier {
   std::map<std::uint32_t, std::vector<std::pair<double, double>>> offsets_;
 };
 
-/// Returns true for chunks that are not copied: footers, which `close` writes anew, and streams without samples, on which libxdf crashes.
+/// Returns true for chunks that are not copied: footers, which `close` writes again, and streams without samples, on which libxdf crashes.
 bool Copier::is_left_out(const Chunk& chunk) const {
   const auto is_empty = [this](std::uint32_t number) {
     const auto stream = found_.streams.find(number);
@@ -92,16 +92,17 @@ ChunkNote Copier::continued_note(const Samples& samples) const {
 }
 
 ChunkNote Copier::note_of(const RawChunk& raw, const Chunk& chunk) {
-  const auto told = index_.next();
+  const auto indexed = index_.next();
   const auto* samples = std::get_if<Samples>(&chunk.content);
   if (samples == nullptr) return {};
-  const bool is_told = told && told->offset == raw.offset && told->length == raw.bytes.size() && told->stream == samples->stream;
-  const ChunkNote note = is_told ? *told : continued_note(*samples);
+  const bool is_this =
+      indexed && indexed->offset == raw.offset && indexed->length == raw.bytes.size() && indexed->stream == samples->stream;
+  const ChunkNote note = is_this ? *indexed : continued_note(*samples);
   last_notes_[samples->stream] = note;
   return note;
 }
 
-core::Status Copier::take(const RawChunk& raw, const std::string& copy) {
+core::Status Copier::copy_chunk(const RawChunk& raw, const std::string& copy) {
   DTS_TRY_ASSIGN(const auto chunk, decoder_.decode(raw));
   NotedChunk noted{.bytes = std::string(raw.bytes), .note = note_of(raw, chunk)};
   if (!file_) {
@@ -121,7 +122,7 @@ core::Status Copier::copy_chunks(ChunkStream& stream, const std::string& copy, c
   while (stream.offset() < found_.end) {
     DTS_TRY_ASSIGN(const auto raw, stream.next());
     if (!raw) return core::fail(core::ErrorCode::Failed, "the file was cut while it was copied");
-    DTS_TRY(take(*raw, copy));
+    DTS_TRY(copy_chunk(*raw, copy));
     DTS_TRY(meter.advance(stream.offset()));
   }
   return {};

@@ -45,14 +45,14 @@ void put_samples(std::string& bytes, std::size_t channels, std::span<const doubl
   }
 }
 
-core::Status take_stamp(ByteCursor& cursor, Samples& samples, TimeGrid& grid) {
+core::Status read_stamp(ByteCursor& cursor, Samples& samples, TimeGrid& grid) {
   std::uint8_t stamp_bytes = 0;
-  if (!cursor.take(stamp_bytes) || (stamp_bytes != 0 && stamp_bytes != 8))
+  if (!cursor.read(stamp_bytes) || (stamp_bytes != 0 && stamp_bytes != 8))
     return core::fail(kDamaged, "a time stamp of neither 0 nor 8 bytes");
   const bool is_first = samples.times_s.empty();
   if (stamp_bytes == 8) {
     double time_s = 0.0;
-    if (!cursor.take(time_s)) return core::fail(kDamaged, "samples end within a time stamp");
+    if (!cursor.read(time_s)) return core::fail(kDamaged, "samples end within a time stamp");
     if (is_first && std::isnan(time_s)) return core::fail(kDamaged, "the first time stamp is not a number");
     grid.given_s = time_s;
     grid.since_given = 0;
@@ -65,20 +65,20 @@ core::Status take_stamp(ByteCursor& cursor, Samples& samples, TimeGrid& grid) {
 }
 
 template <class Number>
-core::Status take_values(ByteCursor& cursor, Samples& samples, std::size_t channels) {
+core::Status read_values(ByteCursor& cursor, Samples& samples, std::size_t channels) {
   for (std::size_t channel = 0; channel < channels; ++channel) {
     Number value{};
-    if (!cursor.take(value)) return core::fail(kDamaged, "samples end within a value");
+    if (!cursor.read(value)) return core::fail(kDamaged, "samples end within a value");
     samples.values.push_back(static_cast<double>(value));
   }
   return {};
 }
 
-core::Status take_texts(ByteCursor& cursor, Samples& samples, std::size_t channels) {
+core::Status read_texts(ByteCursor& cursor, Samples& samples, std::size_t channels) {
   for (std::size_t channel = 0; channel < channels; ++channel) {
     std::uint64_t length = 0;
     std::string_view text;
-    if (!cursor.take_length(length) || !cursor.take_text(length, text)) return core::fail(kDamaged, "samples end within a text");
+    if (!cursor.read_length(length) || !cursor.read_text(length, text)) return core::fail(kDamaged, "samples end within a text");
     samples.texts.emplace_back(text);
   }
   return {};
@@ -87,20 +87,20 @@ core::Status take_texts(ByteCursor& cursor, Samples& samples, std::size_t channe
 struct Layout {
   std::uint64_t value_bytes = 0;    ///< Fewest bytes of a value in the file.
   std::uint64_t decoded_bytes = 0;  ///< Bytes of a value in memory.
-  core::Status (*take)(ByteCursor&, Samples&, std::size_t) = nullptr;
+  core::Status (*read)(ByteCursor&, Samples&, std::size_t) = nullptr;
 };
 
 Layout layout_of(ValueType type) noexcept {
   switch (type) {
-    case ValueType::Float32: return {4, sizeof(double), take_values<float>};
-    case ValueType::Double64: return {8, sizeof(double), take_values<double>};
-    case ValueType::Int8: return {1, sizeof(double), take_values<std::int8_t>};
-    case ValueType::Int16: return {2, sizeof(double), take_values<std::int16_t>};
-    case ValueType::Int32: return {4, sizeof(double), take_values<std::int32_t>};
-    case ValueType::Int64: return {8, sizeof(double), take_values<std::int64_t>};
+    case ValueType::Float32: return {4, sizeof(double), read_values<float>};
+    case ValueType::Double64: return {8, sizeof(double), read_values<double>};
+    case ValueType::Int8: return {1, sizeof(double), read_values<std::int8_t>};
+    case ValueType::Int16: return {2, sizeof(double), read_values<std::int16_t>};
+    case ValueType::Int32: return {4, sizeof(double), read_values<std::int32_t>};
+    case ValueType::Int64: return {8, sizeof(double), read_values<std::int64_t>};
     case ValueType::Text: break;
   }
-  return {2, sizeof(std::string), take_texts};
+  return {2, sizeof(std::string), read_texts};
 }
 
 /// Rejects a declared count that the bytes cannot hold, before memory is allocated for it.
@@ -155,7 +155,7 @@ double TimeGrid::next() noexcept {
 core::Result<Samples> decode_samples(std::string_view content, ValueType type, std::size_t channels, TimeGrid& grid) {
   ByteCursor cursor(content);
   std::uint64_t count = 0;
-  if (!cursor.take_length(count)) return core::fail(kDamaged, "no count of samples");
+  if (!cursor.read_length(count)) return core::fail(kDamaged, "no count of samples");
   const Layout layout = layout_of(type);
   DTS_TRY(check_count(count, cursor.left().size(), layout, channels));
   Samples samples;
@@ -166,8 +166,8 @@ core::Result<Samples> decode_samples(std::string_view content, ValueType type, s
     samples.values.reserve(static_cast<std::size_t>(count) * channels);
   }
   for (std::uint64_t sample = 0; sample < count; ++sample) {
-    DTS_TRY(take_stamp(cursor, samples, grid));
-    DTS_TRY(layout.take(cursor, samples, channels));
+    DTS_TRY(read_stamp(cursor, samples, grid));
+    DTS_TRY(layout.read(cursor, samples, channels));
   }
   if (!cursor.left().empty()) return core::fail(kDamaged, std::to_string(cursor.left().size()) + " bytes left over after the samples");
   return samples;

@@ -41,8 +41,8 @@ class Surveyor {
   bool step();
   bool fits_index(const RawChunk& raw);
   void finish_index();
-  void take(const Chunk& chunk);
-  void take_samples(const Samples& samples);
+  void add(const Chunk& chunk);
+  void add_samples(const Samples& samples);
   void hash(std::string_view bytes) noexcept {
     crypto_hash_sha256_update(&hash_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
   }
@@ -73,7 +73,7 @@ bool Surveyor::step() {
     survey_.fault = chunk.error();
     return false;
   }
-  take(*chunk);
+  add(*chunk);
   hash((*raw)->bytes);
   survey_.end = stream_->offset();
   ++survey_.chunks;
@@ -113,17 +113,17 @@ void Surveyor::finish_index() {
         damaged("the index lists " + std::to_string(survey_.indexed_end - survey_.size) + " bytes more than the file has", survey_.size);
 }
 
-void Surveyor::take(const Chunk& chunk) {
+void Surveyor::add(const Chunk& chunk) {
   if (std::holds_alternative<FileHeader>(chunk.content)) survey_.has_file_header = true;
   if (const auto* header = std::get_if<StreamHeader>(&chunk.content)) {
     const auto& info = header->info;
     survey_.streams[header->stream] = {.name = info.name, .scan_s = info.rate ? 1.0 / info.rate->hz() : 0.0};
   }
   if (const auto* footer = std::get_if<StreamFooter>(&chunk.content)) survey_.streams[footer->stream].footer = *footer;
-  if (const auto* samples = std::get_if<Samples>(&chunk.content)) take_samples(*samples);
+  if (const auto* samples = std::get_if<Samples>(&chunk.content)) add_samples(*samples);
 }
 
-void Surveyor::take_samples(const Samples& samples) {
+void Surveyor::add_samples(const Samples& samples) {
   if (samples.times_s.empty()) return;
   auto& stream = survey_.streams[samples.stream];
   if (stream.samples == 0) stream.first_time_s = samples.times_s.front();
@@ -162,8 +162,8 @@ std::string Survey::footer_fact(const std::string& name) const {
 }
 
 core::Status ProgressMeter::advance(std::uint64_t done) {
-  if (!progress_ || (done < of_ && done - told_ < kProgressBytes)) return {};
-  told_ = done;
+  if (!progress_ || (done < of_ && done - reported_ < kProgressBytes)) return {};
+  reported_ = done;
   if (progress_(done, of_)) return {};
   return core::fail(core::ErrorCode::Failed, "stopped at " + std::to_string(done) + " of " + std::to_string(of_) + " bytes");
 }

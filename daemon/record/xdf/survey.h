@@ -56,7 +56,7 @@ class ProgressMeter {
  private:
   const Progress& progress_;
   std::uint64_t of_;
-  std::uint64_t told_ = 0;
+  std::uint64_t reported_ = 0;
 };
 
 }  // namespace dts::record

@@ -19,10 +19,10 @@ core::Status check_footer(const StreamSurvey& stream) {
   if (!stream.footer) return {};
   const auto& footer = *stream.footer;
   if (footer.sample_count && *footer.sample_count != stream.samples)
-    return contradiction(stream, std::to_string(*footer.sample_count) + " told, " + std::to_string(stream.samples) + " found");
+    return contradiction(stream, std::to_string(*footer.sample_count) + " in the footer, " + std::to_string(stream.samples) + " found");
   if (stream.samples == 0) return {};
-  const auto fits = [](std::optional<double> told_s, double found_s) {
-    return !told_s || *told_s == found_s || std::abs(*told_s - found_s) <= kTimeToleranceS;
+  const auto fits = [](std::optional<double> footer_s, double found_s) {
+    return !footer_s || *footer_s == found_s || std::abs(*footer_s - found_s) <= kTimeToleranceS;
   };
   if (!fits(footer.first_time_s, stream.first_time_s)) return contradiction(stream, "the first time stamp is another");
   if (!fits(footer.last_time_s, stream.last_time_s)) return contradiction(stream, "the last time stamp is another");

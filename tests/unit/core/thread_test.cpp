@@ -72,7 +72,7 @@ TEST(ConfigureThread, OnlyMissingCpus_AreRefusedInOneSentence) {
   on_new_thread([] {
     const auto refused = configure_this_thread("acquire", {.cpus = {-1, CPU_SETSIZE, 1'000'000}});
 
-    EXPECT_THAT(refused, ElementsAre("thread acquire: CPU affinity refused: Invalid argument (this machine has " +
+    EXPECT_THAT(refused, ElementsAre("thread acquire: CPU affinity rejected: Invalid argument (this machine has " +
                                      std::to_string(std::thread::hardware_concurrency()) + " CPUs, numbered from 0)"));
   });
 }
@@ -82,8 +82,8 @@ TEST(ConfigureThread, MissingCpuBesideExistingOne_IsNamed) {
   on_new_thread([cpu] {
     const auto refused = configure_this_thread("acquire", {.cpus = {cpu, CPU_SETSIZE - 1, -3}});
 
-    EXPECT_THAT(refused, ElementsAre("thread acquire: CPU 1023 refused: it does not exist, or this process may not use it",
-                                     "thread acquire: CPU -3 refused: it does not exist, or this process may not use it"));
+    EXPECT_THAT(refused, ElementsAre("thread acquire: CPU 1023 rejected: it does not exist, or this process may not use it",
+                                     "thread acquire: CPU -3 rejected: it does not exist, or this process may not use it"));
   });
 }
 
@@ -94,7 +94,7 @@ TEST(ConfigureThread, PriorityOutOfRange_IsRefusedInOneSentence) {
 
       EXPECT_THAT(
           refused,
-          ElementsAre("thread pipeline: SCHED_FIFO refused: Invalid argument; scans may arrive late under load (priorities are 1 to "
+          ElementsAre("thread pipeline: SCHED_FIFO rejected: Invalid argument; scans may arrive late under load (priorities are 1 to "
                       "99; grant LimitRTPRIO or rtprio in limits.conf)"));
     });
   }

@@ -52,7 +52,7 @@ TEST(DoctorSessions, InterruptedOnes_AreNamedAndAreNoFault) {
     session.set_session_id(id);
     session.set_state(id == std::string("b") ? "complete" : "interrupted");
   }
-  const std::string fix = "; see dtsctl session show ID; to go on: dtsctl session resume ID\n";
+  const std::string fix = "; see dtsctl session show ID; to continue: dtsctl session resume ID\n";
   EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: 3 sessions are interrupted: a, c, d" + fix);
   sessions.mutable_sessions(1)->set_state("interrupted");
   EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: 4 sessions are interrupted: a, b, c, ..." + fix);

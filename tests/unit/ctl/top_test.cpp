@@ -76,35 +76,35 @@ TEST(HealthView, BeforeTheFirstStatus_SaysNothing) {
 
 TEST(HealthView, Latency_IsOfTheLastTenSeconds) {
   HealthView view;
-  view.take(busy_status(100, 1000));
+  view.update(busy_status(100, 1000));
   v1::StatusSnapshot slow = busy_status(105, 1000);
   slow.mutable_rigs(0)->mutable_latency()->mutable_buckets(2)->set_blocks_total(1100);
   slow.mutable_rigs(0)->mutable_latency()->mutable_buckets(3)->set_blocks_total(1100);
-  view.take(slow);
+  view.update(slow);
 
   EXPECT_DOUBLE_EQ(view.json().at("rigs").at(0).at("latency_p50_ms").get<double>(), 6.0) << "the slow hundred, not the thousand before";
 
   slow.set_host_time_ns(130'000'000'000);
-  view.take(slow);
+  view.update(slow);
   EXPECT_LT(view.json().at("rigs").at(0).at("latency_p50_ms").get<double>(), 2.0)
       << "nothing else is left to compare with: since the start";
 }
 
 TEST(HealthView, AnotherDaemon_StartsAnew) {
   HealthView view;
-  view.take(busy_status(100, 1000));
+  view.update(busy_status(100, 1000));
   v1::StatusSnapshot other = busy_status(101, 2000);
   other.set_instance_id(8);
   other.mutable_rigs(0)->mutable_latency()->mutable_buckets(0)->set_blocks_total(2000);
 
-  view.take(other);
+  view.update(other);
 
   EXPECT_LT(view.json().at("rigs").at(0).at("latency_p95_ms").get<double>(), 1.0);
 }
 
 class ScreenTest : public ::testing::Test {
  protected:
-  std::string take() {
+  std::string printed() {
     std::string text = out_.str();
     out_.str({});
     return text;
@@ -117,29 +117,29 @@ class ScreenTest : public ::testing::Test {
 
 TEST_F(ScreenTest, NewLines_AreDrawnOverTheOldOnes) {
   screen_.draw({"first", "x"});
-  EXPECT_EQ(take(), "first\nx\n");
+  EXPECT_EQ(printed(), "first\nx\n");
   screen_.draw({"x\x1b[2J"});
-  EXPECT_EQ(take(), "\x1b[2A\x1b[Jx [2J\n");
+  EXPECT_EQ(printed(), "\x1b[2A\x1b[Jx [2J\n");
   screen_.make_room();
   screen_.draw({"below"});
-  EXPECT_EQ(take(), "below\n");
+  EXPECT_EQ(printed(), "below\n");
 }
 
 TEST_F(ScreenTest, LongLines_AreWrappedAndTheLastOnesLeftOut) {
   screen_.draw({"ab cd ef", "second", "third"});
 
-  EXPECT_EQ(take(), "ab cd\n  ef\nsecond\n");
+  EXPECT_EQ(printed(), "ab cd\n  ef\nsecond\n");
 }
 
 TEST_F(ScreenTest, ResizedTerminal_IsErasedWhole) {
   screen_.draw({"first"});
-  take();
+  printed();
   console_.measure = [](cli::Console& console) { console.columns = 3; };
 
   screen_.draw({"abcd"});
-  EXPECT_EQ(take(), "\x1b[H\x1b[Jabc\n  d\n");
+  EXPECT_EQ(printed(), "\x1b[H\x1b[Jabc\n  d\n");
   screen_.draw({"x"});
-  EXPECT_EQ(take(), "\x1b[2A\x1b[Jx\n");
+  EXPECT_EQ(printed(), "\x1b[2A\x1b[Jx\n");
 }
 
 }  // namespace

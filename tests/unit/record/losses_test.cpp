@@ -19,11 +19,11 @@ v1::Event segment(std::uint32_t number, const std::string& reason, std::uint64_t
 
 TEST(LossCounter, CountsSegmentsAfterAGapAndWhatTheRecorderLost_NotWhatWasBeforeTheRecording) {
   LossCounter counter;
-  counter.take(segment(3, "GAP_REASON_UNPLUGGED", 900));  // the recording begins here
-  counter.take(segment(4, "GAP_REASON_OVERRUN", 500));
-  counter.take(event_of("segment: 4 loss { scans: 60 }"));
-  counter.take(event_of("segment: 4 gap { missing_scans: 7 }"));
-  counter.take(segment(5, "GAP_REASON_OVERRUN", 20));
+  counter.add(segment(3, "GAP_REASON_UNPLUGGED", 900));  // the recording begins here
+  counter.add(segment(4, "GAP_REASON_OVERRUN", 500));
+  counter.add(event_of("segment: 4 loss { scans: 60 }"));
+  counter.add(event_of("segment: 4 gap { missing_scans: 7 }"));
+  counter.add(segment(5, "GAP_REASON_OVERRUN", 20));
 
   EXPECT_EQ(counter.losses().of(GapReason::Overrun), (core::LossCount{.gaps = 2, .scans = 520}));
   EXPECT_EQ(counter.losses().of(GapReason::RingFull), (core::LossCount{.gaps = 1, .scans = 60}));
@@ -32,8 +32,8 @@ TEST(LossCounter, CountsSegmentsAfterAGapAndWhatTheRecorderLost_NotWhatWasBefore
 
 TEST(LossCounter, WhatAFileSaysWrongly_CountsAsAGapOfUnknownReasonAndLength) {
   LossCounter counter;
-  counter.take(event_of("segment_start {}"));
-  counter.take(event_of("segment_start { reason: 99 }"));
+  counter.add(event_of("segment_start {}"));
+  counter.add(event_of("segment_start { reason: 99 }"));
   EXPECT_EQ(counter.losses().of(GapReason::None), (core::LossCount{.gaps = 1, .scans = 0}));
 }
 

@@ -120,7 +120,7 @@ TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
   EXPECT_EQ(first.cop.ml_mm, counted(100, 201));
   EXPECT_EQ(first.cop.ap_mm[0], -100.0);
   EXPECT_EQ(first.cop.load_n, std::vector<double>(201, 600.0));
-  EXPECT_FALSE(first.told);
+  EXPECT_FALSE(first.live);
 
   const StandingTrial& divided = standing.trials[1];
   EXPECT_EQ(divided.trial, 2U);
@@ -136,10 +136,10 @@ TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
   EXPECT_EQ(divided.cop.ml_mm[300], 1000.0);
   EXPECT_EQ(divided.cop.ml_mm.back(), 1049.0);
   EXPECT_EQ(divided.cop.flags, posturography::sway_flag::kDoubtful);
-  EXPECT_EQ(divided.told->condition, "eyes-open");
+  EXPECT_EQ(divided.live->condition, "eyes-open");
 
-  ASSERT_EQ(standing.told_figures.size(), 1U);
-  const SessionFigure& figure = standing.told_figures[0];
+  ASSERT_EQ(standing.live_results.size(), 1U);
+  const SessionFigure& figure = standing.live_results[0];
   EXPECT_EQ(figure.name + " " + std::to_string(figure.value) + " " + figure.unit + " " + figure.details, "a/RDIST 2.500000 mm {}");
 }
 

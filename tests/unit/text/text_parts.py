@@ -22,6 +22,7 @@ TOKEN = re.compile(
 )
 COMMENT_GROUPS = ("line", "block")
 STRING_GROUPS = ("raw", "double", "single", "template")
+SQL = re.compile(r"\b(?:SELECT|INSERT|WHERE|NOT NULL)\b")  # names of columns are part of a file format and no sentences
 
 
 def blank(match):
@@ -104,5 +105,9 @@ def python_comments(text):
 
 
 def messages(_, text):
-    """Returns the strings of a source file that have at least two words, each as a paragraph."""
-    return [[(number, line)] for number, line in tokens(text, STRING_GROUPS) if re.search(r"[A-Za-z]+ [A-Za-z]+", line)]
+    """Returns the strings of a source file that have at least two words and are not SQL, each as a paragraph."""
+    return [
+        [(number, line)]
+        for number, line in tokens(text, STRING_GROUPS)
+        if re.search(r"[A-Za-z]+ [A-Za-z]+", line) and not SQL.search(line)
+    ]

@@ -106,6 +106,7 @@ class WordsTest(TreeTest):
     def test_messages_are_sentences_in_strings(self):
         self.assertEqual(len(self.words("daemon/core/a.cpp", 'f("made anew", "https://a//anew", R"(it tells\nand hears)");\n')), 3)
         self.assertEqual(self.words("daemon/core/a.cpp", 'f("anew");\n'), [])  # a key, not a sentence
+        self.assertEqual(self.words("daemon/core/a.cpp", 'f("SELECT pseudonym FROM subjects");\n'), [])
         self.assertEqual(len(self.words("clients/web/src/strings/a.ts", "x: 'start anew', y: `was told ${z}`\n")), 2)
 
     def test_listed_files_are_exempt_for_that_kind_only(self):

@@ -39,7 +39,7 @@ run_in_real_time() {
   done
   check 'memory is locked' is_locked
   check 'the log has lines of this start' within 30 says_since_start 'serves control'
-  check 'no priority was refused' is_gone says_since_start refused
+  check 'no priority was rejected' is_gone says_since_start rejected
   check 'no lock was refused' is_gone says_since_start 'not locked'
   say "$(ps -L -o cls=,rtprio=,comm= -p "$(daemon MainPID)" | awk '{printf "%s %s %s, ", $3, $1, $2}') $(grep VmLck "/proc/$(daemon MainPID)/status")"
   cp as-installed.toml /etc/dtsd/dtsd.toml

@@ -35,8 +35,11 @@ struct ControlOptions {
 /// are within limits, numbers are finite, rates are positive. Each command fails with
 ///   - Unreachable: no answer arrived; the error names the endpoint and what to try,
 ///   - DataDamaged: the answer contradicts itself,
-///   - or the code, reason and hint that the daemon sent.
-/// Thread: one at a time.
+///   - InvalidArgument: a text of the request is not UTF-8,
+///   - or the code, reason and hint that the daemon sent: also NotAllowed if the role of this client is not sufficient (proto/dts/v1/
+///     control.proto names the role of each command), and LimitExceeded for more than 50 commands per second from another machine.
+/// The comments below name only the codes that one command has besides these. The fields of the answers, with their units, are in
+/// proto/dts/v1. Every command blocks until its answer arrives or its time limit has passed. Thread: one at a time.
 class ControlClient {
  public:
   /// Checks the options; does not connect yet. Fails with InvalidArgument for options out of range.
@@ -62,21 +65,27 @@ class ControlClient {
   [[nodiscard]] Result<v1::ListRigsResponse> list_rigs();
   /// Returns the connected devices, and the kinds of device that a rig can use.
   [[nodiscard]] Result<v1::GetDevicesResponse> devices();
-  /// Returns statistics of each channel of the rig's device over the last second. Fails with NotFound for an unknown rig.
+  /// Returns statistics of each channel of the rig's device over the last second, in the channel's unit. Fails with NotFound for an unknown
+  /// rig, with DeviceGone if the device does not stream, and with WrongState in its first second.
   [[nodiscard]] Result<v1::TestDeviceResponse> test_device(const std::string& rig);
   /// Starts a session and its recording. Fails with NotFound for an unknown rig, with InvalidArgument for an unknown protocol or an invalid
-  /// value, and with WrongState if the rig already has a session.
+  /// value, with WrongState if the rig already has a session, is being tared or delivers no scans, with LimitExceeded if the disk is full
+  /// or the request has more than 64 fields, and with Failed if the disk cannot be used.
   [[nodiscard]] Result<v1::SessionInfo> start_session(const v1::StartSessionRequest& request);
-  /// Stops a session and waits until its recording is closed. An empty rig means the only rig that has a session. Fails with WrongState if
-  /// there is no session.
+  /// Stops a session and waits until its recording is closed. An empty rig means the only rig that has a session. Fails with NotFound for
+  /// an unknown rig, with WrongState if there is no session or it is stopping already, with InvalidArgument if `rig` is empty and several
+  /// rigs have a session, and with Timeout if the recording is not closed in time: the daemon continues to close it.
   [[nodiscard]] Result<v1::SessionInfo> stop_session(const std::string& rig);
-  /// The same with all fields of the request: also aborts a session, with a reason.
+  /// Stops a session with all fields of the request: it can also abort the session, with a reason. Fails like the function above.
   [[nodiscard]] Result<v1::SessionInfo> stop_session(const v1::StopSessionRequest& request);
-  /// Resumes an interrupted session as a new part of its recording.
+  /// Resumes an interrupted session as a new part of its recording. Fails with NotFound for an unknown ID or a session without a recording,
+  /// and with WrongState if the session is complete, its protocol has changed, or its rig cannot start a session now.
   [[nodiscard]] Result<v1::SessionInfo> resume_session(const std::string& session_id);
-  /// Executes one step of the protocol's trials. An empty rig means the only rig that has a session.
+  /// Executes one step of the protocol's trials and returns their new state. An empty rig means the only rig that has a session. Fails with
+  /// NotFound for an unknown rig, with WrongState if there is no running session with trials or the step is not possible now, and with
+  /// InvalidArgument if `rig` is empty and several rigs have a session.
   [[nodiscard]] Result<v1::TrialStatus> trial(v1::TrialAction action, const std::string& rig);
-  /// Returns sessions of the catalogue, newest first, with their parts and without their trials.
+  /// Returns sessions of the catalogue, newest first, with their parts and without their trials; 100 if the request has no limit.
   [[nodiscard]] Result<v1::ListSessionsResponse> list_sessions(const v1::ListSessionsRequest& request = {});
   /// Returns one session of the catalogue with its parts, trials and results. Fails with NotFound for an unknown ID.
   [[nodiscard]] Result<v1::SessionRecord> show_session(const std::string& session_id);
@@ -84,28 +93,33 @@ class ControlClient {
   [[nodiscard]] Result<v1::ListProtocolsResponse> list_protocols();
   /// Returns the newest entries of the audit trail (0: the newest 100). A broken chain is not an error here: see `problem` in the answer.
   [[nodiscard]] Result<v1::GetAuditResponse> audit(std::uint32_t limit = 0);
-  /// Marks the newest scan of a rig, or of every rig if `rig` is empty. `text` has 1..200 bytes.
+  /// Marks the newest scan of a rig, or of every rig if `rig` is empty. `text` has 1..200 bytes. Fails with InvalidArgument for another
+  /// length, with NotFound for an unknown rig, and with WrongState if there are no scans to mark.
   [[nodiscard]] Result<v1::MarkResponse> mark(const std::string& text, const std::string& rig);
   /// Tares the rig: the present deflections become zero. The plate or chair must be empty. Returns the baseline of each sensor (mm).
-  /// Fails with WrongState if the device does not stream, if the rig has a session, or if the deflections are not steady or show a load,
-  /// and with Unsupported if the rig has no stage that tares.
+  /// Fails with NotFound for an unknown rig, with WrongState if the device does not stream, if the rig has a session, or if the deflections
+  /// are not steady or show a load, with Unsupported if the rig has no stage that tares, and with Timeout if the average is not complete
+  /// after 10 s.
   [[nodiscard]] Result<v1::TareResponse> tare(const std::string& rig);
 
   /// Returns the keys of clients on other machines. `list_keys`, `add_key` and `revoke_key` need the role engineer; the last two return the
   /// changed list.
   [[nodiscard]] Result<v1::ListKeysResponse> list_keys();
-  /// Adds the public key of a client with a name and a role. Fails with WrongState if the name or the key is already in the list.
+  /// Adds the public key of a client with a name and a role. Fails with InvalidArgument if one of the three is not valid, with WrongState
+  /// if the name or the key is already in the list, and with LimitExceeded if the list has 1000 keys.
   [[nodiscard]] Result<v1::ListKeysResponse> add_key(const v1::AddKeyRequest& request);
   /// Removes a key and closes its connections. Fails with NotFound for an unknown name.
   [[nodiscard]] Result<v1::ListKeysResponse> revoke_key(const std::string& name);
 
   /// Sends any command on behalf of another program's user (for example in a gateway) and returns the whole answer, checked like the other
   /// answers. The daemon sees the request id of `request`: a repeat with the same id returns the answer of the first request. Without an id
-  /// every call is a new command. Returns an Error if the daemon refuses the command. Fails with InvalidArgument for a request without a
-  /// command. Fails with Failed soon after a stop is requested; the daemon may already have executed the command.
+  /// every call is a new command. Returns an Error if the daemon rejects the command. Fails with InvalidArgument for a request without a
+  /// command. Fails with Failed within 0.1 s after a stop is requested; the daemon may already have executed the command. The stop may be
+  /// requested by any thread.
   [[nodiscard]] Result<v1::Response> forward(const v1::Request& request, const std::stop_token& stop = {});
 
-  /// Returns how many received messages did not answer the current request. More than a few: another program listens at the endpoint.
+  /// Returns how many messages, since `open`, did not answer the request of their time. More than a few: another program listens at the
+  /// endpoint.
   [[nodiscard]] std::uint64_t ignored_replies() const noexcept;
 
  private:

@@ -28,19 +28,20 @@ using Environment = std::function<const char*(const char* name)>;
 /// Returns the value of a variable of this process, or nullptr. Thread: any, while no thread changes the environment.
 [[nodiscard]] const char* process_environment(const char* name) noexcept;
 
-/// Finds the daemon by the same rule that dtsd follows. The first match wins:
+/// Finds the daemon's addresses by the same rule that dtsd follows. `environment` and `system_directory` are parameters for tests. The
+/// first match wins:
 ///
 ///     wishes > DTSD_CONTROL, DTSD_DATA > DTSD_RUNTIME_DIR > /run/dtsd if its sockets exist
 ///            > XDG_RUNTIME_DIR/dtsd > /tmp/dtsd-<uid>
 ///
 /// One address in the form ".../control.sock" or ".../data.sock" decides the other one, so that addresses of two daemons never mix. Does
 /// not connect. Fails with InvalidArgument for an address that no daemon can have, and with NotAllowed if the directory below /tmp belongs
-/// to another user.
+/// to another user. Thread: any, while no thread changes the environment.
 [[nodiscard]] Result<Endpoints> find_endpoints(const EndpointWishes& wishes = {}, const Environment& environment = process_environment,
                                                const std::filesystem::path& system_directory = "/run/dtsd");
 
 /// Connects to an ipc address and disconnects again, to report at once, and with the reason, that no daemon listens there. Fails with
-/// Unreachable or NotAllowed. Succeeds for other transports without connecting.
+/// Unreachable or NotAllowed. Succeeds for other transports without connecting. Thread: any.
 [[nodiscard]] Result<void> probe(const std::string& endpoint);
 
 }  // namespace dts::client

@@ -25,7 +25,7 @@ enum class ErrorCode : std::uint8_t {
   Internal = 12,        ///< A bug in the daemon or in this library.
 };
 
-/// Returns one word per code, for JSON: "wrong_state".
+/// Returns one word per code, for JSON: "wrong_state". Thread: any.
 [[nodiscard]] std::string_view name(ErrorCode code) noexcept;
 
 /// `what`: what failed, on which thing, and why. `hint`: what to try; may be empty. Both are one line of UTF-8.
@@ -41,12 +41,12 @@ struct Error {
 template <class T>
 using Result = tl::expected<T, Error>;
 
-/// Returns an error that converts to every Result.
+/// Returns an error that converts to every Result. Thread: any.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string what, std::string hint = {}) {
   return tl::make_unexpected(Error{code, std::move(what), std::move(hint)});
 }
 
-/// Returns the version of this library, "0.1.0"; equal to the daemon's version if both are from the same build.
+/// Returns the version of this library, "0.1.0"; equal to the daemon's version if both are from the same build. Thread: any.
 [[nodiscard]] std::string_view version() noexcept;
 
 }  // namespace dts::client

@@ -18,16 +18,16 @@ struct Key {
   std::string data;               ///< The daemon's data address: "tcp://clinic-7:5556"
 };
 
-/// Returns a new key pair with this name; the fields about the daemon are empty. Fails with Failed if libzmq has no CURVE.
+/// Returns a new key pair with this name; the fields about the daemon are empty. Fails with Failed if libzmq has no CURVE. Thread: any.
 [[nodiscard]] Result<Key> new_key(const std::string& name);
 
-/// Reads a file in the format of `key_text`. Fails with InvalidArgument, naming file, line and column, for any other content, and with
-/// NotAllowed if users other than the file's owner may read it.
+/// Reads a file in the format of `key_text`. Fails with InvalidArgument, naming file, line and column, for any other content, also if there
+/// is no such file, and with NotAllowed if users other than the file's owner may read or write it. Thread: any.
 [[nodiscard]] Result<Key> read_key(const std::string& file);
-/// Returns the content of a key file (TOML), which `read_key` reads. Contains the secret key.
+/// Returns the content of a key file (TOML), which `read_key` reads. Contains the secret key. Thread: any.
 [[nodiscard]] std::string key_text(const Key& key);
-/// Writes a new file that only its owner can read. Fails with WrongState if the file exists (it may be the only copy of
-/// a secret), and with Failed if it cannot be written.
+/// Writes a new file that only its owner can read. Fails with WrongState if the file exists (it may be the only copy of a secret), and with
+/// Failed if it cannot be written. Thread: any.
 [[nodiscard]] Result<void> write_new_key(const std::string& file, const Key& key);
 
 }  // namespace dts::client

@@ -14,11 +14,13 @@
 
 namespace dts::client {
 
+/// What `Subscriber::receive` returns after the caller was slow.
 enum class Mode : std::uint8_t {
   All,     ///< Every block in order, as long as the queue has room; `Block::lost_scans` counts the dropped scans.
   Latest,  ///< After a pause only the newest block of each stream; the skipped scans are counted. All events are kept.
 };
 
+/// Options of `Subscriber::open`.
 struct SubscriberOptions {
   std::string endpoint;             ///< `Endpoints::data`
   std::vector<std::string> topics;  ///< Prefixes: "floor/cop", "floor/", "" for all. Byte-wise: "floor" also matches "floor2/cop".
@@ -54,9 +56,9 @@ struct SubscriberStatistics {
 /// Thread: one at a time.
 class Subscriber {
  public:
-  /// Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start later, and is connected
-  /// in the background. If a local daemon runs, the subscriptions are sent before this returns; the daemon serves them some milliseconds
-  /// later.
+  /// Subscribes to the topics. Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start
+  /// later, and is connected in the background. If a local daemon runs, the subscriptions are sent before this returns; the daemon serves
+  /// them some milliseconds later.
   [[nodiscard]] static Result<Subscriber> open(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(Subscriber&&) noexcept;

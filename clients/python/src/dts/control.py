@@ -87,7 +87,7 @@ class ControlClient:
             if socket.poll(int(left_s * 1000) + 1) == 0:
                 continue
             response = _response_of(socket.recv_multipart())
-            # A daemon that cannot read a request refuses it without its id.
+            # A daemon that cannot read a request rejects it without its id.
             if response is not None and (
                 response.request_id == request_id or (not response.request_id and response.HasField("error"))
             ):

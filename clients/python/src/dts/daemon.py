@@ -116,7 +116,7 @@ class Daemon:
                 item = subscriber.receive(check_timeout(timeout))
                 if item is None:
                     raise no_news(subscriber, f"block of {topic}", timeout)
-                collector.take(item)
+                collector.add(item)
         finally:
             subscriber.close()
         return collector.samples()

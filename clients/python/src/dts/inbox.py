@@ -145,17 +145,17 @@ class Inbox:
             if isinstance(oldest.message, stream_pb2.Event):
                 self.statistics.dropped_events += 1
             else:
-                self._count_hole(oldest.topic, oldest.message)
+                self._count_gap(oldest.topic, oldest.message)
                 self._topics[oldest.topic].lost_scans += oldest.message.scan_count
         self._waiting.append(waiting)
         self._waiting_bytes += waiting.size
 
-    def _count_hole(self, name: str, block: stream_pb2.StreamBlock) -> None:
+    def _count_gap(self, name: str, block: stream_pb2.StreamBlock) -> None:
         topic = self._topics[name]
-        hole = topic.tracker.advance(Position(block.segment, block.first_scan, block.scan_count, block.sequence))
-        topic.lost_scans += hole.scans
-        topic.is_loss_exact = topic.is_loss_exact and hole.is_exact
-        if not hole.is_consistent:
+        gap = topic.tracker.advance(Position(block.segment, block.first_scan, block.scan_count, block.sequence))
+        topic.lost_scans += gap.scans
+        topic.is_loss_exact = topic.is_loss_exact and gap.is_exact
+        if not gap.is_consistent:
             self.statistics.inconsistent += 1
 
     def _to_block(self, form: StreamFormat | None, name: str, block: stream_pb2.StreamBlock) -> Block | None:
@@ -165,7 +165,7 @@ class Inbox:
         if len(form.channels) != block.channel_count:
             self.statistics.malformed += 1
             return None
-        self._count_hole(name, block)
+        self._count_gap(name, block)
         topic = self._topics[name]
         count = block.scan_count * block.channel_count
         made = Block(

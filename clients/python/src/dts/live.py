@@ -107,7 +107,7 @@ class Collector:
     def is_complete(self) -> bool:
         return bool(self._blocks) and self._scans + self._missing >= self._wanted()
 
-    def take(self, item: Block | Event) -> None:
+    def add(self, item: Block | Event) -> None:
         if isinstance(item, Event):
             if item.message is not None and item.kind == "gap":
                 self._gap_events[item.message.instance_id, item.segment] = item

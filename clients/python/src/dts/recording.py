@@ -56,7 +56,7 @@ class RecordedStream(Samples):
 class Loss:
     """Scans missing between the first and the last scan of a recording, for one reason; `dtsctl session show` counts the same way."""
 
-    reason: str  # "overrun", "unplugged", "ring_full", ...; "none": no reason recorded, but the time stamps have a hole
+    reason: str  # "overrun", "unplugged", "ring_full", ...; "none": no reason recorded, but the time stamps have a gap
     gaps: int
     scans: int  # of the rig's raw stream; a gap of unknown length counts by the time between the scans around it
 
@@ -164,12 +164,12 @@ def _losses_by_stamps(reference: XdfStream | None) -> tuple[Loss, ...]:
         return ()
     rate_hz = float(reference.header.rate)
     stamps_s = reference.times_s
-    holes = np.flatnonzero(~_continues(stamps_s, rate_hz))
-    if not len(holes):
+    gaps_at = np.flatnonzero(~_continues(stamps_s, rate_hz))
+    if not len(gaps_at):
         return ()
     with np.errstate(invalid="ignore"):
-        missing = np.nan_to_num(np.rint((np.diff(stamps_s)[holes] - 1.0 / rate_hz) * rate_hz), nan=0.0)
-    return (Loss("none", len(holes), sum(int(scans) for scans in np.clip(missing, 0, 9e15))),)
+        missing = np.nan_to_num(np.rint((np.diff(stamps_s)[gaps_at] - 1.0 / rate_hz) * rate_hz), nan=0.0)
+    return (Loss("none", len(gaps_at), sum(int(scans) for scans in np.clip(missing, 0, 9e15))),)
 
 
 def _problems_of_footers(file: XdfFile) -> list[str]:
@@ -218,7 +218,7 @@ class _ParsedEvent:
 
 
 def _as_list(values: NDArray[Any]) -> list[Any]:
-    """Returns an array as a list of Python values: the types of NumPy do not tell how deep `tolist` nests."""
+    """Returns an array as a list of Python values: the types of NumPy do not state how deep `tolist` nests."""
     rows: Any = values.tolist()
     return list(rows)
 

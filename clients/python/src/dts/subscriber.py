@@ -51,7 +51,7 @@ class Subscriber:
 
     def silence_s(self) -> float:
         """Returns the seconds since the last message of the daemon."""
-        return time.monotonic() - self._heard_s
+        return time.monotonic() - self._received_s
 
     def wait_until_subscribed(self, timeout_s: float) -> None:
         """Waits until the daemon has processed the subscriptions: nothing that it publishes later is missed.
@@ -61,7 +61,7 @@ class Subscriber:
         """
         deadline_s = time.monotonic() + timeout_s
         while not self._inbox.has_status:
-            if not self._take_one() and not self._wait(deadline_s):
+            if not self._receive_one() and not self._wait(deadline_s):
                 raise Unreachable(
                     f"no data from {self._endpoint} for {timeout_s:g} s",
                     "check that dtsd runs and that this is its data address; to give another one: dts.connect(data=...) or DTSD_DATA",
@@ -74,7 +74,7 @@ class Subscriber:
         while True:
             if (received := self._inbox.next()) is not None:
                 return received
-            if self._take_one():
+            if self._receive_one():
                 taken += 1
                 if taken > _MESSAGES_PER_CALL and time.monotonic() >= deadline_s:
                     return None
@@ -109,7 +109,7 @@ class Subscriber:
             socket.close()
             raise InvalidArgument(f"cannot use the data address '{self._endpoint}': {error.strerror}") from None
         self._socket = socket
-        self._heard_s = self._looked_s = time.monotonic()
+        self._received_s = self._looked_s = time.monotonic()
         self._listened_s = 0.0
 
     def _open_socket(self) -> "zmq.Socket[bytes]":
@@ -117,13 +117,13 @@ class Subscriber:
             raise InvalidArgument("this stream is closed", "subscribe again: Daemon.stream or Daemon.events")
         return self._socket
 
-    def _take_one(self) -> bool:
+    def _receive_one(self) -> bool:
         """Processes one message. Returns False if the socket has none at the moment."""
         try:
             frames = self._open_socket().recv_multipart(zmq.NOBLOCK)
         except zmq.Again:
             return False
-        self._heard_s = self._looked_s = time.monotonic()
+        self._received_s = self._looked_s = time.monotonic()
         self._listened_s = 0.0
         self._inbox.accept(frames)
         return True
@@ -143,7 +143,7 @@ class Subscriber:
         self._listened_s += min(now_s - self._looked_s, slice_s)
         self._looked_s = now_s
         if self._listened_s >= _RECONNECT_AFTER_S:
-            heard_s = self._heard_s
+            received_s = self._received_s
             self._connect()
-            self._heard_s = heard_s
+            self._received_s = received_s
         return now_s < deadline_s

@@ -111,7 +111,7 @@ class _Reader:
         try:
             for offset, tag, content in self._chunks():
                 try:
-                    self._take(tag, content)
+                    self._add_chunk(tag, content)
                 except DataDamaged as error:
                     raise DataDamaged(f"{_PARTS.get(tag, f'chunk of tag {tag}')} damaged at byte {offset}: {error.what}") from None
         except DataDamaged as error:
@@ -139,7 +139,7 @@ class _Reader:
                 raise DataDamaged(f"chunk torn at byte {offset}")
             yield offset, int.from_bytes(chunk[:2], "little"), chunk[2:]
 
-    def _take(self, tag: int, content: bytes) -> None:
+    def _add_chunk(self, tag: int, content: bytes) -> None:
         if (self._header is None) != (tag == 1):
             raise DataDamaged("a file starts with a file header" if self._header is None else "a second file header")
         if tag == 1:
@@ -147,11 +147,11 @@ class _Reader:
         elif tag in _OF_STREAM:
             if len(content) < 4:
                 raise DataDamaged("no stream number")
-            self._take_of_stream(tag, int.from_bytes(content[:4], "little"), content[4:])
+            self._add_to_stream(tag, int.from_bytes(content[:4], "little"), content[4:])
 
-    def _take_of_stream(self, tag: int, number: int, content: bytes) -> None:
+    def _add_to_stream(self, tag: int, number: int, content: bytes) -> None:
         if tag == 2:
-            return self._take_stream_header(number, content)
+            return self._add_stream_header(number, content)
         stream = self._streams.get(number)
         if stream is None:
             raise DataDamaged(f"stream {number} has no header")
@@ -165,7 +165,7 @@ class _Reader:
         else:
             stream.footer = stream_footer(content)
 
-    def _take_stream_header(self, number: int, content: bytes) -> None:
+    def _add_stream_header(self, number: int, content: bytes) -> None:
         if number in self._streams:
             raise DataDamaged(f"a second header of stream {number}")
         self._header_bytes += len(content)
@@ -180,7 +180,7 @@ _OF_STREAM = (2, 3, 4, 6)
 
 def samples(content: bytes, header: StreamHeader) -> tuple[NDArray[np.float64], NDArray[np.generic]]:
     """Returns time stamps (NaN if absent) and values of a samples chunk. `content` begins after the stream number."""
-    count, start = _take_length(content, 0, "no count of samples")
+    count, start = _read_length(content, 0, "no count of samples")
     value_bytes = header.channel_count * (header.dtype.itemsize if header.dtype != object else _TEXT_SAMPLE_BYTES)
     room = (len(content) - start) // (1 + value_bytes)
     if count > room:
@@ -188,9 +188,9 @@ def samples(content: bytes, header: StreamHeader) -> tuple[NDArray[np.float64], 
     if count * (8 + header.channel_count * 8) > _MAX_DECODED_BYTES:
         raise DataDamaged(f"{count} samples in one chunk are too many to hold")
     if header.dtype == object:
-        return _one_by_one(content, start, count, header, _take_texts)
+        return _one_by_one(content, start, count, header, _read_texts)
     even = _evenly_stamped(content, start, count, header)
-    return even if even is not None else _one_by_one(content, start, count, header, _take_numbers)
+    return even if even is not None else _one_by_one(content, start, count, header, _read_numbers)
 
 
 def _evenly_stamped(
@@ -220,11 +220,11 @@ def _evenly_stamped(
     return stamps_s, np.concatenate([first["values"], rest["values"]])
 
 
-_TakeValues = Callable[[bytes, int, StreamHeader], tuple[NDArray[np.generic], int]]
+_ReadValues = Callable[[bytes, int, StreamHeader], tuple[NDArray[np.generic], int]]
 
 
 def _one_by_one(
-    content: bytes, at: int, count: int, header: StreamHeader, take: _TakeValues
+    content: bytes, at: int, count: int, header: StreamHeader, read_value: _ReadValues
 ) -> tuple[NDArray[np.float64], NDArray[np.generic]]:
     stamps_s = np.full(count, np.nan)
     values: NDArray[np.generic] = np.empty((count, header.channel_count), header.dtype)
@@ -235,23 +235,23 @@ def _one_by_one(
             if len(content) < at + 9:
                 raise DataDamaged("samples end within a time stamp")
             (stamps_s[sample],) = struct.unpack_from("<d", content, at + 1)
-        values[sample], at = take(content, at + 1 + content[at], header)
+        values[sample], at = read_value(content, at + 1 + content[at], header)
     if at != len(content):
         raise DataDamaged(f"{len(content) - at} bytes left over after the samples")
     return stamps_s, values
 
 
-def _take_numbers(content: bytes, at: int, header: StreamHeader) -> tuple[NDArray[np.generic], int]:
+def _read_numbers(content: bytes, at: int, header: StreamHeader) -> tuple[NDArray[np.generic], int]:
     end = at + header.channel_count * header.dtype.itemsize
     if end > len(content):
         raise DataDamaged("samples end within a value")
     return np.frombuffer(content, header.dtype, header.channel_count, at), end
 
 
-def _take_texts(content: bytes, at: int, header: StreamHeader) -> tuple[NDArray[np.generic], int]:
+def _read_texts(content: bytes, at: int, header: StreamHeader) -> tuple[NDArray[np.generic], int]:
     texts: NDArray[np.generic] = np.empty(header.channel_count, object)
     for channel in range(header.channel_count):
-        length, at = _take_length(content, at, "samples end within a text")
+        length, at = _read_length(content, at, "samples end within a text")
         if length > len(content) - at:
             raise DataDamaged("samples end within a text")
         texts[channel] = content[at : at + length].decode(errors="replace")
@@ -259,7 +259,7 @@ def _take_texts(content: bytes, at: int, header: StreamHeader) -> tuple[NDArray[
     return texts, at
 
 
-def _take_length(content: bytes, at: int, problem: str) -> tuple[int, int]:
+def _read_length(content: bytes, at: int, problem: str) -> tuple[int, int]:
     """Returns a length field, whose own size precedes it, and the position after it."""
     width = content[at] if at < len(content) else 0
     if width not in _LENGTHS or len(content) < at + 1 + width:

@@ -335,7 +335,7 @@ export class GatewayLink implements Link {
       return;
     }
     if (this.#around.isHidden()) return; // painted when the tab is shown again, the block would be old
-    const block = this.#streams.take(topic, fromBinary(StreamBlockSchema, bytes));
+    const block = this.#streams.check(topic, fromBinary(StreamBlockSchema, bytes));
     if (block === undefined) return;
     this.#lastBlockOf(block.rig).atMs = Date.now();
     this.#blockHandlers.deliver(topic, block);

@@ -38,7 +38,7 @@ beforeEach(() => {
 });
 
 test('Streams.WellFormedBlock becomes columns with times of this browser', () => {
-  const taken = streams.take('floor/cop', block())!;
+  const taken = streams.check('floor/cop', block())!;
 
   expect(taken.columns.map((column) => [...column])).toEqual([[1, 2], [3, NaN]]);
   expect([taken.timeMs, taken.newestMs, taken.rateHz]).toEqual([1000, 1010, 100]);
@@ -54,17 +54,17 @@ test.each<[string, Change, boolean, readonly [number, boolean] | undefined]>([
   ['RestartedDaemon while it was not subscribed is a new segment', { instanceId: 8n, firstScan: 9000n }, true, [0, true]],
   ['NewSegment while it was not subscribed is one', { segment: 2, firstScan: 9000n }, true, [0, true]],
 ])('Streams.%s', (_name, change, isForgotten, expected) => {
-  streams.take('floor/cop', block());
+  streams.check('floor/cop', block());
   if (isForgotten) streams.forget();
 
-  const taken = streams.take('floor/cop', block(change));
+  const taken = streams.check('floor/cop', block(change));
 
   expect(taken && [taken.missingScans, taken.isNewSegment]).toEqual(expected);
 });
 
 test('Streams.UnknownStream or other number of channels is rejected', () => {
-  const unknown = streams.take('floor/raw', block());
-  const other = streams.take('floor/cop', block({ channelCount: 1, values: [1, 2], quality: new Uint8Array(1) }));
+  const unknown = streams.check('floor/raw', block());
+  const other = streams.check('floor/cop', block({ channelCount: 1, values: [1, 2], quality: new Uint8Array(1) }));
 
   expect([unknown, other]).toEqual([undefined, undefined]);
 });

@@ -79,7 +79,7 @@ export class Streams {
   }
 
   /** Returns the checked block, or nothing if it is malformed, repeated or of an unknown stream. */
-  take(topic: string, block: StreamBlock): Block | undefined {
+  check(topic: string, block: StreamBlock): Block | undefined {
     const parts = splitTopic(topic);
     const format = this.#formats.get(topic);
     if (parts === undefined || format === undefined || !this.#clock.isKnown) return undefined;

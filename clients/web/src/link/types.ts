@@ -64,7 +64,7 @@ export class CommandError extends Error {
   }
 }
 
-/** The command of a Request in the form that `create` takes: { case: 'mark', value: { text, rig } }. */
+/** The command of a Request in the form that `create` accepts: { case: 'mark', value: { text, rig } }. */
 export type Command = NonNullable<MessageInitShape<typeof RequestSchema>['command']>;
 export type Answer = Response['result'];
 

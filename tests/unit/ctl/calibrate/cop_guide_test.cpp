@@ -54,7 +54,7 @@ class CopGuideTest : public ::testing::Test {
                               .advise = [](const std::string&, std::uint8_t) { return "lighter"; },
                               .is_stopped =
                                   [&] {
-                                    typed = prompt.overhear();
+                                    typed = prompt.poll();
                                     return typed.has_value();
                                   }});
     CopGuide guide({.plate = plate_,

@@ -40,7 +40,7 @@ TEST(U6Frames, Refusal_NamesCommandNumberAndMeaning) {
                                        {58, "scan rate invalid"},
                                        {57, "see the U6 data sheet, section 5.3"}}) {
     const core::Error told = refused("StreamConfig", static_cast<std::uint8_t>(error));
-    EXPECT_EQ(told.what, "LabJack U6: StreamConfig was refused with error " + std::to_string(error) + " (" + meaning + ")");
+    EXPECT_EQ(told.what, "LabJack U6: StreamConfig was rejected with error " + std::to_string(error) + " (" + meaning + ")");
     EXPECT_EQ(told.code, core::ErrorCode::Failed);
   }
 }

@@ -30,7 +30,7 @@ TEST(ScanBuffer, AnyPiecesAndTakes_PhaseIsKept) {
         }
       }
       const std::size_t taken = std::min<std::size_t>(buffer.scans(), step % 50);
-      buffer.take(taken);
+      buffer.remove(taken);
       expected = static_cast<std::uint16_t>(expected + taken * channels);
     }
   }
@@ -44,7 +44,7 @@ TEST(ScanBuffer, HalfTaken_HalfIsRoomAndMoreThanFitsIsCut) {
   write(buffer, 1, next);
   EXPECT_EQ(buffer.room().size(), 0U);
 
-  buffer.take(5);
+  buffer.remove(5);
 
   EXPECT_EQ(buffer.room().size(), 10U);
   EXPECT_EQ(buffer.scan(0)[0], 10);

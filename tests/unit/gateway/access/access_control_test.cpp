@@ -40,7 +40,7 @@ TEST_F(AccessControlTest, RightPassword_GivesACookieThatTellsWhoSomebodyIs) {
   ASSERT_TRUE(identity.has_value());
   EXPECT_EQ(identity->user, "anna");
   EXPECT_EQ(identity->role, v1::ROLE_OPERATOR);
-  EXPECT_EQ(json_of(tell_who(with_cookie(answer)))["role"], "operator");
+  EXPECT_EQ(json_of(describe_user(with_cookie(answer)))["role"], "operator");
   HttpRequest over_tls = login("anna", kPassword);
   over_tls.is_secure = true;
   EXPECT_THAT(header_of(log_in(std::move(over_tls)), "Set-Cookie"), HasSubstr("; Secure"));
@@ -266,7 +266,7 @@ TEST_F(AccessControlTest, WithoutAUsersFile_NobodyCanLogIn) {
   open();
 
   EXPECT_EQ(log_in(login("anna", kPassword)).status, 403U);
-  EXPECT_EQ(json_of(tell_who(request("GET", "/api/me"))), (nlohmann::json{{"user", ""}, {"role", "none"}, {"can_log_in", false}}));
+  EXPECT_EQ(json_of(describe_user(request("GET", "/api/me"))), (nlohmann::json{{"user", ""}, {"role", "none"}, {"can_log_in", false}}));
 }
 
 TEST_F(AccessControlTest, UsersFileThatIsNone_IsRefusedWithItsLine) {

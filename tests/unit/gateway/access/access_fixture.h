@@ -56,9 +56,9 @@ class AccessControlTest : public AnsweredTest {
     begin(std::move(asked));
     return wait_for(1).front();
   }
-  HttpResponse tell_who(const HttpRequest& asked) {
+  HttpResponse describe_user(const HttpRequest& asked) {
     HttpResponse told;
-    access_->tell_who(asked, [&told](HttpResponse answer) { told = std::move(answer); });
+    access_->describe_user(asked, [&told](HttpResponse answer) { told = std::move(answer); });
     return told;
   }
   [[nodiscard]] bool is_known(const HttpRequest& asked) const { return access_->identify(asked).has_value(); }

@@ -13,8 +13,8 @@ TEST_F(AccessControlTest, Logins_AreLoggedWithTheirAddress) {
   now_ += seconds{1};
   (void)log_in(login("my secret password", "anna", "10.0.0.9"));
 
-  EXPECT_EQ(log_, (std::vector<std::string>{"login: anna (operator) from 10.0.0.7", "login refused: anna from 10.0.0.8",
-                                            "login refused: a name that no user has from 10.0.0.9"}));
+  EXPECT_EQ(log_, (std::vector<std::string>{"login: anna (operator) from 10.0.0.7", "login rejected: anna from 10.0.0.8",
+                                            "login rejected: a name that no user has from 10.0.0.9"}));
 }
 
 TEST_F(AccessControlTest, Addresses_AreToldAsTheyAreAndCountedAsBefore) {
@@ -39,8 +39,8 @@ TEST_F(AccessControlTest, BurstThatStops_IsToldOnTheNextTurn) {
   now_ += seconds{10};
   for (int turn = 0; turn < 3; ++turn) access_->report_rest(false);
 
-  EXPECT_EQ(log_, (std::vector<std::string>{"login refused: anna from 10.0.0.0",
-                                            "login refused: anna from 10.0.0.24, and 23 more since the line before"}));
+  EXPECT_EQ(log_, (std::vector<std::string>{"login rejected: anna from 10.0.0.0",
+                                            "login rejected: anna from 10.0.0.24, and 23 more since the line before"}));
   ASSERT_EQ(notes_.size(), 21U);
   EXPECT_EQ(notes_.back().address, "10.0.0.24");
   EXPECT_EQ(notes_.back().more, 4U);
@@ -52,7 +52,7 @@ TEST_F(AccessControlTest, LoginAfterABurst_BringsTheRestAlong) {
   (void)log_in(login("anna", kPassword, "10.0.0.7"));
 
   ASSERT_EQ(log_.size(), 3U);
-  EXPECT_EQ(log_[2], "login refused: anna from 192.0.2.7, and 1 more since the line before");
+  EXPECT_EQ(log_[2], "login rejected: anna from 192.0.2.7, and 1 more since the line before");
 }
 
 TEST_F(AccessControlTest, EndAfterABurst_LosesNothing) {
@@ -60,8 +60,8 @@ TEST_F(AccessControlTest, EndAfterABurst_LosesNothing) {
   access_->report_rest(true);
   access_->report_rest(true);
 
-  EXPECT_EQ(log_, (std::vector<std::string>{"login refused: anna from 192.0.2.7",
-                                            "login refused: anna from 192.0.2.7, and 1 more since the line before"}));
+  EXPECT_EQ(log_, (std::vector<std::string>{"login rejected: anna from 192.0.2.7",
+                                            "login rejected: anna from 192.0.2.7, and 1 more since the line before"}));
 }
 
 TEST_F(AccessControlTest, Logins_AreNotedForTheAuditTrailAFewTimesOnly) {

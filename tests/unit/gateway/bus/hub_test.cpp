@@ -29,7 +29,7 @@ class HubTest : public IoTest {
   void come_up() {
     v1::Link up;
     up.set_is_up(true);
-    hub_.take(up);
+    hub_.handle(up);
   }
   static void subscribe(Tab& tab, const std::vector<std::string>& topics) {
     v1::FromBrowser message;
@@ -38,7 +38,7 @@ class HubTest : public IoTest {
     say(tab, message);
   }
   void publish(const std::string& topic, Carried::Kind kind, bool is_retained = false, std::uint64_t instance_id = 7) {
-    hub_.take(std::make_shared<Carried>(
+    hub_.handle(std::make_shared<Carried>(
         Carried{.topic = topic, .kind = kind, .bytes = "x", .scans = 1, .is_retained = is_retained, .instance_id = instance_id}));
   }
   /// Lets timers run until the tab has got a frame; its topics.

@@ -17,7 +17,7 @@ inline v1::StatusSnapshot eventful_status() {
   status.set_has_network(true);
   status.set_accepted_handshakes_total(12);
   status.set_refused_handshakes_total(3);
-  status.add_notices("SCHED_FIFO refused");
+  status.add_notices("SCHED_FIFO rejected");
   status.mutable_disk()->set_state(v1::DISK_STATE_LOW);
   status.mutable_disk()->set_free_bytes(5'000'000'000);
   status.mutable_disk()->set_recordable_s(1800.5);

@@ -105,11 +105,11 @@ v1::Event result(int trial, int number, int trunk_class, double trunk_deg) {
 TEST(RecordedReaches, ResultsThatWereTold_AreComparedWithWhatIsComputed) {
   const std::vector<v1::Event> events{trial("GO", 1, 1000), events::make(reach(1, 1100), ""), classed(1, 1100, core::TrunkClass::Moderate),
                                       trial("DONE", 1, 1600)};
-  const auto with = [&](const v1::Event& told) {
+  const auto with = [&](const v1::Event& live) {
     auto all = events;
-    all.push_back(told);
+    all.push_back(live);
     const auto recorded = read(std::move(all));
-    EXPECT_TRUE(recorded && recorded->told == 1U);
+    EXPECT_TRUE(recorded && recorded->live_results == 1U);
     return recorded ? recorded->differing : 99U;
   };
   EXPECT_EQ(with(result(1, 1, 2, 25.0)), 0U);

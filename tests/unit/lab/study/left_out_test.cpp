@@ -40,7 +40,7 @@ TEST(ShippedModel, PeopleItNeverSaw_GetRightAnswersOrNone) {
 
   const auto people = natural_reaches(teachers(), Targets::All, 4242, [](double) {});
   ASSERT_TRUE(people) << people.error().what;
-  const RecommendedResult result = judge_by_model(*model, {&*people});
+  const RecommendedResult result = classify_by_model(*model, {&*people});
 
   // Measured over five draws of thirteen people: kept 0.90 to 0.97 and 0.99 to 1.00 of these right. Three people vary more.
   EXPECT_GE(result.general.kept.of_trunk().kept_share(), 0.75);

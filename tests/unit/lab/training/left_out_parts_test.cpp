@@ -19,11 +19,11 @@ class LeftOutParts : public testing::Test {
   LeftOutParts() {
     for (const double off_deg : {1.0, 2.0, 9.0}) {
       for (int k = 0; k < 30; ++k) {
-        JudgedReach one{.reach = &reach_, .movement = {}, .group = group_};
+        ClassifiedReach one{.reach = &reach_, .movement = {}, .group = group_};
         one.movement.trunk_class = TrunkClass::Moderate;
         one.movement.probability = {0.02, 0.95, 0.03};
         one.movement.trunk_deg = reach_.flexion_deg + off_deg;
-        judged_.push_back(one);
+        classified_.push_back(one);
       }
       ++group_;
     }
@@ -31,42 +31,42 @@ class LeftOutParts : public testing::Test {
 
   TrainingReach reach_{.wanted = TrunkClass::Moderate, .flexion_deg = 25.0};
   std::size_t group_ = 0;
-  std::vector<JudgedReach> judged_;
+  std::vector<ClassifiedReach> classified_;
 };
 
 TEST_F(LeftOutParts, GroupUnlikeTheOthers_DoesNotWidenItsOwnIntervals) {
-  EXPECT_DOUBLE_EQ(residuals_of(judged_)[1], 9.0);
-  EXPECT_DOUBLE_EQ(residuals_of(judged_, 2)[1], 2.0);
+  EXPECT_DOUBLE_EQ(residuals_of(classified_)[1], 9.0);
+  EXPECT_DOUBLE_EQ(residuals_of(classified_, 2)[1], 2.0);
 }
 
 TEST_F(LeftOutParts, Forecasts_AreThoseOfTheOtherGroups) {
-  EXPECT_EQ(forecasts_of(judged_).size(), 90U);
-  EXPECT_EQ(forecasts_of(judged_, 0).size(), 60U);
+  EXPECT_EQ(forecasts_of(classified_).size(), 90U);
+  EXPECT_EQ(forecasts_of(classified_, 0).size(), 60U);
 }
 
 TEST_F(LeftOutParts, ClassNought_OnlyWhereHardlyAnyOtherReachOfClassOneIs) {
   reach_.wanted = TrunkClass::Minor;
-  for (JudgedReach& one : judged_) {
+  for (ClassifiedReach& one : classified_) {
     one.movement.trunk_class = TrunkClass::None;
     one.arm_alone = one.group == 2 ? 0.97 : 0.6;
   }
-  EXPECT_NEAR(none_from_of(judged_), 0.97, 1e-5);
-  EXPECT_NEAR(none_from_of(judged_, 2), 0.6, 1e-5);
-  EXPECT_EQ(guess_of(judged_.back(), 0.99), TrunkClass::Minor);
-  EXPECT_EQ(guess_of(judged_.back(), 0.9), TrunkClass::None);
-  judged_.back().movement.trunk_class = TrunkClass::Maximum;
-  EXPECT_EQ(guess_of(judged_.back(), 0.9), TrunkClass::Maximum);
+  EXPECT_NEAR(none_from_of(classified_), 0.97, 1e-5);
+  EXPECT_NEAR(none_from_of(classified_, 2), 0.6, 1e-5);
+  EXPECT_EQ(guess_of(classified_.back(), 0.99), TrunkClass::Minor);
+  EXPECT_EQ(guess_of(classified_.back(), 0.9), TrunkClass::None);
+  classified_.back().movement.trunk_class = TrunkClass::Maximum;
+  EXPECT_EQ(guess_of(classified_.back(), 0.9), TrunkClass::Maximum);
 }
 
 TEST_F(LeftOutParts, ReachOfTheArmAlone_WidensNothing) {
   TrainingReach alone{.wanted = TrunkClass::None, .flexion_deg = 0.0};
-  judged_.assign(1, {.reach = &alone, .movement = {.trunk_deg = 50.0}, .group = 0});
-  EXPECT_TRUE(forecasts_of(judged_).empty());
-  EXPECT_DOUBLE_EQ(residuals_of(judged_)[2], 0.5);
+  classified_.assign(1, {.reach = &alone, .movement = {.trunk_deg = 50.0}, .group = 0});
+  EXPECT_TRUE(forecasts_of(classified_).empty());
+  EXPECT_DOUBLE_EQ(residuals_of(classified_)[2], 0.5);
 }
 
 TEST_F(LeftOutParts, Kept_WhenSureInRangeAndWithinTheInterval) {
-  core::TrunkMovement movement = judged_.front().movement;
+  core::TrunkMovement movement = classified_.front().movement;
   EXPECT_TRUE(is_kept(movement, {2.0, 2.0, 2.0}, 0.9));
   EXPECT_FALSE(is_kept(movement, {2.0, 2.0, 2.0}, 0.96));
   movement.trunk_deg = 50.0;

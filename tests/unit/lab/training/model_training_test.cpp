@@ -109,18 +109,18 @@ TEST(TrainModel, ReachesThatAreUnfit_DoNotTeach) {
   EXPECT_EQ(model->form().general, clean->form().general);
 }
 
-TEST(JudgeLeftOut, EachReach_JudgedOnceByAModelWithoutItsSubject) {
+TEST(ClassifyLeftOut, EachReach_JudgedOnceByAModelWithoutItsSubject) {
   auto set = made_reaches(4, 1);
   // A subject whose small reaches look like moderate ones: a model that had seen it would not be sure of those.
   for (std::size_t k = 0; k < set.reaches.size(); ++k) {
     if (set.reaches[k].subject == 3 && set.reaches[k].wanted == TrunkClass::Minor) set.reaches[k].features = set.reaches[k + 1].features;
   }
 
-  const auto judged = judge_left_out(set, kFew, {});
+  const auto classified = classify_left_out(set, kFew, {});
 
-  ASSERT_TRUE(judged) << core::to_string(judged.error());
-  EXPECT_EQ(judged->size(), set.reaches.size());
-  for (const LeftOutReach& one : *judged) {
+  ASSERT_TRUE(classified) << core::to_string(classified.error());
+  EXPECT_EQ(classified->size(), set.reaches.size());
+  for (const LeftOutReach& one : *classified) {
     const TrainingReach& reach = set.reaches[one.reach];
     if (reach.subject == 3 && reach.wanted == TrunkClass::Minor) {
       EXPECT_EQ(one.general.trunk_class, TrunkClass::Moderate);

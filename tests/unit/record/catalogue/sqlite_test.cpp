@@ -102,7 +102,7 @@ TEST_F(CatalogueFile, Garbage_SaysWhatToDo) {
   write("this is no database at all, whatever its name says" + std::string(4096, 'x'));
   const auto opened = Catalogue::open(path());
   EXPECT_EQ(code(opened), core::ErrorCode::DataDamaged);
-  EXPECT_THAT(what(opened), HasSubstr("makes it anew from the recordings, all but the audit trail"));
+  EXPECT_THAT(what(opened), HasSubstr("makes a new one from the recordings, without the audit trail"));
 }
 
 TEST_F(CatalogueFile, DamagedPages_AreNeverTakenForGood) {

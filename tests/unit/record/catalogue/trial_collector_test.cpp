@@ -34,7 +34,7 @@ std::string shown(const TrialRow& row) {
 }
 std::vector<std::string> collected(const std::vector<RecordedItem>& items) {
   TrialCollector trials(0);
-  for (const RecordedItem& item : items) trials.take(item);
+  for (const RecordedItem& item : items) trials.add(item);
   std::vector<std::string> rows;
   for (const TrialRow& row : trials.rows()) rows.push_back(shown(row));
   return rows;
@@ -52,7 +52,7 @@ TEST(TrialCollector, Done_CountsFromMeasure) {
 
 TEST(TrialCollector, BlockAndCondition_AreKept) {
   TrialCollector trials(std::nullopt);
-  trials.take(event("ready", 1, 1, 10));
+  trials.add(event("ready", 1, 1, 10));
   EXPECT_EQ(trials.rows().at(0).block, 2U);
   EXPECT_EQ(trials.rows().at(0).condition, "120");
 }
@@ -102,15 +102,15 @@ TEST(TrialCollector, ResultAndFigures_AreKeptAsTold) {
   const v1::Event undefined = event_of("scan: 130 figure { name: 'other' value: nan }");
   const v1::Event nameless = event_of("scan: 130 figure { value: 1 }");
 
-  trials.take(event("measure", 1, 1, 20));
-  trials.take(event("done", 1, 1, 99));
-  for (const v1::Event& told : {result, stray, running, figure, undefined, nameless}) trials.take(TimedEvent{.event = told});
+  trials.add(event("measure", 1, 1, 20));
+  trials.add(event("done", 1, 1, 99));
+  for (const v1::Event& told : {result, stray, running, figure, undefined, nameless}) trials.add(TimedEvent{.event = told});
 
   ASSERT_EQ(trials.rows().size(), 1U);
   EXPECT_EQ(trials.rows()[0].result, wire::to_json(result));
-  ASSERT_EQ(trials.figures().size(), 1U);
-  EXPECT_EQ(trials.figures()[0].name, "rejected_share");
-  EXPECT_EQ(trials.figures()[0].value, 0.25);
+  ASSERT_EQ(trials.session_results().size(), 1U);
+  EXPECT_EQ(trials.session_results()[0].name, "rejected_share");
+  EXPECT_EQ(trials.session_results()[0].value, 0.25);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ export class TransientRing {
     for (let column = 0; column < columns; column += 1) {
       const begin = Math.floor(fromScan + column * scansPerColumn);
       const from = Math.max(this.first, begin);
-      // At least one scan; otherwise a view finer than the data would have holes.
+      // At least one scan; otherwise a view finer than the data would have gaps.
       const to = Math.min(this.end, Math.max(begin + 1, Math.floor(fromScan + (column + 1) * scansPerColumn)));
       let low = Number.NaN;
       let high = Number.NaN;

@@ -115,8 +115,7 @@ struct ReadResult {
 /// | `hear`     | no effect     | no effect       | ok                | no effect           |
 ///
 /// Thread: open, start, stop, close and has_arrived on one owner thread; `read` and `has_more` on one thread, between start and stop;
-/// `describe`, `state`,
-/// `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.
+/// `describe`, `state`, `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.
 class Device {
  public:
   virtual ~Device() = default;

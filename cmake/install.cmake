@@ -17,16 +17,16 @@ function(dts_install_for_prefix file directory)
   install(FILES ${CMAKE_BINARY_DIR}/install/${name} DESTINATION ${directory})
 endfunction()
 
-install(TARGETS dtsd DESTINATION ${CMAKE_INSTALL_SBINDIR})
+install(TARGETS dtsd dts-relay DESTINATION ${CMAKE_INSTALL_SBINDIR})
 install(TARGETS dtsctl dts-gateway DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(TARGET dtslab)  # the thread sanitizer's build has none
   install(TARGETS dtslab DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 
-foreach(unit dtsd dts-gateway)
+foreach(unit dtsd dts-relay dts-gateway)
   dts_install_for_prefix(${CMAKE_SOURCE_DIR}/systemd/${unit}.service lib/systemd/system)
-  install(FILES systemd/sysusers.d/${unit}.conf DESTINATION lib/sysusers.d)
 endforeach()
+install(FILES systemd/sysusers.d/dtsd.conf systemd/sysusers.d/dts-gateway.conf DESTINATION lib/sysusers.d)
 dts_install_for_prefix(${CMAKE_SOURCE_DIR}/systemd/tmpfiles.d/dts-gateway.conf lib/tmpfiles.d)
 install(FILES config/udev/70-dtsd.rules DESTINATION lib/udev/rules.d)
 
@@ -52,7 +52,7 @@ add_custom_command(OUTPUT ${gateway_page}
   DEPENDS ${CMAKE_BINARY_DIR}/share/man/man1/dts-gateway.1 VERBATIM)
 add_custom_target(gateway_page ALL DEPENDS ${gateway_page})
 add_dependencies(gateway_page dts-gateway_documents)
-install(FILES packaging/man/dtsd.8 ${gateway_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
+install(FILES packaging/man/dtsd.8 packaging/man/dts-relay.8 ${gateway_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
 install(FILES packaging/man/dtsd.toml.5 DESTINATION ${CMAKE_INSTALL_MANDIR}/man5)
 set(documented dts-gateway dtsctl)
 if(TARGET dtslab)

@@ -32,7 +32,7 @@ client::Result<void> check_listens(const v1::ListKeysResponse& keys) {
   if (!keys.control_endpoint().empty()) return {};
   return client::fail(
       client::ErrorCode::WrongState, "the daemon accepts only this machine: a key has no use yet",
-      "add to its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (one line each), then restart dtsd");
+      "add to its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (one line each), then: systemctl restart dtsd dts-relay");
 }
 
 }  // namespace

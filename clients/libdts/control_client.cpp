@@ -204,7 +204,7 @@ tl::unexpected<Error> ControlClient::Implementation::unreachable(milliseconds ti
   }
   if (options_.key) {
     return fail(ErrorCode::Unreachable, "no answer from " + where,
-                "on the daemon's machine, check that dtsd runs, that its configuration has [network], and that it has the key '" +
+                "on the daemon's machine, check that dtsd and dts-relay run, that dtsd.toml has [network], and that it has the key '" +
                     options_.key->name + "': dtsctl key list");
   }
   return fail(ErrorCode::Unreachable, "no answer from " + where,

@@ -16,26 +16,21 @@ namespace dts::access {
 struct Peer {
   std::string who;                       ///< For the audit trail: "local", "key:anna", "revoked key".
   v1::Role role = v1::ROLE_UNSPECIFIED;  ///< Unspecified: no rights.
-  bool is_limited = true;                ///< True: the rate limits apply.
+  bool is_remote = true;
 };
 
-/// Decides whether a command may run. The decision depends on the current role of the sender's key (not the role at connection time) and on
-/// the rate of its recent commands. Local senders have the role engineer and no limit, because the control loop serves all sockets in
-/// turns. Thread: control.
+/// Decides whether a command may run: by the current role of the sender's key, not its role at connection time. Local senders have the role
+/// engineer. Thread: control.
 class Gate {
  public:
   /// `keys` must outlive this object; nullptr: there are no keys.
   explicit Gate(const KeyStore* keys);
 
   /// Returns the sender behind a local socket. The file system's permissions decide who can use the socket.
-  [[nodiscard]] static Peer local() { return {.who = "local", .role = v1::ROLE_ENGINEER, .is_limited = false}; }
-  /// Returns the sender with this key. `public_key`: the "User-Id" that the authenticator set.
+  [[nodiscard]] static Peer local() { return {.who = "local", .role = v1::ROLE_ENGINEER, .is_remote = false}; }
+  /// Returns the sender with this key.
   [[nodiscard]] Peer remote(const std::string& public_key) const;
 
-  /// Counts a message of this peer, before it is decoded. Fails with LimitExceeded if the peer is above its limit.
-  [[nodiscard]] core::Status admit(const Peer& peer, std::int64_t now_ns);
-  /// Returns true if a message above the limit gets an answer. Counts it: these answers have their own limit, so that a flood gets few.
-  [[nodiscard]] bool is_worth_an_answer(const Peer& peer, std::int64_t now_ns) { return refusals_.take(peer.who, now_ns); }
   /// Fails with NotAllowed, naming the required role, if the peer's role does not allow the request.
   [[nodiscard]] static core::Status check(const Peer& peer, const v1::Request& request);
   /// Returns true if the audit trail records a failed command of this peer: at most 20 at once and six a minute, because nobody can erase
@@ -44,8 +39,6 @@ class Gate {
 
  private:
   const KeyStore* keys_;
-  RateLimit commands_;
-  RateLimit refusals_;
   RateLimit notes_;
 };
 

@@ -2,14 +2,12 @@
 #include "app/config.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <thread>
 
-#include "app/paths.h"
 #include "files/protocol_file.h"
 #include "files/rig_file.h"
-#include "ipc/endpoint.h"
+#include "settings/folders.h"
 
 namespace dts::app {
 namespace {
@@ -20,45 +18,6 @@ constexpr int kStepsBelow = 3;  // our lowest thread priority is fifo_priority m
 bool is_rig_name(const std::string& name) {
   return !name.empty() && name.size() <= kLongestRigName && name != "dtsd" &&
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
-}
-
-core::LogLevel read_log_level(files::TomlReader reader) {
-  const std::string level = reader.choice("level", {"info", "debug", "warning", "error"});
-  reader.finish();
-  if (level == "debug") return core::LogLevel::Debug;
-  if (level == "warning") return core::LogLevel::Warning;
-  return level == "error" ? core::LogLevel::Error : core::LogLevel::Info;
-}
-
-std::string read_endpoint(files::TomlReader& reader, std::string_view key, const std::string& fallback) {
-  const std::string endpoint = reader.text(key, fallback);
-  if (auto valid = ipc::check_endpoint(endpoint); !valid) reader.report(key, core::to_string(valid.error()));
-  return endpoint;
-}
-
-void read_endpoints(files::TomlReader reader, DaemonConfig& config) {
-  config.control_endpoint = read_endpoint(reader, "control", "ipc://" + config.runtime_directory + "/control.sock");
-  config.data_endpoint = read_endpoint(reader, "data", "ipc://" + config.runtime_directory + "/data.sock");
-  if (config.control_endpoint == config.data_endpoint) reader.report("data", "control and data need different endpoints");
-  reader.finish();
-}
-
-std::string read_remote_endpoint(files::TomlReader& reader, std::string_view key) {
-  reader.require(key);
-  const std::string endpoint = reader.text(key, "");
-  if (!reader.has(key)) return endpoint;
-  if (auto valid = ipc::check_remote_endpoint(endpoint); !valid) reader.report(key, core::to_string(valid.error()));
-  return endpoint;
-}
-
-std::optional<NetworkConfig> read_network(files::TomlReader& top) {
-  if (!top.has("network")) return std::nullopt;
-  files::TomlReader reader = top.table("network");
-  NetworkConfig network{.control_endpoint = read_remote_endpoint(reader, "control"), .data_endpoint = read_remote_endpoint(reader, "data")};
-  if (reader.has("data") && network.control_endpoint == network.data_endpoint)
-    reader.report("data", "control and data need different ports");
-  reader.finish();
-  return network;
 }
 
 RealtimeConfig read_realtime(files::TomlReader reader) {
@@ -75,20 +34,9 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
   return realtime;
 }
 
-std::string absolute_name(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto whole = std::filesystem::absolute(path, error);  // fails if there is no working directory
-  return (error ? path : whole).lexically_normal().string();
-}
-
 session::StorageConfig read_storage(files::TomlReader reader) {
   session::StorageConfig storage;
-  const std::string given = reader.text("directory", "");
-  const auto folder = std::filesystem::path(reader.file()).parent_path();
-  const char* const state_dir = std::getenv("DTSD_STATE_DIR");
-  const bool is_overridden = state_dir != nullptr && *state_dir != '\0';
-  // Absolute, because the catalogue and clients store the paths of recordings and may run in another folder.
-  storage.directory = absolute_name(given.empty() || is_overridden ? std::filesystem::path(state_directory()) : folder / given);
+  storage.directory = settings::read_recordings_directory(reader);
   storage.refuse_below_min = reader.number("refuse_below_min", storage.refuse_below_min, 0.0, 100'000.0);
   storage.warn_below_min = reader.number("warn_below_min", storage.warn_below_min, 0.0, 100'000.0);
   storage.resume_within_min = reader.number("resume_within_min", storage.resume_within_min, 0.0, 1440.0);
@@ -148,16 +96,16 @@ core::ThreadPolicy RealtimeConfig::policy(int steps_below) const {
 LoadedConfig load_config(const std::string& file) {
   LoadedConfig loaded;
   DaemonConfig& config = loaded.config;
-  config.runtime_directory = runtime_directory();
+  config.runtime_directory = settings::runtime_directory();
   const auto table = files::parse_toml(file, loaded.problems);
   if (!table) return loaded;
   files::TomlReader top(&*table, "", file, loaded.problems);
-  config.log_level = read_log_level(top.table("log"));
-  read_endpoints(top.table("endpoints"), config);
+  config.log_level = settings::read_log_level(top.table("log"));
+  config.endpoints = settings::read_endpoints(top.table("endpoints"));
   config.realtime = read_realtime(top.table("realtime"));
-  config.network = read_network(top);
+  config.network = settings::read_network(top);
   config.storage = read_storage(top.table("storage"));
-  config.key_directory = config.storage.directory + "/keys";
+  config.key_directory = settings::key_directory(config.storage.directory);
   config.protocols = read_protocols(top.table("protocols"), loaded.problems);
   for (files::TomlReader& rig : top.tables("rig")) read_rig(rig, config, loaded.problems);
   top.finish();

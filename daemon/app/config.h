@@ -10,6 +10,7 @@
 #include "pipeline/rig_config.h"
 #include "session/protocol.h"
 #include "session/storage.h"
+#include "settings/shared_settings.h"
 
 namespace dts::app {
 
@@ -23,12 +24,6 @@ struct RealtimeConfig {
   [[nodiscard]] core::ThreadPolicy policy(int steps_below) const;
 };
 
-/// Addresses for clients on other machines. These clients need keys.
-struct NetworkConfig {
-  std::string control_endpoint;
-  std::string data_endpoint;
-};
-
 /// A rig whose own files have no error, and its place in the daemon's configuration file.
 struct ConfiguredRig {
   pipeline::RigConfig rig;
@@ -39,10 +34,9 @@ struct ConfiguredRig {
 /// The daemon's configuration. All values are checked.
 struct DaemonConfig {
   std::string runtime_directory;
-  std::string control_endpoint;
-  std::string data_endpoint;
-  std::optional<NetworkConfig> network;  ///< Absent: this machine only.
-  std::string key_directory;             ///< Folder of the daemon's own key and its clients' keys (daemon/access).
+  settings::LocalEndpoints endpoints;
+  std::optional<settings::RemoteEndpoints> network;  ///< Where dts-relay listens; absent: this machine only.
+  std::string key_directory;                         ///< Folder of the server's key and its clients' keys (daemon/access).
   core::LogLevel log_level = core::LogLevel::Info;
   RealtimeConfig realtime;
   session::StorageConfig storage;

@@ -16,13 +16,13 @@
 #include "app/plate_check.h"
 #include "app/progress_watch.h"
 #include "app/service_manager.h"
-#include "app/sockets.h"
 #include "core/thread.h"
 #include "core/worker.h"
 #include "device/registry.h"
 #include "files/protocol_file.h"
 #include "ipc/control_server.h"
 #include "ipc/endpoint.h"
+#include "ipc/local_publisher.h"
 #include "ipc/publish_thread.h"
 #include "session/supervisor.h"
 
@@ -30,8 +30,6 @@ namespace dts::app {
 namespace {
 
 constexpr int kServeMs = 100;  // longest delay before a signal is handled
-constexpr double kSubscriberQueueMs = 2000.0;
-constexpr int kShortestSubscriberQueue = 1000;
 
 std::uint64_t random_id() {
   std::random_device source;
@@ -43,17 +41,6 @@ std::string boot_id() {
   std::string id;
   std::getline(file, id);
   return id;
-}
-
-/// Returns the number of messages that all rigs together publish in `kSubscriberQueueMs`: so far a slow subscriber may lag behind.
-int subscriber_queue(const std::vector<session::Rig*>& rigs) {
-  double messages = 0.0;
-  for (const session::Rig* rig : rigs) {
-    const double blocks =
-        static_cast<double>(rig->config().rate.scans_in_ms(kSubscriberQueueMs)) / static_cast<double>(rig->config().block_scans);
-    messages += blocks * static_cast<double>(rig->config().published.size());
-  }
-  return std::max(kShortestSubscriberQueue, static_cast<int>(messages));
 }
 
 /// Sets the policy of libzmq's own threads. libzmq aborts the process if the system rejects the policy, so a probe thread tries it first.
@@ -76,13 +63,10 @@ int pending_signal() {
 }
 
 /// Handles SIGHUP: reads the keys again. If the file is damaged, keeps the previous keys.
-void reload_keys(access::KeyStore* keys, ipc::ControlServer& server, const core::Log& log) {
+void reload_keys(access::KeyStore* keys, const core::Log& log) {
   if (keys == nullptr) return log.error("SIGHUP: dtsd could not read its keys when it started; correct them and restart dtsd");
   if (auto reloaded = keys->reload(); !reloaded) return log.error("SIGHUP: " + core::to_string(reloaded.error()));
-  const bool has_less = keys->take_losses();
-  if (has_less) server.drop_remote_peers();
-  log.info("SIGHUP: " + std::to_string(keys->keys().size()) + " client key(s)" +
-           (has_less ? "; all remote connections were closed, clients that are still authorised may reconnect immediately" : ""));
+  log.info("SIGHUP: " + std::to_string(keys->keys().size()) + " client key(s)");
 }
 
 /// Sends keep-alives to systemd's watchdog while all parts make progress. Logs once which part does not.
@@ -127,7 +111,7 @@ void serve_until_signal(ipc::ControlServer& server, access::KeyStore* keys, Serv
       case SIGINT: return;
       case SIGHUP:
         manager.reloading(clock.now_ns());
-        reload_keys(keys, server, log);
+        reload_keys(keys, log);
         manager.ready("serving");
         break;
       default: break;
@@ -230,24 +214,22 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   if (!opened_keys && config.network) return tl::make_unexpected(opened_keys.error());
   if (!opened_keys) notices.push_back(core::to_string(opened_keys.error()));  // without [network] no client needs a key
   access::KeyStore* const keys = opened_keys ? opened_keys->get() : nullptr;
-  zmq::context_t context(config.network ? 2 : 1);  // network threads: the second one serves other machines (ipc::bind_remote)
-  // Not with [network]: the policy applies to all threads of libzmq, and work caused by remote clients must not delay the recorder.
-  if (!config.network) schedule_zmq(context, config.realtime.policy(2));
-  DTS_TRY_ASSIGN(auto sockets, Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()), log));
-  ipc::PublishThread publisher(std::move(sockets.data), bell, supervisor.rigs(), clock, identity.instance_id);
+  zmq::context_t context(1);
+  schedule_zmq(context, config.realtime.policy(2));
+  DTS_TRY_ASSIGN(auto control, ipc::ControlSocket::bind(context, config.endpoints.control));
+  DTS_TRY_ASSIGN(auto data, ipc::LocalPublisher::bind(config.endpoints.data, clock, log));
+  ipc::PublishThread publisher(std::move(data), bell, supervisor.rigs(), clock, identity.instance_id);
   for (std::string& refused : publisher.start(config.realtime.policy(1))) notices.push_back(std::move(refused));
   for (const std::string& notice : notices) log.warning(notice);
   ipc::CommandHandler handler(supervisor, clock, identity, notices,
-                              {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},
-                              sockets.authenticator.get());
-  ipc::ControlServer server(std::move(sockets.control), access::Gate(keys), supervisor, handler, publisher, clock, log);
+                              {keys, clock, config.network, opened_keys ? core::Error{} : opened_keys.error()});
+  ipc::ControlServer server(std::move(control), access::Gate(keys), supervisor, handler, publisher, clock, log);
 
   supervisor.start();
   supervisor.resume_interrupted();
   ServiceManager manager;
   manager.ready("serving " + std::to_string(supervisor.rigs().size()) + " rig(s)");
-  log.info("dtsd " + identity.version + " serves control on " + config.control_endpoint + " and data on " + config.data_endpoint);
-  if (config.network) log_network(*config.network, *keys, log);
+  log.info("dtsd " + identity.version + " serves control on " + config.endpoints.control + " and data on " + config.endpoints.data);
   serve_until_signal(server, keys, manager, {manager, supervisor, publisher, log}, clock, log);
   manager.stopping();
   log.info("stopping");
@@ -255,7 +237,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   server.publish_notices();
   server.answer_waiting();
   publisher.stop();
-  for (const std::string& endpoint : {config.control_endpoint, config.data_endpoint}) ipc::remove_socket_file(endpoint);
+  for (const std::string& endpoint : {config.endpoints.control, config.endpoints.data}) ipc::remove_socket_file(endpoint);
   return {};
 }
 

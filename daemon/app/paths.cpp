@@ -7,7 +7,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 
 namespace dts::app {
@@ -15,27 +14,7 @@ namespace {
 
 constexpr mode_t kDirectoryMode = 0750;
 
-const char* environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value != nullptr && *value != '\0' ? value : nullptr;
-}
-
 }  // namespace
-
-std::string runtime_directory() {
-  if (const char* given = environment("DTSD_RUNTIME_DIR")) return given;
-  if (const char* systemd = environment("RUNTIME_DIRECTORY")) return systemd;
-  if (const char* user = environment("XDG_RUNTIME_DIR")) return std::string(user) + "/dtsd";
-  return "/tmp/dtsd-" + std::to_string(::getuid());
-}
-
-std::string state_directory() {
-  if (const char* given = environment("DTSD_STATE_DIR")) return given;
-  if (const char* systemd = environment("STATE_DIRECTORY")) return systemd;
-  if (const char* user = environment("XDG_STATE_HOME")) return std::string(user) + "/dtsd";
-  if (const char* home = environment("HOME")) return std::string(home) + "/.local/state/dtsd";
-  return runtime_directory() + "/state";
-}
 
 core::Status prepare_directory(const std::string& path, const std::string& variable) {
   const std::string hint = "set " + variable + " to a directory of your own";

@@ -7,14 +7,6 @@
 
 namespace dts::app {
 
-/// Returns the folder of the sockets: $DTSD_RUNTIME_DIR, else systemd's $RUNTIME_DIRECTORY, else $XDG_RUNTIME_DIR/dtsd, else
-/// /tmp/dtsd-<uid>. Clients follow the same rule.
-[[nodiscard]] std::string runtime_directory();
-
-/// Returns the folder of the recordings and the catalogue: $DTSD_STATE_DIR, else systemd's $STATE_DIRECTORY, else $XDG_STATE_HOME/dtsd,
-/// else ~/.local/state/dtsd, else a folder in the runtime directory.
-[[nodiscard]] std::string state_directory();
-
 /// Creates the folder `path` (mode 0750) if it does not exist. Checks that this user owns it, that this user can write into it, and that
 /// others cannot. Fails with NotAllowed or Failed, naming the path and what to do. `variable`: the environment variable for another folder,
 /// for the message.

@@ -20,13 +20,8 @@ dts::v1::Response error_response(const core::Error& error) {
 }
 
 CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices,
-                               KeyCommands keys, const access::Authenticator* authenticator)
-    : supervisor_(supervisor),
-      keys_(std::move(keys)),
-      authenticator_(authenticator),
-      clock_(clock),
-      identity_(std::move(identity)),
-      notices_(std::move(notices)) {}
+                               KeyCommands keys)
+    : supervisor_(supervisor), keys_(std::move(keys)), clock_(clock), identity_(std::move(identity)), notices_(std::move(notices)) {}
 
 CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) {
   Answer answer = run(request);
@@ -106,16 +101,8 @@ dts::v1::StatusSnapshot CommandHandler::status() {
   for (const session::Rig* rig : supervisor_.rigs()) {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }
-  if (has_remote_problem_)
-    out.add_notices(
-        "other machines cannot connect: another program uses the port of [network]; dtsd retries. End that program, or choose another "
-        "port");
   out.set_rejected_requests_total(rejected_total_);
-  if (authenticator_ != nullptr) {
-    out.set_has_network(true);
-    out.set_accepted_handshakes_total(authenticator_->accepted_total());
-    out.set_refused_handshakes_total(authenticator_->refused_total());
-  }
+  out.set_has_network(keys_.has_network());
   *out.mutable_disk() = disk_status(supervisor_.recordings().disk());
   return out;
 }

@@ -7,7 +7,6 @@
 #include <variant>
 #include <vector>
 
-#include "access/authenticator.h"
 #include "dts/v1/control.pb.h"
 #include "ipc/encode.h"
 #include "ipc/key_commands.h"
@@ -34,9 +33,8 @@ using Pending = std::variant<PendingTare, PendingStop>;
 /// Thread: control.
 class CommandHandler {
  public:
-  /// `authenticator` must outlive the handler; nullptr: there is no network.
-  CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices, KeyCommands keys,
-                 const access::Authenticator* authenticator = nullptr);
+  CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices,
+                 KeyCommands keys);
 
   struct Answer {
     dts::v1::Response response;
@@ -48,10 +46,6 @@ class CommandHandler {
   [[nodiscard]] std::optional<dts::v1::Response> finish(const Pending& pending);
   /// Returns the answer after a timeout. Cancels a pending tare, which must not run minutes later without a request.
   [[nodiscard]] dts::v1::Response give_up(const Pending& pending);
-  /// Returns true if a client's key was removed or changed since the last call.
-  [[nodiscard]] bool has_lost_keys() noexcept { return keys_.has_lost(); }
-  /// Sets whether other machines cannot connect because of a problem; shown in the status.
-  void note_remote_problem(bool is_there) noexcept { has_remote_problem_ = is_there; }
 
   [[nodiscard]] dts::v1::StatusSnapshot status();
   /// Counts a rejected message; shown in the status.
@@ -82,12 +76,10 @@ class CommandHandler {
 
   session::Supervisor& supervisor_;
   KeyCommands keys_;
-  const access::Authenticator* authenticator_;
   core::Clock& clock_;
   Identity identity_;
   std::vector<std::string> notices_;
   std::uint64_t rejected_total_ = 0;
-  bool has_remote_problem_ = false;
 };
 
 /// Returns a response with `error`.

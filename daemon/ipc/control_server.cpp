@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <string>
-#include <unordered_map>
 #include <utility>
 
 #include "dts/wire/options.h"
@@ -14,8 +13,7 @@ namespace {
 
 constexpr std::size_t kLongestRequestId = 64;
 constexpr std::size_t kRepliesKept = 256;
-constexpr int kRequestsPerTurn = 32;  // for each key and for each local socket; then the others, sessions and devices are served
-constexpr int kReadPerTurn = 4096;    // for a remote socket, whose queue has no limit: requests of a key above kRequestsPerTurn are dropped
+constexpr int kRequestsPerTurn = 32;  // then sessions and devices are served
 constexpr std::size_t kMostWaiting = 64;
 constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;
@@ -28,9 +26,9 @@ std::string known_as(const access::Peer& peer, const std::string& request_id) { 
 
 }  // namespace
 
-ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor,
-                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, core::Log log)
-    : sockets_(std::move(sockets)),
+ControlServer::ControlServer(ControlSocket socket, access::Gate gate, session::Supervisor& supervisor, CommandHandler& handler,
+                             PublishThread& publisher, core::Clock& clock, core::Log log)
+    : socket_(std::move(socket)),
       gate_(std::move(gate)),
       supervisor_(supervisor),
       handler_(handler),
@@ -40,8 +38,7 @@ ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate ga
       replies_(kRepliesKept) {}
 
 void ControlServer::serve(int ms) {
-  std::vector<zmq::pollitem_t> items;
-  for (ControlSocket& socket : sockets_) items.push_back({.socket = socket.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0});
+  zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
   const std::int64_t until_ns = clock_.now_ns() + ms * core::kNanosecondsPerMillisecond;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < until_ns; now_ns = clock_.now_ns()) {
     if (now_ns >= next_tick_ns_) {
@@ -49,70 +46,35 @@ void ControlServer::serve(int ms) {
       publish_notices();
       answer_waiting();
       if (now_ns >= next_status_ns_) publish_status();
-      if (now_ns >= next_drop_ns_) renew_remote(now_ns);
       log_rejected(now_ns);
       next_tick_ns_ = now_ns + kTickNs;
     }
     const std::int64_t sleep_ns = std::min(until_ns, next_tick_ns_) - clock_.now_ns();
-    zmq_poll(items.data(), static_cast<int>(items.size()),
-             static_cast<long>(std::max<std::int64_t>(0, sleep_ns / core::kNanosecondsPerMillisecond + 1)));
-    for (ControlSocket& socket : sockets_) receive(socket);
+    zmq_poll(&item, 1, static_cast<long>(std::max<std::int64_t>(0, sleep_ns / core::kNanosecondsPerMillisecond + 1)));
+    receive();
   }
 }
 
-void ControlServer::drop_remote_peers() {
-  is_drop_due_ = true;  // at the next tick, so that the answer to the revoke command is sent first
-  next_drop_ns_ = 0;
-  publisher_.drop_remote_peers();
-}
-
-/// Drops remote connections if requested. Retries once a second if the address cannot be bound again, because another program bound it
-/// first.
-void ControlServer::renew_remote(std::int64_t now_ns) {
-  next_drop_ns_ = now_ns + kStatusNs;
-  if (publisher_.is_remote_down()) publisher_.drop_remote_peers();
-  if (std::exchange(is_drop_due_, false)) {
-    for (ControlSocket& socket : sockets_) is_drop_due_ = !socket.drop_peers() || is_drop_due_;
-  }
-  handler_.note_remote_problem(is_drop_due_ || publisher_.is_remote_down());
-}
-
-void ControlServer::receive(ControlSocket& socket) {
-  std::unordered_map<std::string, int> requests;  // by public key
-  for (int turn = 0; turn < (socket.is_remote() ? kReadPerTurn : kRequestsPerTurn); ++turn) {
-    auto incoming = socket.receive();
+void ControlServer::receive() {
+  for (int turn = 0; turn < kRequestsPerTurn; ++turn) {
+    auto incoming = socket_.receive();
     if (!incoming) return;
-    if (socket.is_remote() && ++requests[incoming->public_key.value_or("")] > kRequestsPerTurn) {
-      count_rejected();
-    } else {
-      admit(socket, std::move(*incoming));
-    }
+    answer(std::move(*incoming));
   }
 }
 
-void ControlServer::admit(ControlSocket& socket, Incoming asked) {
+void ControlServer::answer(Incoming asked) {
   access::Peer peer = asked.public_key ? gate_.remote(*asked.public_key) : access::Gate::local();
-  if (auto admitted = gate_.admit(peer, clock_.now_ns()); !admitted) {
-    count_rejected();
-    last_rejected_ = peer.who;
-    // Without request_id: the message was not decoded.
-    if (gate_.is_worth_an_answer(peer, clock_.now_ns())) socket.reply(asked.envelope, error_response(admitted.error()).SerializeAsString());
-    return;
-  }
-  if (!asked.is_well_formed) return reject(socket, asked, peer, "a request must be one frame, or an empty frame and then one frame");
-  answer(socket, std::move(asked), std::move(peer));
-}
-
-void ControlServer::answer(ControlSocket& socket, Incoming asked, access::Peer peer) {
+  if (!asked.is_well_formed) return reject(asked, peer, "a request must be one frame, or an empty frame and then one frame");
   dts::v1::Request request;
-  if (!request.ParseFromString(asked.payload)) return reject(socket, asked, peer, "the message is not a dts.v1.Request");
+  if (!request.ParseFromString(asked.payload)) return reject(asked, peer, "the message is not a dts.v1.Request");
   const std::string id = request.request_id();
-  if (id.empty() || id.size() > kLongestRequestId) return reject(socket, asked, peer, "request_id must have 1..64 bytes");
-  if (auto allowed = access::Gate::check(peer, request); !allowed) return refuse(socket, asked, peer, request, allowed.error());
+  if (id.empty() || id.size() > kLongestRequestId) return reject(asked, peer, "request_id must have 1..64 bytes");
+  if (auto allowed = access::Gate::check(peer, request); !allowed) return refuse(asked, peer, request, allowed.error());
   const dts::v1::CommandRules& rules = wire::rules_of(request);
-  if (rules.is_change() && answer_repeat(socket, asked, peer, id)) return;
+  if (rules.is_change() && answer_repeat(asked, peer, id)) return;
   if (rules.timeout_s() > 0 && waiting_.size() == kMostWaiting) {
-    return reject(socket, asked, peer, "too many commands wait for their answers");
+    return reject(asked, peer, "too many commands wait for their answers");
   }
   CommandHandler::Answer result = handler_.execute(request);
   if (result.pending) {
@@ -120,23 +82,21 @@ void ControlServer::answer(ControlSocket& socket, Incoming asked, access::Peer p
                         .peer = std::move(peer),
                         .request = std::move(request),
                         .pending = *result.pending,
-                        .deadline_ns = clock_.now_ns() + kPendingTimeoutNs,
-                        .socket = &socket});
+                        .deadline_ns = clock_.now_ns() + kPendingTimeoutNs});
     return;
   }
   enter_audit(peer, request, result.response);
-  if (handler_.has_lost_keys()) drop_remote_peers();
   std::string bytes = result.response.SerializeAsString();
-  socket.reply(asked.envelope, bytes);
+  socket_.reply(asked.envelope, bytes);
   if (rules.is_change()) replies_.store(known_as(peer, id), {.request = std::move(asked.payload), .reply = std::move(bytes)});
   publish_notices();
 }
 
-bool ControlServer::answer_repeat(ControlSocket& socket, Incoming& asked, const access::Peer& peer, const std::string& id) {
-  const auto refuse_id = [&] { reject(socket, asked, peer, "request_id was used for another request; it must be unique per command"); };
+bool ControlServer::answer_repeat(Incoming& asked, const access::Peer& peer, const std::string& id) {
+  const auto refuse_id = [&] { reject(asked, peer, "request_id was used for another request; it must be unique per command"); };
   if (const ReplyCache::Entry* known = replies_.find(known_as(peer, id))) {
     if (known->request == asked.payload) {
-      socket.reply(asked.envelope, known->reply);
+      socket_.reply(asked.envelope, known->reply);
     } else {
       refuse_id();
     }
@@ -147,7 +107,6 @@ bool ControlServer::answer_repeat(ControlSocket& socket, Incoming& asked, const 
   if (same == waiting_.end()) return false;
   if (same->asked.payload == asked.payload) {
     same->asked.envelope = std::move(asked.envelope);  // only the latest repeat gets the answer
-    same->socket = &socket;
   } else {
     refuse_id();
   }
@@ -162,18 +121,17 @@ void ControlServer::answer_waiting() {
     enter_audit(waiting.peer, waiting.request, *response);
     response->set_request_id(waiting.request.request_id());
     std::string bytes = response->SerializeAsString();
-    waiting.socket->reply(waiting.asked.envelope, bytes);
+    socket_.reply(waiting.asked.envelope, bytes);
     replies_.store(known_as(waiting.peer, waiting.request.request_id()),
                    {.request = std::move(waiting.asked.payload), .reply = std::move(bytes)});
     return true;
   });
 }
 
-void ControlServer::refuse(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const dts::v1::Request& request,
-                           const core::Error& why) {
+void ControlServer::refuse(const Incoming& asked, const access::Peer& peer, const dts::v1::Request& request, const core::Error& why) {
   dts::v1::Response response = error_response(why);
   response.set_request_id(request.request_id());
-  socket.reply(asked.envelope, response.SerializeAsString());
+  socket_.reply(asked.envelope, response.SerializeAsString());
   enter_audit(peer, request, response);
 }
 
@@ -184,24 +142,19 @@ void ControlServer::enter_audit(const access::Peer& peer, const dts::v1::Request
   ipc::enter_audit(supervisor_, clock_, peer.who, request, response);
 }
 
-void ControlServer::count_rejected() {
-  handler_.count_rejected();
-  ++unlogged_rejections_;
-}
-
 void ControlServer::log_rejected(std::int64_t now_ns) {
   if (unlogged_rejections_ == 0 || now_ns < next_log_ns_) return;
-  log_.warning("rejected " + std::to_string(std::exchange(unlogged_rejections_, 0)) + " malformed or excess requests" +
-               (last_rejected_.empty() ? "" : ", the last by " + last_rejected_));
+  log_.warning("rejected " + std::to_string(std::exchange(unlogged_rejections_, 0)) + " malformed requests, the last by " + last_rejected_);
   next_log_ns_ = now_ns + kLogNs;
 }
 
-void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const std::string& why) {
-  count_rejected();
+void ControlServer::reject(const Incoming& asked, const access::Peer& peer, const std::string& why) {
+  handler_.count_rejected();
+  ++unlogged_rejections_;
   last_rejected_ = peer.who;
-  socket.reply(asked.envelope,
-               error_response({core::ErrorCode::InvalidArgument, why, "compare the versions of client and daemon: dtsctl doctor"})
-                   .SerializeAsString());
+  socket_.reply(asked.envelope,
+                error_response({core::ErrorCode::InvalidArgument, why, "compare the versions of client and daemon: dtsctl doctor"})
+                    .SerializeAsString());
 }
 
 void ControlServer::publish_notices() {

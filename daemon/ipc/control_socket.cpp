@@ -3,14 +3,16 @@
 
 #include <utility>
 
+#include "access/client_key.h"
 #include "ipc/endpoint.h"
 
 namespace dts::ipc {
 namespace {
 
 constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // our largest request has less than 1 kB
-constexpr std::size_t kMostFrames = 3;                   // identity, delimiter, request
+constexpr std::size_t kMostFrames = 4;
 constexpr int kQueueMessages = 100;
+constexpr int kHandshakeMs = 2000;  // then the connection ends
 
 zmq::socket_t router(zmq::context_t& context) {
   zmq::socket_t socket(context, zmq::socket_type::router);
@@ -22,6 +24,26 @@ zmq::socket_t router(zmq::context_t& context) {
   return socket;
 }
 
+/// Moves payload and public key out of `frames`; the rest is the envelope.
+Incoming sorted(std::vector<std::string> frames) {
+  Incoming incoming;
+  const std::size_t count = frames.size();
+  const bool is_relayed = count == 4 && frames[2].size() == access::kKeyCharacters;
+  incoming.is_well_formed = count == 2 || (count == 3 && frames[1].empty()) || is_relayed;
+  if (incoming.is_well_formed) {
+    incoming.payload = std::move(frames.back());
+    frames.pop_back();
+    if (is_relayed) {
+      incoming.public_key = std::move(frames.back());
+      frames.pop_back();
+    }
+  } else {
+    frames.resize(1);
+  }
+  incoming.envelope = std::move(frames);
+  return incoming;
+}
+
 }  // namespace
 
 core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const std::string& endpoint) {
@@ -29,50 +51,24 @@ core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const s
   DTS_TRY(check_not_in_use(endpoint));
   try {
     zmq::socket_t socket = router(context);
-    use_local_thread(socket);
     socket.bind(endpoint);
-    return ControlSocket(std::move(socket), "");
+    return ControlSocket(std::move(socket));
   } catch (const zmq::error_t& error) {
     return core::fail_errno(error.num(), "control socket " + endpoint + " cannot be bound", bind_hint(error.num()));
   }
 }
 
-core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const RemoteEndpoint& remote) {
-  DTS_TRY(check_remote_endpoint(remote.endpoint));
-  try {
-    zmq::socket_t socket = router(context);
-    std::string bound = bind_remote(socket, remote);
-    return ControlSocket(std::move(socket), std::move(bound));
-  } catch (const zmq::error_t& error) {
-    return core::fail_errno(error.num(), "control socket " + remote.endpoint + " cannot be bound", bind_hint(error.num()));
-  }
-}
-
 std::optional<Incoming> ControlSocket::receive() {
-  Incoming incoming;
-  bool is_too_long = false;
+  std::vector<std::string> frames;
   bool has_more = true;
   while (has_more) {
     zmq::message_t frame;
     if (!socket_.recv(frame, zmq::recv_flags::dontwait))
       return std::nullopt;  // frames of a message arrive together: only the first can be missing
     has_more = frame.more();
-    if (is_remote() && !has_more) {
-      const char* name = zmq_msg_gets(frame.handle(), "User-Id");  // set by the authenticator
-      incoming.public_key = name == nullptr ? "" : name;           // empty: matches no key
-    }
-    is_too_long = is_too_long || incoming.envelope.size() == kMostFrames;
-    if (!is_too_long) incoming.envelope.push_back(frame.to_string());
+    if (frames.size() <= kMostFrames) frames.push_back(frame.to_string());  // one more than is allowed shows that there are too many
   }
-  const bool has_delimiter = incoming.envelope.size() == 3 && incoming.envelope[1].empty();
-  incoming.is_well_formed = !is_too_long && (incoming.envelope.size() == 2 || has_delimiter);
-  if (!incoming.is_well_formed) {
-    incoming.envelope.resize(1);
-    return incoming;
-  }
-  incoming.payload = std::move(incoming.envelope.back());
-  incoming.envelope.pop_back();
-  return incoming;
+  return sorted(std::move(frames));
 }
 
 void ControlSocket::reply(const std::vector<std::string>& envelope, const std::string& bytes) noexcept {

@@ -7,39 +7,40 @@
 #include <zmq.hpp>
 
 #include "core/result.h"
-#include "ipc/remote_endpoint.h"
 
 namespace dts::ipc {
 
-/// A message to the daemon, [identity] [empty, from REQ clients] [payload], and its sender.
+/// A message to the daemon, and its sender. Its frames are
+///
+///     [identity] [payload]                        from a local client
+///     [identity] [empty] [payload]                likewise, from a REQ socket
+///     [identity] [ticket] [public key] [payload]  from dts-relay, for a client on another machine
+///
+/// dts-relay needs the ticket to find its client again; the daemon only returns it. The public key is a frame of its own, so that no
+/// request can contain, hide or replace it.
 struct Incoming {
   std::vector<std::string> envelope;  ///< The frames to send before the answer.
   std::string payload;
-  std::optional<std::string> public_key{};  ///< Public key of a remote client; absent: from a local socket.
+  std::optional<std::string> public_key{};  ///< Of a client on another machine; absent: a local client.
   bool is_well_formed = false;              ///< False: the message had other frames; `payload` is empty.
 };
 
-/// A ROUTER socket for commands, either from this machine or from others. Local and remote clients have separate sockets, so that the
-/// identity of a sender never depends on its message (a local client could send any "User-Id"). Thread: control.
+/// The ROUTER socket for commands. A local client could name a key, as dts-relay does: that can only reduce its rights, because a local
+/// client has all. Thread: control.
 class ControlSocket {
  public:
   /// Binds a socket. Fails with the endpoint and the reason.
   [[nodiscard]] static core::Result<ControlSocket> bind(zmq::context_t& context, const std::string& endpoint);
-  [[nodiscard]] static core::Result<ControlSocket> bind(zmq::context_t& context, const RemoteEndpoint& remote);
 
   [[nodiscard]] std::optional<Incoming> receive();
   /// Sends an answer without waiting. Drops it if the client has left or does not read; the client can repeat its request.
   void reply(const std::vector<std::string>& envelope, const std::string& bytes) noexcept;
-  /// Ends all connections of a remote socket; does nothing for a local one. Returns false if it failed: try again later.
-  [[nodiscard]] bool drop_peers() noexcept { return !is_remote() || drop_connections(socket_, bound_); }
-  [[nodiscard]] bool is_remote() const noexcept { return !bound_.empty(); }
   [[nodiscard]] void* handle() noexcept { return socket_.handle(); }
 
  private:
-  ControlSocket(zmq::socket_t socket, std::string bound) : socket_(std::move(socket)), bound_(std::move(bound)) {}
+  explicit ControlSocket(zmq::socket_t socket) : socket_(std::move(socket)) {}
 
   zmq::socket_t socket_;
-  std::string bound_;  ///< The remote address; empty: a local socket.
 };
 
 }  // namespace dts::ipc

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <string_view>
 
@@ -16,67 +15,12 @@ namespace dts::ipc {
 namespace {
 
 constexpr std::string_view kIpc = "ipc://";
-constexpr std::string_view kTcp = "tcp://";
 constexpr std::size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
-
-core::Status check_tcp(const std::string& endpoint) {
-  const std::string_view address = std::string_view(endpoint).substr(kTcp.size());
-  const std::size_t colon = address.rfind(':');
-  if (colon == std::string_view::npos) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' has no port", "write tcp://127.0.0.1:5555");
-  }
-  const std::string_view digits = address.substr(colon + 1);
-  unsigned port = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
-  if (error != std::errc{} || end != digits.data() + digits.size() || port == 0 || port > 65535) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "': the port must be 1..65535");
-  }
-  return {};
-}
-
-std::string_view host_of(std::string_view endpoint) { return endpoint.substr(kTcp.size(), endpoint.rfind(':') - kTcp.size()); }
 
 }  // namespace
 
 std::string bind_hint(int system_errno) {
-  if (system_errno == EADDRNOTAVAIL) {
-    return "this machine does not have this address now: write tcp://*:PORT to use all addresses, or correct it in dtsd.toml";
-  }
-  return system_errno == EADDRINUSE ? "another program listens there: end it, or choose another port in dtsd.toml" : "";
-}
-
-core::Status check_endpoint(const std::string& endpoint) {
-  if (endpoint.starts_with(kTcp)) {
-    if (auto checked = check_tcp(endpoint); !checked || host_of(endpoint) == "127.0.0.1") return checked;
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is reachable from other machines, which needs client keys",
-                      "write it under [network], where clients need keys; here only ipc:// and 127.0.0.1 are allowed");
-  }
-  if (!endpoint.starts_with(kIpc)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is neither ipc:// nor tcp://");
-  }
-  const std::string path = endpoint.substr(kIpc.size());
-  if (path.empty() || path.front() != '/') {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "': the socket path must be absolute");
-  }
-  if (path.size() > kLongestPath) {
-    return core::fail(core::ErrorCode::InvalidArgument,
-                      "'" + endpoint + "': a socket path has at most " + std::to_string(kLongestPath) + " bytes",
-                      "choose a shorter runtime directory");
-  }
-  return {};
-}
-
-core::Status check_remote_endpoint(const std::string& endpoint) {
-  if (!endpoint.starts_with(kTcp)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is not tcp://",
-                      "write tcp://*:5555, or one address of this machine");
-  }
-  DTS_TRY(check_tcp(endpoint));
-  const std::string_view host = host_of(endpoint);
-  const bool is_host = host == "*" || (!host.empty() && host.find_first_not_of("0123456789.") == std::string_view::npos);
-  if (is_host) return {};
-  return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' names no address of this machine",
-                    "write tcp://*:5555, or the IPv4 address in digits: the address of a name can change");
+  return system_errno == EADDRINUSE ? "another program listens there: end it, or choose another endpoint in dtsd.toml" : "";
 }
 
 core::Status check_not_in_use(const std::string& endpoint) {

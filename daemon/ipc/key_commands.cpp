@@ -18,17 +18,19 @@ dts::v1::Response KeyCommands::list() const {
     info.set_created_utc(key.created_utc);
   }
   out.set_server_public_key(keys_->server().public_key);
-  out.set_control_endpoint(addresses_.control);
-  out.set_data_endpoint(addresses_.data);
+  if (network_) {
+    out.set_control_endpoint(network_->control);
+    out.set_data_endpoint(network_->data);
+  }
   return response;
 }
 
 dts::v1::Response KeyCommands::add(const dts::v1::AddKeyRequest& request) {
   if (keys_ == nullptr) return error_response(problem_);
   const auto added = keys_->add({.name = request.name(),
-                                .role = request.role(),
-                                .public_key = request.public_key(),
-                                .created_utc = core::utc_text(clock_.now_ns() + clock_.utc_minus_monotonic_ns())});
+                                 .role = request.role(),
+                                 .public_key = request.public_key(),
+                                 .created_utc = core::utc_text(clock_.now_ns() + clock_.utc_minus_monotonic_ns())});
   return added ? list() : error_response(added.error());
 }
 

@@ -7,32 +7,26 @@
 #include "access/key_store.h"
 #include "core/clock.h"
 #include "dts/v1/control.pb.h"
+#include "settings/shared_settings.h"
 
 namespace dts::ipc {
-
-/// Addresses to which clients with keys connect; empty: the daemon does not listen for them.
-struct RemoteAddresses {
-  std::string control;
-  std::string data;
-};
 
 /// Executes commands on the clients' keys: converts requests to calls of the key store, and their results to responses. Thread: control.
 class KeyCommands {
  public:
-  /// `keys` must outlive this object; nullptr: keys cannot be used, and `problem` is the reason.
-  KeyCommands(access::KeyStore* keys, core::Clock& clock, RemoteAddresses addresses, core::Error problem = {})
-      : keys_(keys), clock_(clock), addresses_(std::move(addresses)), problem_(std::move(problem)) {}
+  /// `keys` must outlive this object; nullptr: keys cannot be used, and `problem` is the reason. `network`: where dts-relay listens.
+  KeyCommands(access::KeyStore* keys, core::Clock& clock, std::optional<settings::RemoteEndpoints> network, core::Error problem = {})
+      : keys_(keys), clock_(clock), network_(std::move(network)), problem_(std::move(problem)) {}
 
   [[nodiscard]] dts::v1::Response list() const;
   [[nodiscard]] dts::v1::Response add(const dts::v1::AddKeyRequest& request);
   [[nodiscard]] dts::v1::Response revoke(const dts::v1::RevokeKeyRequest& request);
-  /// Returns true if a key was removed or changed since the last call. The caller must then end its connections.
-  [[nodiscard]] bool has_lost() noexcept { return keys_ != nullptr && keys_->take_losses(); }
+  [[nodiscard]] bool has_network() const noexcept { return network_.has_value(); }
 
  private:
   access::KeyStore* keys_;
   core::Clock& clock_;
-  RemoteAddresses addresses_;
+  std::optional<settings::RemoteEndpoints> network_;
   core::Error problem_;
 };
 

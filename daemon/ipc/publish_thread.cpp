@@ -86,11 +86,6 @@ void PublishThread::post(Outgoing outgoing) {
   bell_.ring();
 }
 
-void PublishThread::drop_remote_peers() {
-  is_drop_due_.store(true, std::memory_order_release);  // pairs with run()
-  bell_.ring();
-}
-
 void PublishThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
@@ -99,9 +94,6 @@ void PublishThread::run(const std::stop_token& stop) {
     {
       const std::lock_guard lock(socket_mutex_);
       is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;  // first: new subscribers get what is published now
-      // Tries once per request. The control thread retries.
-      if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
-        is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
     }
     publish_all();
     send_outbox();

@@ -55,10 +55,6 @@ class PublishThread {
   /// rigs' threads.
   void post(const std::string& rig, dts::v1::Event event);
   void post(dts::v1::StatusSnapshot status);
-  /// Ends all connections from other machines soon: a key was revoked. Thread: any but the rigs' threads.
-  void drop_remote_peers();
-  /// Returns true if other machines cannot connect, because their address could not be bound again. Thread: any.
-  [[nodiscard]] bool is_remote_down() const noexcept { return is_remote_down_.load(std::memory_order_relaxed); }
   /// Returns a counter that rises several times a second while the thread works. Thread: any.
   [[nodiscard]] std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
 
@@ -99,8 +95,6 @@ class PublishThread {
   std::deque<Source> sources_;
   core::Clock& clock_;
   std::uint64_t instance_id_;
-  std::atomic<bool> is_drop_due_{false};
-  std::atomic<bool> is_remote_down_{false};
   std::atomic<std::uint64_t> turns_{0};
   bool is_retained_due_ = false;
   std::int64_t retained_sent_ns_ = 0;

@@ -5,7 +5,7 @@
 
 #include "app/config.h"
 #include "fuzz/fuzz_support.h"
-#include "ipc/endpoint.h"
+#include "settings/endpoint.h"
 
 namespace dts::fuzz::config {
 namespace {
@@ -29,13 +29,13 @@ class ConfigFolder {
 };
 
 void check_config(const app::DaemonConfig& config) {
-  for (const std::string& endpoint : {config.control_endpoint, config.data_endpoint}) {
-    promise(ipc::check_endpoint(endpoint).has_value(), "addresses of this machine");
+  for (const std::string& endpoint : {config.endpoints.control, config.endpoints.data}) {
+    promise(settings::check_endpoint(endpoint).has_value(), "addresses of this machine");
   }
-  promise(config.control_endpoint != config.data_endpoint, "two addresses");
+  promise(config.endpoints.control != config.endpoints.data, "two addresses");
   if (config.network) {
-    promise(ipc::check_remote_endpoint(config.network->control_endpoint).has_value() &&
-                ipc::check_remote_endpoint(config.network->data_endpoint).has_value(),
+    promise(settings::check_remote_endpoint(config.network->control).has_value() &&
+                settings::check_remote_endpoint(config.network->data).has_value(),
             "addresses for other machines");
   }
   promise(std::filesystem::path(config.storage.directory).is_absolute(), "recordings have a place");

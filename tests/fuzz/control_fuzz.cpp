@@ -59,7 +59,7 @@ class Daemons {
         with_catalogue_(clock_, {}, nullptr, {.recordings = *recordings_, .worker = worker_}),
         rig_handler_(with_rig_, clock_, kIdentity, {"a notice"}, {keys_.get(), clock_, {}}),
         catalogue_handler_(with_catalogue_, clock_, kIdentity, {},
-                           {keys_.get(), clock_, {.control = "tcp://*:5555", .data = "tcp://*:5556"}}) {
+                           {keys_.get(), clock_, settings::RemoteEndpoints{.control = "tcp://*:5555", .data = "tcp://*:5556"}}) {
     promise(with_rig_.add(session::Rig::create(floor_rig(), clock_, bell_).value()).has_value(), "a rig");
     for (const auto& [name, role] : kPeers) {
       if (*name == '\0' || role == v1::ROLE_UNSPECIFIED) continue;

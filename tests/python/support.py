@@ -63,6 +63,13 @@ class DaemonProcess:
             self._process = subprocess.Popen(command, env=self.environment, stderr=log, stdout=log)
         wait_for(self._samples, "dtsd answers and samples")
 
+    def start_relay(self) -> subprocess.Popen[bytes]:
+        """Starts dts-relay beside the daemon; the caller ends it."""
+        with (self.folder / "relay.log").open("ab") as log:
+            relay = subprocess.Popen([PROGRAMS / "dts-relay", "--config", self.config], env=self.environment, stderr=log, stdout=log)
+        wait_for(lambda: "clients with keys connect" in (self.folder / "relay.log").read_text(), "dts-relay listens")
+        return relay
+
     def stop(self, with_signal: int = signal.SIGTERM) -> None:
         assert self._process is not None
         self._process.send_signal(with_signal)

@@ -29,6 +29,9 @@ class KeyTest(unittest.TestCase):
         network = f'[network]\ncontrol = "tcp://127.0.0.1:{control}"\ndata = "tcp://127.0.0.1:{data}"\n\n'
         cls.process = DaemonProcess(further=network)
         cls.addClassCleanup(cls.process.close)
+        relay = cls.process.start_relay()
+        cls.addClassCleanup(relay.wait, PATIENCE_S)
+        cls.addClassCleanup(relay.terminate)
         cls.folder = cls.process.folder
 
     def new_key(self, name: str, role: str) -> Path:

@@ -43,7 +43,7 @@ class Installed(unittest.TestCase):
         return run(self.prefix / "sbin/dtsd", "--config", file, "--check-config", environment=environment)
 
     def test_UnitsNameWhatIsThere(self) -> None:
-        for name in ("dtsd", "dts-gateway"):
+        for name in ("dtsd", "dts-relay", "dts-gateway"):
             text = (self.prefix / f"lib/systemd/system/{name}.service").read_text()
             (line,) = re.findall(r"^ExecStart=(.*)$", text, re.MULTILINE)
             named = [word for word in line.split() if word.startswith("/")]
@@ -115,6 +115,14 @@ class Installed(unittest.TestCase):
         self.assertIn(b"<title>Tactile sensing (dtsd)</title>", title)
         self.assertEqual(status, 0)
 
+    def test_RelayHasNothingToDoWithTheConfiguration(self) -> None:
+        environment = {"PATH": os.environ["PATH"], "DTSD_RUNTIME_DIR": str(self.root / "run"), "DTSD_STATE_DIR": str(self.root / "state")}
+
+        done = run(self.prefix / "sbin/dts-relay", "--config", self.etc / "dtsd.toml", environment=environment)
+
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("nothing to relay", done.stderr)
+
     def test_GatewayRefusesAConfigurationWithAnUnknownWord(self) -> None:
         (config,) = self.root.rglob("dts-gateway/gateway.toml")
         wrong = self.root / "wrong.toml"
@@ -139,7 +147,7 @@ class Installed(unittest.TestCase):
 
     def test_ManualPagesAreThereAndSoundRoff(self) -> None:
         pages = sorted(path.name for path in self.prefix.rglob("man?/*.?"))
-        self.assertEqual(pages, ["dts-gateway.8", "dtsctl.1", "dtsd.8", "dtsd.toml.5", "dtslab.1"])
+        self.assertEqual(pages, ["dts-gateway.8", "dts-relay.8", "dtsctl.1", "dtsd.8", "dtsd.toml.5", "dtslab.1"])
         if shutil.which("groff") is None:
             return
         for path in self.prefix.rglob("man?/*.?"):

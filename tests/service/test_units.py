@@ -32,7 +32,7 @@ class Verified(unittest.TestCase):
                 "a key that does not exist": text.replace("ProtectHome=", "ProtectHomes="),
                 "a value that does not exist": text.replace("ProtectSystem=strict", "ProtectSystem=strictly"),
                 "a program that does not exist": text.replace(str(units.program_of(name)), "/nonexistent/program"),
-                "an address that is none": text.replace("IPAddressAllow=localhost", "IPAddressAllow=localhorst"),
+                "an address that is none": text.replace("IPAddressDeny=any", "IPAddressDeny=anny"),
             }
             for what, twin in twins.items():
                 self.assertNotEqual(twin, text, what)
@@ -66,6 +66,12 @@ class Daemon(unittest.TestCase):
         self.assertIn("modprobe@usbcore.service", self.settings["Wants"])
         self.assertIn("AF_NETLINK", self.settings["RestrictAddressFamilies"][0].split())
 
+    def test_HasNoNetwork(self) -> None:
+        """What comes from other machines ends in dts-relay or dts-gateway."""
+        self.assertEqual(self.settings["RestrictAddressFamilies"], ["AF_UNIX AF_NETLINK"])
+        self.assertEqual(self.settings["IPAddressDeny"], ["any"])
+        self.assertNotIn("IPAddressAllow", self.settings)
+
     def test_NothingForbidsRealTime(self) -> None:
         self.assertNotIn("RestrictRealtime", self.settings)
         self.assertNotIn("CPUSchedulingPolicy", self.settings)
@@ -77,7 +83,7 @@ class Daemon(unittest.TestCase):
 
     def test_BootIdIsReadable(self) -> None:
         """It stands in /proc/sys. Without it a client cannot tell that it is on the same machine, and shows no age of data."""
-        for name in units.UNITS:
+        for name in ("dtsd", "dts-gateway"):
             self.assertNotIn("ProcSubset", units.settings(units.unit_text(name)), name)
 
     def test_SystemdWatchesOverIt(self) -> None:
@@ -102,8 +108,20 @@ class Together(unittest.TestCase):
         rule = (units.SOURCE / "config/udev/70-dtsd.rules").read_text()
         self.assertEqual(set(re.findall(r'GROUP="([^"]+)"', rule)), set(units.settings(units.unit_text("dtsd"))["Group"]))
 
+    def test_RelayReachesTheDaemonAndItsKeys_AndNothingElseOfIt(self) -> None:
+        daemon, relay = (units.settings(units.unit_text(name)) for name in ("dtsd", "dts-relay"))
+        state = f"/var/lib/{daemon['StateDirectory'][0]}"
+        self.assertEqual(relay["User"], daemon["User"])
+        self.assertEqual(relay["Environment"], [f"RUNTIME_DIRECTORY=/run/{daemon['RuntimeDirectory'][0]} STATE_DIRECTORY={state}"])
+        self.assertEqual(relay["TemporaryFileSystem"], [f"{state}:ro"])
+        self.assertEqual(relay["BindReadOnlyPaths"], [f"-{state}/keys"])
+        self.assertLessEqual({"kill", "tgkill", "pidfd_send_signal"}, set(relay["SystemCallFilter"][1].split()))
+        self.assertIn("dtsd.service", relay["After"][0].split())
+        self.assertNotIn("Requires", relay)
+        self.assertIn("MemoryMax", relay)
+
     def test_GatewayReachesTheDaemon(self) -> None:
-        daemon, gateway = (units.settings(units.unit_text(name)) for name in units.UNITS)
+        daemon, gateway = (units.settings(units.unit_text(name)) for name in ("dtsd", "dts-gateway"))
         self.assertEqual(gateway["SupplementaryGroups"], daemon["Group"])
         self.assertEqual(gateway["Environment"], [f"DTSD_RUNTIME_DIR=/run/{daemon['RuntimeDirectory'][0]}"])
         self.assertIn("dtsd.service", gateway["After"][0].split())

@@ -22,13 +22,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-std::string read_file(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 /// Starts a program with stdout and stderr into files ("" = /dev/null).
 pid_t spawn(const std::vector<std::string>& arguments, const std::vector<std::string>& environment, const std::string& out,
             const std::string& err) {
@@ -89,6 +82,13 @@ std::string adapted(std::string text, const DaemonProcess::FurtherRig& rig) {
 
 }  // namespace
 
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
 bool eventually(const std::function<bool()>& condition) {
   const auto deadline = Clock::now() + kPatience;
   while (Clock::now() < deadline) {
@@ -106,6 +106,30 @@ Finished run_program(const std::vector<std::string>& arguments, const std::vecto
   finished.err = read_file(directory / "err");
   std::filesystem::remove_all(directory);
   return finished;
+}
+
+ServiceProcess::ServiceProcess(const std::vector<std::string>& arguments, std::vector<std::string> environment,
+                               const std::filesystem::path& log, const std::filesystem::path& notify) {
+  const NotifySocket socket(notify);
+  environment.push_back("NOTIFY_SOCKET=" + notify.string());
+  pid_ = spawn(arguments, environment, "", log);
+  static_cast<void>(eventually([&] {
+    is_ready_ = is_ready_ || socket.says_ready(20);
+    int raw = 0;
+    if (!is_ready_ && ::waitpid(pid_, &raw, WNOHANG) == pid_) exit_status_ = exit_status(raw);
+    return is_ready_ || exit_status_.has_value();
+  }));
+}
+
+bool ServiceProcess::is_running() const { return !exit_status_ && ::kill(pid_, 0) == 0; }
+
+void ServiceProcess::signal(int number) const {
+  if (!exit_status_) ::kill(pid_, number);
+}
+
+int ServiceProcess::wait() {
+  if (!exit_status_) exit_status_ = reap(pid_);
+  return *exit_status_;
 }
 
 DaemonProcess::DaemonProcess() : DaemonProcess(Options{}) {}
@@ -139,28 +163,12 @@ void DaemonProcess::write_files(const Options& options) const {
 }
 
 void DaemonProcess::restart() {
-  const NotifySocket notify(directory_ / "notify");
-  exit_status_.reset();
-  is_ready_ = false;
-  pid_ = spawn({program_, "--config", config_file(), "--foreground"},
-               {"DTSD_RUNTIME_DIR=" + directory_.string(), "DTSD_STATE_DIR=" + state_directory().string(),
-                "NOTIFY_SOCKET=" + (directory_ / "notify").string()},
-               "", directory_ / "log");
-  static_cast<void>(eventually([&] {
-    is_ready_ = is_ready_ || notify.says_ready(20);
-    int raw = 0;
-    if (!is_ready_ && ::waitpid(pid_, &raw, WNOHANG) == pid_) exit_status_ = exit_status(raw);
-    return is_ready_ || exit_status_.has_value();
-  }));
+  process_.emplace(std::vector<std::string>{program_, "--config", config_file(), "--foreground"}, environment(), directory_ / "log",
+                   directory_ / "notify");
 }
 
-bool DaemonProcess::is_running() const { return !exit_status_ && ::kill(pid_, 0) == 0; }
-
-void DaemonProcess::signal(int number) const { ::kill(pid_, number); }
-
-int DaemonProcess::wait() {
-  if (!exit_status_) exit_status_ = reap(pid_);
-  return *exit_status_;
+std::vector<std::string> DaemonProcess::environment() const {
+  return {"DTSD_RUNTIME_DIR=" + directory_.string(), "DTSD_STATE_DIR=" + state_directory().string()};
 }
 
 std::string DaemonProcess::log() const { return read_file(directory_ / "log"); }

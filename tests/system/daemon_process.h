@@ -31,6 +31,29 @@ struct Finished {
 /// Runs a program to its end (it is killed after kPatience).
 [[nodiscard]] Finished run_program(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
 
+[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+
+/// A program that reports READY to its service manager, as a child process. The owner must end it.
+class ServiceProcess {
+ public:
+  /// Starts the program; returns when it says READY or has ended. Appends what it says to `log`; `notify`: path for the socket.
+  ServiceProcess(const std::vector<std::string>& arguments, std::vector<std::string> environment, const std::filesystem::path& log,
+                 const std::filesystem::path& notify);
+
+  [[nodiscard]] bool is_ready() const noexcept { return is_ready_; }
+  [[nodiscard]] bool is_running() const;
+  [[nodiscard]] pid_t pid() const noexcept { return pid_; }
+  /// Does nothing if the program has ended.
+  void signal(int number) const;
+  /// Waits for the end; exit code, or 128 + signal.
+  [[nodiscard]] int wait();
+
+ private:
+  pid_t pid_ = -1;
+  bool is_ready_ = false;
+  std::optional<int> exit_status_;
+};
+
 /// dtsd as a child process in a runtime directory of its own; ended and removed with this object.
 class DaemonProcess {
  public:
@@ -59,12 +82,12 @@ class DaemonProcess {
   DaemonProcess(const DaemonProcess&) = delete;
   DaemonProcess& operator=(const DaemonProcess&) = delete;
 
-  [[nodiscard]] bool is_ready() const noexcept { return is_ready_; }
-  [[nodiscard]] bool is_running() const;
-  [[nodiscard]] pid_t pid() const noexcept { return pid_; }
-  void signal(int number) const;
+  [[nodiscard]] bool is_ready() const noexcept { return process_->is_ready(); }
+  [[nodiscard]] bool is_running() const { return process_->is_running(); }
+  [[nodiscard]] pid_t pid() const noexcept { return process_->pid(); }
+  void signal(int number) const { process_->signal(number); }
   /// Waits for the end; exit code, or 128 + signal.
-  [[nodiscard]] int wait();
+  [[nodiscard]] int wait() { return process_->wait(); }
   /// Starts it again with the same files.
   void restart();
 
@@ -75,6 +98,8 @@ class DaemonProcess {
   [[nodiscard]] std::string control_endpoint() const { return "ipc://" + (directory_ / "control.sock").string(); }
   [[nodiscard]] std::string data_endpoint() const { return "ipc://" + (directory_ / "data.sock").string(); }
   [[nodiscard]] std::string log() const;
+  /// Variables for the daemon and for programs that share its folders.
+  [[nodiscard]] std::vector<std::string> environment() const;
 
   [[nodiscard]] client::ControlClient control() const;
   [[nodiscard]] client::Subscriber subscribe(std::vector<std::string> topics, client::Mode mode = client::Mode::All) const;
@@ -86,9 +111,7 @@ class DaemonProcess {
 
   std::string program_;
   std::filesystem::path directory_;
-  pid_t pid_ = -1;
-  bool is_ready_ = false;
-  std::optional<int> exit_status_;
+  std::optional<ServiceProcess> process_;
 };
 
 /// Resident memory of a process, kB.

@@ -114,6 +114,7 @@ TEST_F(KeysTest, Hangup_ReadsTheKeysAgain_AndNoSecretIsLogged) {
   EXPECT_EQ(secret.size(), 40U);
   for (const std::string& hidden : {secret, hidden_half}) {
     EXPECT_THAT(daemon_.log(), Not(HasSubstr(hidden)));
+    EXPECT_THAT(relay_.log(), Not(HasSubstr(hidden)));
     EXPECT_THAT(daemon_.ctl({"key", "list", "--json"}).out, Not(HasSubstr(hidden)));
   }
 }

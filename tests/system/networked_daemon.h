@@ -7,6 +7,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <csignal>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,7 +31,35 @@ inline int free_port() {
 
 inline std::string address_of(int port) { return "tcp://127.0.0.1:" + std::to_string(port); }
 
-/// A daemon that listens for clients with keys.
+/// dts-relay as a child process beside a daemon; killed with this object if it still runs.
+class RelayProcess {
+ public:
+  explicit RelayProcess(const DaemonProcess& daemon) : daemon_(daemon) { start(); }
+  ~RelayProcess() { end(SIGTERM); }
+  RelayProcess(const RelayProcess&) = delete;
+  RelayProcess& operator=(const RelayProcess&) = delete;
+
+  /// Starts it; returns when it says READY or has ended.
+  void start() {
+    process_.emplace(std::vector<std::string>{DTS_RELAY_PROGRAM, "--config", daemon_.config_file()}, daemon_.environment(),
+                     daemon_.directory() / "relay.log", daemon_.directory() / "relay-notify");
+  }
+  /// Returns its exit code, or 128 + signal.
+  int end(int signal) {
+    process_->signal(signal);
+    return process_->wait();
+  }
+  [[nodiscard]] bool is_ready() const noexcept { return process_->is_ready(); }
+  [[nodiscard]] bool is_running() const { return process_->is_running(); }
+  [[nodiscard]] pid_t pid() const noexcept { return process_->pid(); }
+  [[nodiscard]] std::string log() const { return read_file(daemon_.directory() / "relay.log"); }
+
+ private:
+  const DaemonProcess& daemon_;
+  std::optional<ServiceProcess> process_;
+};
+
+/// A daemon with a relay that listens for clients with keys.
 class NetworkedDaemon : public ::testing::Test {
  protected:
   NetworkedDaemon()
@@ -50,6 +80,7 @@ class NetworkedDaemon : public ::testing::Test {
   int control_ = free_port();
   int data_ = free_port();
   DaemonProcess daemon_;
+  RelayProcess relay_{daemon_};
 };
 
 }  // namespace dts::test

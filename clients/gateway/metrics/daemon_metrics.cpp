@@ -118,10 +118,7 @@ void add_daemon(const v1::StatusSnapshot& status, Exposition& out) {
   out.gauge({"dts_daemon_info", "Version of the daemon, as a label."}, 1.0, {{"version", status.version()}});
   out.gauge({"dts_daemon_uptime_seconds", "Time since the daemon started."}, status.uptime_s());
   out.gauge({"dts_daemon_notices", "Notices in the daemon's status; dtsctl status shows them."}, status.notices_size());
-  out.counter({"dts_rejected_requests_total", "Malformed or oversized control messages."}, number(status.rejected_requests_total()));
-  out.counter({"dts_accepted_handshakes_total", "Accepted connections of clients with keys."}, number(status.accepted_handshakes_total()));
-  out.counter({"dts_refused_handshakes_total", "Rejected connections from other machines: no key, or too many at once."},
-              number(status.refused_handshakes_total()));
+  out.counter({"dts_rejected_requests_total", "Malformed control messages."}, number(status.rejected_requests_total()));
   add_disk(status.disk(), out);
   for (const v1::RigStatus& rig : status.rigs()) {
     const std::string& name = rig.rig().name();

@@ -71,25 +71,6 @@ TEST_F(GateTest, ARevokedKey_LosesItsRightsAtOnce_AlsoWhenAnotherHasItsName) {
             "--role operator)");
 }
 
-TEST_F(GateTest, TooManyCommands_AreRefusedForThatKeyOnly) {
-  int admitted = 0;
-  int answered = 0;
-  for (int turn = 0; turn < 1000; ++turn) {
-    const bool is_admitted = gate_.admit(peer(eve_), 0).has_value();
-    admitted += is_admitted ? 1 : 0;
-    answered += is_admitted || gate_.is_worth_an_answer(peer(eve_), 0) ? 1 : 0;
-  }
-
-  EXPECT_EQ(admitted, 100);
-  EXPECT_EQ(answered, 200) << "beyond that they are not worth an answer";
-  EXPECT_EQ(gate_.admit(peer(eve_), 0).error().code, core::ErrorCode::LimitExceeded);
-  EXPECT_TRUE(gate_.admit(peer(otto_), 0));
-  EXPECT_TRUE(gate_.admit(Gate::local(), 0));
-  admitted = 0;
-  while (gate_.admit(peer(eve_), kSecondNs)) ++admitted;
-  EXPECT_EQ(admitted, 50) << "a second later";
-}
-
 TEST_F(GateTest, FailuresAreNotedAFewTimesOnly) {
   int noted = 0;
   for (int turn = 0; turn < 100; ++turn) noted += gate_.is_worth_a_note(peer(eve_), 0) ? 1 : 0;

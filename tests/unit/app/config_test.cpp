@@ -99,7 +99,7 @@ TEST_F(ConfigFiles, SeveralProblems_AreReportedTogether) {
   EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:2:9: [log] level = \"loud\" is not known")));
   EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:4:17: [realtime] fifo_priority = 120 is out of range; allowed: 0 .. 95")));
   EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:5:15: [realtime] lock_memory must be true or false")));
-  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:7:8: 'tcp://0.0.0.0:5555' is reachable from other machines")));
+  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:7:8: 'tcp://0.0.0.0:5555' is a network address")));
   EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:9:8: a rig's name")));
   EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:12:1: unknown key 'extra' in [[rig]]")));
   EXPECT_EQ(problems.size(), 6U);

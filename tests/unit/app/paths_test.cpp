@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -64,17 +63,6 @@ TEST_F(Paths, SecondLock_IsRefusedUntilTheFirstEnds) {
 
   first.reset();
   EXPECT_TRUE(DirectoryLock::take(folder_.string()));
-}
-
-TEST_F(Paths, RuntimeDirectory_FollowsTheDocumentedOrder) {
-  ::setenv("XDG_RUNTIME_DIR", "/xdg", 1);
-  ::unsetenv("RUNTIME_DIRECTORY");
-  ::unsetenv("DTSD_RUNTIME_DIR");
-  EXPECT_EQ(runtime_directory(), "/xdg/dtsd");
-  ::setenv("RUNTIME_DIRECTORY", "/systemd", 1);
-  EXPECT_EQ(runtime_directory(), "/systemd");
-  ::setenv("DTSD_RUNTIME_DIR", "/ours", 1);
-  EXPECT_EQ(runtime_directory(), "/ours");
 }
 
 }  // namespace

@@ -56,12 +56,12 @@ HOUSE = [
     ("daemon/files",             ["core", "physics", "classifier", "pipeline"],           ["toml++/"]),
     ("daemon/files/protocol_file", ["session"],                                           []),
     ("daemon/files/trunk_model_text", ["record"],                                         []),
-    ("daemon/access",            ["core", "files", "proto"],                              ["zmq.h", "zmq.hpp"]),
-    ("daemon/ipc",               ["core", "access", "events", "session", "record", "proto"], ["zmq.h", "zmq.hpp", "google/protobuf/"]),
+    ("daemon/settings",          ["core", "files"],                                       []),
+    ("daemon/access",            ["core", "files", "proto"],                              ["zmq.h"]),
+    ("daemon/ipc",               ["core", "settings", "access", "events", "session", "record", "proto"], ["zmq.h", "zmq.hpp", "google/protobuf/"]),
     ("daemon/app",               ["core", "physics", "files", "classifier", "device", "device/usb", "device/registry",
-                                  "pipeline", "record", "session", "access", "ipc", "proto"], ["toml++/", "systemd/"]),
+                                  "pipeline", "record", "session", "settings", "access", "ipc", "proto"], ["toml++/", "systemd/"]),
     ("daemon/app/daemon.cpp",    [],                                                      ["zmq.hpp"]),
-    ("daemon/app/sockets",       [],                                                      ["zmq.hpp"]),
     ("daemon/app/main.cpp",      [],                                                      ["CLI/", "google/protobuf/"]),
     ("clients/libdts",           ["proto"],                                               ["zmq.h", "zmq.hpp", "google/protobuf/",
                                                                                            "tl/expected.hpp"]),
@@ -96,6 +96,9 @@ HOUSE = [
     ("clients/gateway/access",   [],                                                      ["sodium.h", "nlohmann/"]),
     ("clients/gateway/archive",  ["record", "report"],                                    ["archive.h", "archive_entry.h"]),
     ("clients/gateway/metrics",  [],                                                      ["prometheus/"]),
+    ("clients/relay",            ["core", "files", "settings", "access", "libdts", "proto"], ["zmq.h", "zmq.hpp"]),
+    ("clients/relay/relay.cpp",  [],                                                      ["systemd/"]),
+    ("clients/relay/main.cpp",   [],                                                      ["CLI/", "systemd/"]),
 ]
 
 # What the system offers, allowed everywhere. C headers that have a C++ name (stdint.h) are missing on purpose.

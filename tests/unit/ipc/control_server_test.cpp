@@ -3,15 +3,11 @@
 #include "ipc/control_server.h"
 
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
 
 #include <sstream>
 
-#include "access/authenticator.h"
 #include "unit/access/key_fixture.h"
 #include "unit/ipc/message_text.h"
 #include "unit/ipc/turn_socket.h"
@@ -41,40 +37,27 @@ class ControlTest : public session::RecordingsTest {
     keys_ = access::KeyStore::open(folder_.string() + "-keys").value();
     EXPECT_TRUE(keys_->add(access::key_for("eve", v1::ROLE_VIEWER, eve_)));
     EXPECT_TRUE(keys_->add(access::key_for("ina", v1::ROLE_ENGINEER, ina_)));
-    authenticator_ = access::Authenticator::start(context_, *keys_, clock_).value();
-    std::vector<ControlSocket> sockets;
-    sockets.push_back(ControlSocket::bind(context_, "ipc://" + folder_.string() + "/c").value());
-    for (int port = 20'000 + static_cast<int>(::getpid() % 10'000); sockets.size() < 2; ++port) {
-      remote_ = "tcp://127.0.0.1:" + std::to_string(port);
-      if (auto bound = ControlSocket::bind(context_, RemoteEndpoint{remote_, keys_->server()})) sockets.push_back(std::move(*bound));
-    }
     auto data = std::make_unique<TurnSocket>();
     data_ = data.get();
     publisher_ = std::make_unique<PublishThread>(std::move(data), bell_, supervisor_->rigs(), time_, 7);
     static_cast<void>(publisher_->start({}));
     handler_ = std::make_unique<CommandHandler>(*supervisor_, time_, Identity{.instance_id = 7, .version = "v"}, std::vector<std::string>{},
-                                                KeyCommands{keys_.get(), time_, {}}, authenticator_.get());
+                                                KeyCommands{keys_.get(), time_, std::nullopt});
     server_ = std::make_unique<ControlServer>(
-        std::move(sockets), access::Gate(keys_.get()), *supervisor_, *handler_, *publisher_, time_,
-        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))));
+        ControlSocket::bind(context_, "ipc://" + folder_.string() + "/c").value(), access::Gate(keys_.get()), *supervisor_, *handler_,
+        *publisher_, time_, core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))));
   }
   ~ControlTest() override {
     data_->end();
     publisher_->stop();
     server_.reset();
-    authenticator_.reset();
     std::filesystem::remove_all(folder_.string() + "-keys");
   }
 
-  zmq::socket_t client(const access::KeyPair* key = nullptr) {
+  zmq::socket_t client() {
     zmq::socket_t socket(clients_, zmq::socket_type::dealer);
     socket.set(zmq::sockopt::linger, 0);
-    if (key != nullptr) {
-      socket.set(zmq::sockopt::curve_serverkey, keys_->server().public_key);
-      socket.set(zmq::sockopt::curve_publickey, key->public_key);
-      socket.set(zmq::sockopt::curve_secretkey, key->secret_key);
-    }
-    socket.connect(key != nullptr ? remote_ : "ipc://" + folder_.string() + "/c");
+    socket.connect("ipc://" + folder_.string() + "/c");
     return socket;
   }
   static void send(zmq::socket_t& socket, const std::vector<std::string>& frames) {
@@ -101,6 +84,13 @@ class ControlTest : public session::RecordingsTest {
     send(socket, {request(request_text)});
     return answer(socket);
   }
+  /// Asks as dts-relay does for the client with this key; its ticket is "T".
+  std::string ask_as(zmq::socket_t& relay, const access::KeyPair& key, const std::string& request_text) {
+    send(relay, {"T", key.public_key, request(request_text)});
+    const std::string got = answer(relay);
+    EXPECT_TRUE(got.starts_with("'T' ")) << got;
+    return got.substr(4);
+  }
   /// Lets the loop take at least one tick.
   void tick() {
     time_.advance_s(0.05);
@@ -118,11 +108,9 @@ class ControlTest : public session::RecordingsTest {
   std::ostringstream log_;
   const access::KeyPair eve_ = access::new_pair();
   const access::KeyPair ina_ = access::new_pair();
-  zmq::context_t context_{2};
+  zmq::context_t context_{1};
   zmq::context_t clients_{1};
   std::unique_ptr<access::KeyStore> keys_;
-  std::unique_ptr<access::Authenticator> authenticator_;
-  std::string remote_;
   TurnSocket* data_ = nullptr;
   std::unique_ptr<PublishThread> publisher_;
   std::unique_ptr<CommandHandler> handler_;
@@ -146,6 +134,8 @@ TEST_F(ControlTest, WhatIsNoRequest_IsAnsweredCountedAndOneLineOfTheLogASecond) 
       {{"x", status}, frames, true},
       {{"", "", status}, frames, true},
       {{"a", "b", "c", "d", status}, frames, true},
+      {{"ticket", std::string(39, 'k'), status}, frames, true},
+      {{"ticket", std::string(41, 'k'), status}, frames, true},
       {{"\xff"}, "error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the message is not a dts.v1.Request" + hint, true},
       {{""}, id, true},
       {{request("status {}")}, id, true},
@@ -177,7 +167,7 @@ TEST_F(ControlTest, WhatIsNoRequest_IsAnsweredCountedAndOneLineOfTheLogASecond) 
 TEST_F(ControlTest, CommandWithAnIdOfBefore_IsNotExecutedAgain) {
   zmq::socket_t local = client();
   zmq::socket_t other = client();
-  zmq::socket_t remote = client(&ina_);
+  zmq::socket_t relay = client();
   const std::string add = "request_id: 'once' add_key { name: 'anna' role: ROLE_VIEWER public_key: '" + std::string(40, 'a') + "' }";
   const std::string added = ask(local, add);
   EXPECT_TRUE(added.starts_with("request_id: \"once\" keys {")) << added;
@@ -185,7 +175,7 @@ TEST_F(ControlTest, CommandWithAnIdOfBefore_IsNotExecutedAgain) {
   const std::string revoke = "request_id: 'once' revoke_key { name: 'anna' }";
   EXPECT_TRUE(ask(other, revoke).starts_with("error { code: ERROR_CODE_INVALID_ARGUMENT what: \"request_id was used for another request"));
   EXPECT_EQ(rejected(), 1U);
-  EXPECT_TRUE(ask(remote, revoke).starts_with("request_id: \"once\" keys {")) << "the ids of other senders are their own";
+  EXPECT_TRUE(ask_as(relay, ina_, revoke).starts_with("request_id: \"once\" keys {")) << "the ids of other senders are their own";
   for (const char* look : {"status", "list_rigs"}) {
     EXPECT_TRUE(ask(local, "request_id: 'once' " + std::string(look) + " {}")
                     .starts_with("request_id: \"once\" " + std::string(look == std::string("status") ? "status" : "rigs")));
@@ -205,57 +195,29 @@ TEST_F(ControlTest, EveryCommandThatChangesSomething_IsRemembered) {
   }
 }
 
-TEST_F(ControlTest, RemoteKey_MayWhatItsRoleMay_AndNotTooOften) {
-  zmq::socket_t eve = client(&eve_);
+TEST_F(ControlTest, KeyOfARelayedCommand_MayWhatItsRoleMayNow) {
+  zmq::socket_t relay = client();
   zmq::socket_t local = client();
   const std::string refused =
       "request_id: \"q\" error { code: ERROR_CODE_NOT_ALLOWED what: \"this command needs the role operator; key:eve has viewer\"";
-  EXPECT_EQ(ask(eve, "request_id: 'q' mark { text: 'x' }").substr(0, refused.size()), refused);
+  EXPECT_EQ(ask_as(relay, eve_, "request_id: 'q' mark { text: 'x' }").substr(0, refused.size()), refused);
   EXPECT_EQ(entries(), (std::vector<std::string>{"key:eve mark  not_allowed"}));
+  EXPECT_TRUE(ask_as(relay, ina_, "request_id: 'q' list_keys {}").starts_with("request_id: \"q\" keys {"));
 
-  const std::string status = "request_id: 'q' status {}";
-  const std::string too_many = "error { code: ERROR_CODE_LIMIT_EXCEEDED what: \"more than 50 commands per second from key:eve\"";
-  int admitted = 1;
-  std::string got = ask(eve, status);
-  for (; got.starts_with("request_id: \"q\" status {") && admitted < 1000; got = ask(eve, status)) ++admitted;
-  EXPECT_EQ(got.substr(0, too_many.size()), too_many) << "without its id: nobody has read it";
-  EXPECT_GE(admitted, 100);
-  EXPECT_LT(admitted, 300);
-  EXPECT_EQ(rejected(), 1U);
-  EXPECT_TRUE(ask(local, status).starts_with("request_id: \"q\" status {"));
-  time_.advance_s(1);
-  EXPECT_TRUE(ask(eve, status).starts_with("request_id: \"q\" status {"));
-  EXPECT_TRUE(handler_->status().has_network());
-  EXPECT_EQ(handler_->status().accepted_handshakes_total(), 1U);
-  EXPECT_EQ(handler_->status().refused_handshakes_total(), 0U);
+  EXPECT_TRUE(ask(local, "request_id: 'r' revoke_key { name: 'ina' }").starts_with("request_id: \"r\" keys {"));
+  const std::string revoked =
+      "request_id: \"q\" error { code: ERROR_CODE_NOT_ALLOWED what: \"this command needs the role engineer; revoked key";
+  EXPECT_EQ(ask_as(relay, ina_, "request_id: 'q' list_keys {}").substr(0, revoked.size()), revoked) << "at the next command";
+  EXPECT_NE(ask_as(relay, access::new_pair(), "request_id: 'q' status {}").find("revoked key has none"), std::string::npos);
 }
 
-/// A cable that was pulled must not keep a connection: the kernel asks after 2 s, every second, five times.
-TEST_F(ControlTest, RemoteConnection_IsWatchedByTheKernel) {
-  zmq::socket_t eve = client(&eve_);
-  static_cast<void>(ask(eve, "request_id: 'q' status {}"));
-  const int port = std::stoi(remote_.substr(remote_.rfind(':') + 1));
-  int watched = 0;
-  for (int fd = 3; fd < 1000; ++fd) {
-    sockaddr_in address{};
-    socklen_t size = sizeof address;
-    const bool is_ours = ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0 && address.sin_family == AF_INET &&
-                         ntohs(address.sin_port) == port;
-    if (!is_ours || ::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) continue;
-    ++watched;
-    const auto option = [fd](int level, int name) {
-      int value = 0;
-      socklen_t length = sizeof value;
-      EXPECT_EQ(::getsockopt(fd, level, name, &value, &length), 0);
-      return value;
-    };
-    EXPECT_NE(option(SOL_SOCKET, SO_KEEPALIVE), 0);
-    EXPECT_EQ(option(IPPROTO_TCP, TCP_KEEPIDLE), 2);
-    EXPECT_EQ(option(IPPROTO_TCP, TCP_KEEPINTVL), 1);
-    EXPECT_EQ(option(IPPROTO_TCP, TCP_KEEPCNT), 5);
-    EXPECT_EQ(option(IPPROTO_TCP, TCP_USER_TIMEOUT), 5000);
-  }
-  EXPECT_EQ(watched, 1);
+/// What a client on another machine sends cannot change or hide its key, which is a frame of its own.
+TEST_F(ControlTest, KeyOfARelayedCommand_CountsForWhatIsNoRequest) {
+  zmq::socket_t relay = client();
+  send(relay, {"T", eve_.public_key, "\xff"});
+  EXPECT_TRUE(answer(relay).starts_with("'T' error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the message is not a dts.v1.Request"));
+  tick();
+  EXPECT_TRUE(log_.str().ends_with(", the last by key:eve\n")) << log_.str();
 }
 
 TEST_F(ControlTest, FailedCommands_FillTheAuditTrailNoFurtherThanTwenty) {
@@ -264,32 +226,6 @@ TEST_F(ControlTest, FailedCommands_FillTheAuditTrailNoFurtherThanTwenty) {
   EXPECT_EQ(entries().size(), 20U);
   static_cast<void>(ask(local, "request_id: 'q' note_login { address: '::1' }"));
   EXPECT_EQ(entries().size(), 21U) << "what succeeds is always noted";
-}
-
-TEST_F(ControlTest, RevokedKey_EndsAllRemoteConnections_TriedAgainOnceASecond) {
-  zmq::socket_t local = client();
-  data_->can_drop_ = false;
-  EXPECT_TRUE(ask(local, "request_id: 'q' revoke_key { name: 'eve' }").starts_with("request_id: \"q\" keys {"));
-  tick();
-  static_cast<void>(data_->turn());
-  EXPECT_EQ(data_->drops_, 1);
-  const std::string problem = "other machines cannot connect";
-  tick();
-  EXPECT_EQ(data_->drops_, 1) << "not at every tick";
-  time_.advance_s(1);
-  tick();
-  static_cast<void>(data_->turn());
-  EXPECT_EQ(data_->drops_, 2);
-  EXPECT_NE(text(handler_->status()).find(problem), std::string::npos);
-  data_->can_drop_ = true;
-  for (int look = 0; look < 2; ++look) {
-    time_.advance_s(1);
-    tick();
-    static_cast<void>(data_->turn());
-  }
-  EXPECT_EQ(text(handler_->status()).find(problem), std::string::npos);
-  zmq::socket_t ina = client(&ina_);
-  EXPECT_TRUE(ask(ina, "request_id: 'q' list_rigs {}").starts_with("request_id: \"q\" rigs {")) << "keys that are left connect again";
 }
 
 TEST_F(ControlTest, StatusLeavesOnceASecond_AndAfterEveryChange) {

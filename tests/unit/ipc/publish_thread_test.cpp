@@ -159,18 +159,6 @@ TEST_F(PublishTest, Outbox_DropsTheOldestThatIsNotRetained_ThenTheOldest) {
   EXPECT_TRUE(socket_->turn().starts_with("dtsd/status=1 dtsd/status=2 "));
 }
 
-TEST_F(PublishTest, RemotePeers_AreDroppedOncePerOrder) {
-  for (const bool can : {false, true}) {
-    socket_->can_drop_ = can;
-    socket_->drops_ = 0;
-    publisher_->drop_remote_peers();
-    static_cast<void>(socket_->turn());
-    static_cast<void>(socket_->turn());
-    EXPECT_EQ(socket_->drops_, 1);
-    EXPECT_EQ(publisher_->is_remote_down(), !can);
-  }
-}
-
 TEST_F(PublishTest, Stop_SendsWhatIsLeft) {
   static_cast<void>(socket_->turn());
   push([](core::Frame& frame) { frame.streams.front().set_count(1); });

@@ -7,6 +7,7 @@ install_packages() {
   check 'apt installs the packages' quiet apt-get install -y /opt/dts/debs/*.deb
   check 'dtsd is active' within 60 is_active dtsd
   check 'dts-gateway is active' within 60 is_active dts-gateway
+  check 'without [network] dts-relay has ended, and has not failed' is_gone systemctl is-failed --quiet dts-relay
   check 'without a rig the daemon answers' within 30 quiet dtsctl status
   check 'the gateway serves the dashboard' within 30 gateway_serves
   check 'the gateway hears the daemon' within 30 gateway_sees_daemon
@@ -24,6 +25,7 @@ look_at_users_and_modes() {
   check 'nobody else sees a recording' is_closed_to_others /var/lib/dtsd
   say "$(systemd-analyze security dtsd --no-pager | tail -1)"
   say "$(systemd-analyze security dts-gateway --no-pager | tail -1)"
+  say "$(systemd-analyze security dts-relay --no-pager | tail -1)"
 }
 
 # With the priorities of the installed configuration, inside the unit's sandbox. Only here: see the README. A simulated rig, since nothing of
@@ -52,8 +54,9 @@ configure() {
   # Real-time priorities on an emulated processor: see the README.
   sed -i 's/^# fifo_priority = .*/fifo_priority = 0/' /etc/dtsd/dtsd.toml
   check 'the configuration is right' quiet runuser -u dtsd -- dtsd --config /etc/dtsd/dtsd.toml --check-config
-  systemctl restart dtsd
+  systemctl restart dtsd dts-relay
   check 'dtsd is active with a rig' is_active dtsd
+  check 'dts-relay is active with [network]' is_active dts-relay
   check 'a key is made' quiet dtsctl key new ward-3 --role viewer --host 127.0.0.1 --out /root/ward-3.key
   check 'the key opens the daemon' quiet dtsctl --key /root/ward-3.key status
 }

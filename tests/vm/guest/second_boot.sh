@@ -42,6 +42,7 @@ remove() {
   check 'apt removes the packages' quiet apt-get remove -y dtsd dts-clients dts-gateway python3-dts
   check 'the daemon is stopped' is_gone pgrep -x dtsd
   check 'the gateway is stopped' is_gone pgrep -x dts-gateway
+  check 'the relay is stopped' is_gone pgrep -x dts-relay
   check 'removing keeps the configuration' [ "$(sha256sum </etc/dtsd/dtsd.toml)" = "$configuration" ]
   check 'removing keeps the keys' [ "$(keys_sum)" = "$keys" ]
 }

@@ -15,8 +15,6 @@ inline v1::StatusSnapshot eventful_status() {
   v1::StatusSnapshot status = testing::floor_status();
   status.set_rejected_requests_total(2);
   status.set_has_network(true);
-  status.set_accepted_handshakes_total(12);
-  status.set_refused_handshakes_total(3);
   status.add_notices("SCHED_FIFO rejected");
   status.mutable_disk()->set_state(v1::DISK_STATE_LOW);
   status.mutable_disk()->set_free_bytes(5'000'000'000);

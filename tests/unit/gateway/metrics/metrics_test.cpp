@@ -43,8 +43,6 @@ TEST(Metrics, OfADaemon_SayEveryFigureInBaseUnits) {
                                           "dts_daemon_uptime_seconds 12.5",
                                           "dts_daemon_notices 1",
                                           "dts_rejected_requests_total 2",
-                                          "dts_accepted_handshakes_total 12",
-                                          "dts_refused_handshakes_total 3",
                                           R"(dts_disk_state{state="fine"} 0)",
                                           R"(dts_disk_state{state="low"} 1)",
                                           R"(dts_disk_state{state="full"} 0)",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "access/authenticator.h"
+#include "relay/authenticator.h"
 
 #include <array>
 #include <new>
@@ -9,7 +9,7 @@
 
 #include "core/thread.h"
 
-namespace dts::access {
+namespace dts::relay {
 namespace {
 
 constexpr const char* kEndpoint = "inproc://zeromq.zap.01";
@@ -49,7 +49,7 @@ std::optional<std::vector<zmq::message_t>> receive(zmq::socket_t& socket) {
 
 }  // namespace
 
-core::Result<std::unique_ptr<Authenticator>> Authenticator::start(zmq::context_t& context, const KeyStore& keys, core::Clock& clock) {
+core::Result<std::unique_ptr<Authenticator>> Authenticator::start(zmq::context_t& context, FreshKeys& keys, core::Clock& clock) {
   try {
     zmq::socket_t socket(context, zmq::socket_type::rep);
     socket.set(zmq::sockopt::linger, 0);
@@ -60,7 +60,7 @@ core::Result<std::unique_ptr<Authenticator>> Authenticator::start(zmq::context_t
   }
 }
 
-Authenticator::Authenticator(zmq::socket_t socket, const KeyStore& keys, core::Clock& clock)
+Authenticator::Authenticator(zmq::socket_t socket, FreshKeys& keys, core::Clock& clock)
     : socket_(std::move(socket)), keys_(keys), clock_(clock), handshakes_(kHandshakesPerSecond, kHandshakeBurst) {
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
@@ -86,10 +86,13 @@ void Authenticator::run(const std::stop_token& stop) {
 }
 
 void Authenticator::answer(const std::vector<zmq::message_t>& request) {
-  std::optional<ClientKey> client;
+  std::optional<access::ClientKey> client;
   const bool is_curve = request.size() == kCurveFrames && request[kVersion].to_string_view() == "1.0" &&
                         request[kMechanism].to_string_view() == "CURVE" && request[kCredentials].size() == kKeyBytes;
-  if (is_curve) client = keys_.find_by_key(std::span(request[kCredentials].data<std::uint8_t>(), kKeyBytes));
+  if (is_curve) {
+    keys_.look();  // a client that uses its key right after dtsctl key new must be welcome: libzmq never retries after a rejection
+    client = keys_.store().find_by_key(std::span(request[kCredentials].data<std::uint8_t>(), kKeyBytes));
+  }
   const bool is_welcome = client && handshakes_.take(client->name, clock_.now_ns());
   (is_welcome ? accepted_total_ : refused_total_).fetch_add(1, std::memory_order_relaxed);
   const std::string id = request.size() > kRequestId ? request[kRequestId].to_string() : "";
@@ -100,4 +103,4 @@ void Authenticator::answer(const std::vector<zmq::message_t>& request) {
   }
 }
 
-}  // namespace dts::access
+}  // namespace dts::relay

@@ -9,21 +9,20 @@
 #include <vector>
 #include <zmq.hpp>
 
-#include "access/key_store.h"
 #include "access/rate_limit.h"
 #include "core/clock.h"
 #include "core/result.h"
+#include "relay/fresh_keys.h"
 
-namespace dts::access {
+namespace dts::relay {
 
 /// Decides for libzmq which clients may connect (ZeroMQ RFC 27, ZAP). Accepts a CURVE client whose public key is in the store, and sets
-/// that key as its "User-Id". Rejects all others. libzmq asks for every CURVE server socket of the context, but not for local sockets.
+/// that key as its "User-Id". Rejects all others. libzmq asks for every CURVE server socket of the context.
 /// Thread: its own, "access".
 class Authenticator {
  public:
   /// Starts the thread. Call it before a CURVE server socket is bound. `keys` and `clock` must outlive this object.
-  [[nodiscard]] static core::Result<std::unique_ptr<Authenticator>> start(zmq::context_t& context, const KeyStore& keys,
-                                                                          core::Clock& clock);
+  [[nodiscard]] static core::Result<std::unique_ptr<Authenticator>> start(zmq::context_t& context, FreshKeys& keys, core::Clock& clock);
   ~Authenticator();
   Authenticator(const Authenticator&) = delete;
   Authenticator& operator=(const Authenticator&) = delete;
@@ -32,17 +31,17 @@ class Authenticator {
   [[nodiscard]] std::uint64_t refused_total() const noexcept { return refused_total_.load(std::memory_order_relaxed); }
 
  private:
-  Authenticator(zmq::socket_t socket, const KeyStore& keys, core::Clock& clock);
+  Authenticator(zmq::socket_t socket, FreshKeys& keys, core::Clock& clock);
   void run(const std::stop_token& stop);
   void answer(const std::vector<zmq::message_t>& request);
 
   zmq::socket_t socket_;
-  const KeyStore& keys_;
+  FreshKeys& keys_;
   core::Clock& clock_;
-  RateLimit handshakes_;
+  access::RateLimit handshakes_;
   std::atomic<std::uint64_t> accepted_total_{0};
   std::atomic<std::uint64_t> refused_total_{0};
   std::jthread thread_;
 };
 
-}  // namespace dts::access
+}  // namespace dts::relay

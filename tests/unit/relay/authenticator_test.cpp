@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "access/authenticator.h"
+#include "relay/authenticator.h"
 
 #include <gtest/gtest.h>
 
@@ -10,20 +10,26 @@
 #include <vector>
 
 #include "core/clock.h"
-#include "key_fixture.h"
+#include "unit/access/key_fixture.h"
 
-namespace dts::access {
+namespace dts::relay {
 namespace {
+
+using access::bytes_of;
+using access::key_for;
+using access::KeyPair;
+using access::new_pair;
 
 constexpr int kPatienceMs = 60'000;
 constexpr int kRefusedMs = 500;  // a message that is let through in spite of a refusal comes within this
 constexpr int kHandshakeMs = 300;
 
 /// A real CURVE server, and clients that knock.
-class AuthenticatorTest : public KeyFixture {
+class AuthenticatorTest : public access::KeyFixture {
  protected:
   AuthenticatorTest() {
-    auto started = Authenticator::start(context_, *store_, clock_);
+    keys_ = FreshKeys::open(directory(), core::Log()).value();
+    auto started = Authenticator::start(context_, *keys_, clock_);
     EXPECT_TRUE(started.has_value());
     authenticator_ = std::move(*started);
     server_.set(zmq::sockopt::curve_server, true);
@@ -91,6 +97,7 @@ class AuthenticatorTest : public KeyFixture {
   core::VirtualClock clock_;
   zmq::context_t context_;
   zmq::context_t client_context_;
+  std::unique_ptr<FreshKeys> keys_;  ///< Of the same files as the store.
   std::unique_ptr<Authenticator> authenticator_;
   zmq::socket_t server_{context_, zmq::socket_type::router};
 };
@@ -164,4 +171,4 @@ TEST_F(AuthenticatorTest, ARevokedKey_StaysOutside) {
 }
 
 }  // namespace
-}  // namespace dts::access
+}  // namespace dts::relay

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// Data through the relay, with a socket in the place of dtsd.
+#include "relay/data_relay.h"
+
+#include "unit/relay/relay_fixture.h"
+
+namespace dts::relay {
+namespace {
+
+class DataRelayTest : public RelayFixture {
+ protected:
+  DataRelayTest() {
+    daemon_.set(zmq::sockopt::linger, 0);
+    daemon_.set(zmq::sockopt::xpub_verbose, true);
+    daemon_.bind(local());
+    relay_ = bound([this](const RemoteEndpoint& remote) { return DataRelay::start(context_, remote, local()); });
+    EXPECT_EQ(next(daemon_), (Frames{"\1"})) << "one subscription, to everything";
+  }
+  static Frames next(zmq::socket_t& socket) {
+    Frames frames;
+    EXPECT_TRUE(eventually([&] { return !(frames = receive_now(socket)).empty(); }));
+    return frames;
+  }
+  zmq::socket_t subscriber(const access::KeyPair& key, const std::string& prefix) {
+    zmq::socket_t socket = client(zmq::socket_type::sub, key);
+    socket.set(zmq::sockopt::subscribe, prefix);
+    return socket;
+  }
+  /// The relay subscribes again.
+  void expect_renewal() {
+    EXPECT_EQ(next(daemon_), (Frames{std::string(1, '\0')}));
+    EXPECT_EQ(next(daemon_), (Frames{"\1"}));
+  }
+
+  zmq::socket_t daemon_{clients_, zmq::socket_type::xpub};
+  std::unique_ptr<DataRelay> relay_;
+};
+
+TEST_F(DataRelayTest, MessagesPassUnchanged_ToWhomSubscribes) {
+  zmq::socket_t eve = subscriber(eve_, "floor/");
+  expect_renewal();
+  const std::string body("\0\xff body", 7);
+  send(daemon_, {"chair/cop", "other"});
+  send(daemon_, {"floor/cop", body});
+  send(daemon_, {"floor/empty", ""});
+
+  EXPECT_EQ(next(eve), (Frames{"floor/cop", body}));
+  EXPECT_EQ(next(eve), (Frames{"floor/empty", ""}));
+}
+
+/// dtsd repeats its retained messages for every new subscription.
+TEST_F(DataRelayTest, EveryNewSubscriber_RenewsTheSubscription) {
+  const zmq::socket_t eve = subscriber(eve_, "dtsd/status");
+  expect_renewal();
+  const zmq::socket_t ina = subscriber(ina_, "dtsd/status");
+  expect_renewal();
+}
+
+TEST_F(DataRelayTest, DroppedPeers_ComeBackByThemselves_ExceptARevokedOne) {
+  zmq::socket_t eve = subscriber(eve_, "floor/");
+  expect_renewal();
+  zmq::socket_t ina = subscriber(ina_, "floor/");
+  expect_renewal();
+  ASSERT_TRUE(store_->revoke("eve"));
+  relay_->drop_peers();
+  expect_renewal();
+  EXPECT_TRUE(eventually([&] { return authenticator_->refused_total() == 1; }));
+  EXPECT_FALSE(relay_->is_down());
+
+  send(daemon_, {"floor/cop", "1"});
+  EXPECT_EQ(next(ina), (Frames{"floor/cop", "1"}));
+  EXPECT_TRUE(receive_now(eve).empty());
+}
+
+TEST_F(DataRelayTest, DaemonIsAwayForAWhile_MessagesPassAgain) {
+  zmq::socket_t eve = subscriber(eve_, "floor/");
+  expect_renewal();
+  daemon_.close();
+  daemon_ = zmq::socket_t(clients_, zmq::socket_type::xpub);
+  daemon_.set(zmq::sockopt::linger, 0);
+  daemon_.bind(local());
+  EXPECT_EQ(next(daemon_), (Frames{"\1"}));
+
+  send(daemon_, {"floor/cop", "1"});
+  EXPECT_EQ(next(eve), (Frames{"floor/cop", "1"}));
+}
+
+}  // namespace
+}  // namespace dts::relay

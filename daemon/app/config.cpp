@@ -90,7 +90,7 @@ void read_rig(files::TomlReader& reader, DaemonConfig& config, files::Problems& 
 }  // namespace
 
 core::ThreadPolicy RealtimeConfig::policy(int steps_below) const {
-  return {.fifo_priority = fifo_priority == 0 ? 0 : fifo_priority - steps_below, .cpus = cpus};
+  return {.fifo_priority = fifo_priority == 0 ? 0 : fifo_priority - steps_below, .cpus = {}};
 }
 
 LoadedConfig load_config(const std::string& file) {

@@ -19,7 +19,7 @@ namespace dts::app {
 struct RealtimeConfig {
   int fifo_priority = 50;  ///< 0: do not use SCHED_FIFO.
   bool locks_memory = true;
-  std::vector<int> cpus;  ///< Cores for these threads; empty: all.
+  std::vector<int> cpus;  ///< Cores for all threads of dtsd, those of libraries too; empty: all.
 
   [[nodiscard]] core::ThreadPolicy policy(int steps_below) const;
 };

@@ -187,11 +187,11 @@ std::vector<std::string> first_notices(const DaemonConfig& config, bool has_rigs
 
 }  // namespace
 
-core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
-                        core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log) {
+core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, std::vector<std::string> notices,
+                        core::Clock& clock, core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log) {
   const auto folders = take_folders(config);
   if (!folders) return tl::make_unexpected(folders.error());
-  std::vector<std::string> notices = first_notices(config, !rigs.empty());
+  for (std::string& notice : first_notices(config, !rigs.empty())) notices.push_back(std::move(notice));
   ::umask(0007);  // sockets, catalogue and recordings: only for owner and group
   DTS_TRY_ASSIGN(auto recordings, session::Recordings::open(config.storage, clock, log));
   if (!recordings->notice().empty()) notices.push_back(recordings->notice());

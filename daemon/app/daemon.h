@@ -24,8 +24,9 @@ namespace dts::app {
                                                                      device::usb::UsbBus& usb, files::Problems& problems);
 
 /// Runs the daemon on the calling thread, which becomes the control thread, until SIGTERM or SIGINT. The caller must have blocked SIGTERM,
-/// SIGINT and SIGHUP. Fails if the directories or sockets cannot be used.
-[[nodiscard]] core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
-                                      core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log);
+/// SIGINT and SIGHUP. `notices` go to the log and to the status. Fails if the directories or sockets cannot be used.
+[[nodiscard]] core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs,
+                                      std::vector<std::string> notices, core::Clock& clock, core::Doorbell& bell, device::usb::UsbBus& usb,
+                                      core::Log log);
 
 }  // namespace dts::app

@@ -55,6 +55,8 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   dts::core::Doorbell bell;
   if (is_foreground) ::unsetenv("JOURNAL_STREAM");
   const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
+  // All threads that start later inherit the cores, those of libraries too.
+  auto notices = dts::core::configure_this_thread("dtsd", {.fifo_priority = 0, .cpus = loaded.config.realtime.cpus});
   // Its thread has a higher priority than the rigs' threads. It must outlive the rigs.
   dts::device::usb::LibusbBus usb(clock, loaded.config.realtime.policy(-1), log);
   auto rigs = dts::app::create_rigs(loaded.config, clock, bell, usb, loaded.problems);
@@ -66,7 +68,7 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   }
   block_signals();
   raise_descriptor_limit();
-  const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), clock, bell, usb, log);
+  const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), std::move(notices), clock, bell, usb, log);
   if (ended) return 0;
   log.error(dts::core::to_string(ended.error()));
   return exit_status(ended.error());

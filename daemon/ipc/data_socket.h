@@ -27,9 +27,6 @@ class DataSocket {
   virtual void wait(int bell_fd, int timeout_ms) = 0;
   /// Handles a bounded number of subscribers' messages if the last `wait` saw any. Returns true if there was a new subscription.
   [[nodiscard]] virtual bool take_subscriptions() = 0;
-  /// Ends all connections from other machines. Clients that are still authorised may reconnect immediately. Returns false if the socket no
-  /// longer listens for other machines: try again.
-  [[nodiscard]] virtual bool drop_remote_peers() noexcept = 0;
 };
 
 }  // namespace dts::ipc

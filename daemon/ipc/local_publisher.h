@@ -61,12 +61,9 @@ class LocalPublisher final : public DataSocket {
   [[nodiscard]] bool flush(std::size_t most_peers) override;
   void wait(int bell_fd, int timeout_ms) override;
   [[nodiscard]] bool take_subscriptions() override;
-  [[nodiscard]] bool drop_remote_peers() noexcept override { return true; }  // it has none
 
   /// Prepares for messages of `topic`, so that already the first one finds its subscribers without memory.
   void expect(std::string_view topic) override;
-  /// Lets `wait` end when `fd` is readable too.
-  void watch(int fd);
   [[nodiscard]] std::size_t peers() const noexcept { return peers_.size(); }
   /// Returns how many messages found no room in a queue since the start.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_; }
@@ -94,6 +91,7 @@ class LocalPublisher final : public DataSocket {
     frames_.reserve(kSmallQueueBytes);
     body_.reserve(kSmallQueueBytes);
   }
+  void watch(int fd);
   void accept_peers();
   void accept(int fd);
   [[nodiscard]] bool make_room_for(int pid);

@@ -36,7 +36,6 @@ class TimedSocket final : public ipc::DataSocket {
   [[nodiscard]] bool flush(std::size_t most_peers) override { return socket_->flush(most_peers); }
   void wait(int bell_fd, int timeout_ms) override { socket_->wait(bell_fd, timeout_ms); }
   [[nodiscard]] bool take_subscriptions() override { return socket_->take_subscriptions(); }
-  [[nodiscard]] bool drop_remote_peers() noexcept override { return socket_->drop_remote_peers(); }
 
  private:
   std::unique_ptr<ipc::DataSocket> socket_;

@@ -162,7 +162,6 @@ class CollectingSocket final : public ipc::DataSocket {
     poll(&wanted, 1, timeout_ms);
   }
   bool take_subscriptions() override { return false; }
-  bool drop_remote_peers() noexcept override { return true; }
 
  private:
   Sent& sent_;

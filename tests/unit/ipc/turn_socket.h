@@ -32,7 +32,6 @@ class TurnSocket final : public DataSocket {
     turns_.acquire();
   }
   bool take_subscriptions() override { return std::exchange(has_new_, false); }
-  bool drop_remote_peers() noexcept override { return true; }
 
   /// Returns what was sent in one turn of the loop.
   std::string turn(bool has_new_subscriber = false) {

@@ -68,7 +68,7 @@ class FrameReader {
   /// Reads from the beginning. Skips frames when more than `longest_lag` wait, or more than the ring holds. `ring` outlives the reader.
   FrameReader(const FrameRing& ring, std::size_t longest_lag);
 
-  /// Continues at `position`, and counts the losses anew.
+  /// Continues at `position`, and counts losses from 0.
   void start_at(const FramePosition& position) noexcept;
 
   /// Returns a copy of the oldest frame, valid until `release`, or nullptr if no frame waits. After a loss, the frame has the gap that

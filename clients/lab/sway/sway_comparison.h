@@ -11,7 +11,7 @@
 
 namespace dts::lab::sway {
 
-/// One core measure in two trials.
+/// A measure of the core set, and its values in two trials.
 struct ComparedMeasure {
   posturography::Measure measure{};
   double first = 0.0;

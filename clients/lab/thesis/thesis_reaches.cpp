@@ -184,7 +184,7 @@ core::Result<ThesisTable> thesis_trunk_angles() {
           "Printed: measured with cameras, means of ten reaches. Ours: what the target's distance requires of a body of these measures, "
           "nothing fitted to these volunteers but the shoulder's 6 cm (research sheet, section 3).",
           "Borders between the classes lie halfway between the printed windows: 15.25 and 42.2 degrees.",
-          "Geometry misses single volunteers by up to 11 degrees at 150 % and at the maximum: the distance of a target predicts the class, "
+          "For some volunteers, the angle from geometry is wrong by up to 11 degrees at 150 % and at the maximum: the distance of a target predicts the class, "
           "not the angle."}};
   const auto windows = study::angle_windows();
   for (std::size_t k = 0; k < study::healthy().size(); ++k) {

@@ -22,10 +22,11 @@ struct ClassifiedReach {
   double arm_alone = core::ReachFeatures::kUnknown;  ///< Probability that the trunk did not move.
 };
 
-/// Returns the forecasts for reaches that moved the trunk, without one group.
+/// Returns the forecasts for all reaches that moved the trunk, except those of the group `without`.
 [[nodiscard]] std::vector<Forecast> forecasts_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without = {});
 
-/// Returns the half widths of 90 % intervals by the class of the estimated angle, from reaches that moved the trunk, without one group.
+/// Returns the half widths of 90 % intervals by the class of the estimated angle, from all reaches that moved the trunk, except those of
+/// the group `without`.
 [[nodiscard]] std::array<double, classifier::kClasses> residuals_of(std::span<const ClassifiedReach> classified,
                                                                     std::optional<std::size_t> without = {});
 

@@ -108,7 +108,7 @@ SumPolynomial empty_polynomial(std::span<const CopSample> samples) {
   return empty;
 }
 
-/// Fits the outputs x, y, and sum per load.
+/// Fits three outputs: x, y, and the sum of the deflections divided by the load.
 core::Result<PolynomialFit> fit_polynomial(std::span<const CopSample> samples, const std::vector<Term>& terms) {
   constexpr std::size_t kOutputs = 3;
   PolynomialFit fit{.polynomial = empty_polynomial(samples), .left_out = {}};

@@ -56,7 +56,7 @@ const StageDescription& Linearise::description() {
            .minimum = 0.001,
            .maximum = 10.0},
           {.name = "tare_at_start",
-           .sentence = "Whether a segment that begins with an empty plate tares it, unless a tare is in use.",
+           .sentence = "if_empty: a segment that begins with an empty plate tares it, if there is no tare yet.",
            .choices = {"if_empty", "no"}},
           {.name = "baseline",
            .sentence = "Zero before the first tare: none, or the rig's unloaded gaps, which must be measured on this plate.",

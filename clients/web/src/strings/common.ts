@@ -22,7 +22,7 @@ export const common = {
     wrongHint: 'Check both. Capital letters matter.',
     tooMany: (seconds: string) => `Too many tries. Wait ${seconds} s, then try again.`,
     tooManyHint: 'The gateway waits longer after each wrong password, to stop guessing.',
-    failed: 'The gateway rejected the login. Try again; if it fails again, ask who runs the gateway.',
+    failed: 'The gateway rejected the login. Try again. If it fails again, ask the person who runs the gateway.',
     noLogin: 'No login is set up on this gateway',
     noLoginHint: 'Ask the person who runs it to add a user (dts-gateway user add) or a role for this computer (--local-role).',
   },

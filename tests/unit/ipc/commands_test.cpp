@@ -222,15 +222,12 @@ TEST_F(CommandsTest, OnKeysAndLogins) {
       {"note_login { user: 'anna' address: '192.0.2.7 anna' }", refused, "local login invalid_argument"},
       {"note_login { user: 'Jane Doe' address: '192.0.2.7' }", refused, "local login invalid_argument"},
   });
-  EXPECT_TRUE(handler_->has_lost_keys());
-  EXPECT_FALSE(handler_->has_lost_keys());
   EXPECT_TRUE(ask("list_keys {}").ends_with("control_endpoint: \"tcp://c:1\" data_endpoint: \"tcp://d:2\" }"));
   handler_ = std::make_unique<CommandHandler>(*supervisor_, clock_, Identity{}, std::vector<std::string>{},
                                               KeyCommands{nullptr, clock_, std::nullopt, {core::ErrorCode::DataDamaged, "damaged", ""}});
   for (const char* command : {"list_keys {}", "add_key { name: 'b' }", "revoke_key { name: 'b' }"}) {
     EXPECT_EQ(ask(command), error("DATA_DAMAGED") + " what: \"damaged\" }");
   }
-  EXPECT_FALSE(handler_->has_lost_keys());
 }
 
 TEST_F(CommandsTest, Tare_IsAnsweredOnceItsOwnReportIsThere) {
@@ -266,13 +263,10 @@ TEST_F(CommandsTest, Status_CountsAndWarns) {
   open();
   make_handler();
   handler_->count_rejected();
-  v1::StatusSnapshot status = handler_->status();
+  const v1::StatusSnapshot status = handler_->status();
   EXPECT_EQ(status.rejected_requests_total(), 1U);
   EXPECT_TRUE(status.has_network());
   EXPECT_EQ(status.disk().directory(), recordings_->disk().directory);
-  EXPECT_EQ(text(status.notices().empty() ? v1::StatusSnapshot{} : status).find("other machines"), std::string::npos);
-  handler_->note_remote_problem(true);
-  EXPECT_NE(text(handler_->status()).find("notices: \"notice\" notices: \"other machines cannot connect"), std::string::npos);
 }
 
 }  // namespace

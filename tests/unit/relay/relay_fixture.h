@@ -29,7 +29,8 @@ inline bool eventually(const std::function<bool()>& condition) {
 
 inline void send(zmq::socket_t& socket, const Frames& frames) {
   for (const std::string& frame : frames)
-    socket.send(zmq::buffer(frame), &frame == &frames.back() ? zmq::send_flags::none : zmq::send_flags::sndmore);
+    socket.send(zmq::buffer(frame),
+                zmq::send_flags::dontwait | (&frame == &frames.back() ? zmq::send_flags::none : zmq::send_flags::sndmore));
 }
 
 /// Returns the next message, or nothing if none has arrived.

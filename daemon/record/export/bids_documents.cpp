@@ -79,16 +79,15 @@ std::string dataset_readme() {
          "pressure (cop). Axes of the plate: x to the subject's right, y forward, origin at the plate's centre, deflections along the "
          "load.\n"
          "Each table of samples begins with a LATENCY channel: seconds since the recording's first scan. Where it jumps, scans are\n"
-         "missing; nothing is interpolated. Undefined values (nobody on the plate) are n/a. The events are gaps, markers, trials.\n"
-         "sourcedata/*/*_recording.json lists for each recording what is missing, on which device, and what was asked about the subject.\n"
-         "Subjects have IDs given by the clinic, never names. sub-unknown holds the sessions that were recorded without one: they may be "
-         "of\n"
+         "missing; nothing is interpolated. Undefined values (nobody on the plate) are n/a. The events tell of gaps, markers, trials.\n"
+         "sourcedata/*/*_recording.json says of each recording what is missing, on which device, and what was asked about the subject.\n"
+         "Subjects are pseudonyms given by the clinic. sub-unknown holds the sessions that were recorded without one: they may be of\n"
          "several people.\n";
 }
 
 std::string participants_description() {
-  return document({{"participant_id", {{"Description", "The subject ID, with letters and digits only"}}},
-                   {"pseudonym", {{"Description", "The subject ID as the clinic gave it"}}}});
+  return document({{"participant_id", {{"Description", "The pseudonym, with letters and digits only"}}},
+                   {"pseudonym", {{"Description", "The pseudonym as the clinic gave it"}}}});
 }
 
 std::string channels_table(const StreamInfo& stream) {
@@ -141,7 +140,7 @@ std::string events_description() {
                    {"trial_type",
                     {{"Description", "What happened"},
                      {"Levels",
-                      {{"segment", "Scans follow each other without a gap from here on"},
+                      {{"segment", "Scans follow each other without a hole from here on"},
                        {"marker", "Set by the operator"},
                        {"trigger", "Edge on the trigger channel"},
                        {"session", "State of the session"},
@@ -150,7 +149,7 @@ std::string events_description() {
                        {"loss", "Scans that the recorder was too slow for"}}}}},
                    {"value", {{"Description", "A marker's text, a trial's phase, a state, an edge, the reason of a gap"}}},
                    {"condition", {{"Description", "Of a trial"}}},
-                   {"segment", {{"Description", "Number of the stretch without gaps"}}},
+                   {"segment", {{"Description", "Number of the stretch without holes"}}},
                    {"scan", {{"Description", "Index of the scan in its segment"}}},
                    {"details", {{"Description", "Everything else, as JSON"}}}});
 }

@@ -98,13 +98,20 @@ void IpcSource::close() noexcept {
 
 void IpcSource::go_away(bool is_fault) {
   close();
-  if (state_ == State::Open) ++interruptions_;
+  const bool was_open = state_ == State::Open;
+  if (was_open) ++interruptions_;
   state_ = State::Away;
   begin_ = end_ = taken_ = 0;
   is_drained_ = is_skipping_ = false;
   has_fault_ = has_fault_ || is_fault;
   pending_.clear();
-  retry_at_ = Clock::now() + retry_after_;
+  const auto now = Clock::now();
+  // The daemon ends the connection of a reader that was slow: mode Latest needs the new one within its `catch_up`.
+  if (was_open && !is_fault && now - opened_at_ >= kSlowestReconnect) {
+    retry_at_ = now;
+    return;
+  }
+  retry_at_ = now + retry_after_;
   retry_after_ = std::min(2 * retry_after_, kSlowestReconnect);
 }
 
@@ -161,6 +168,7 @@ bool IpcSource::shake_hands() {
   begin_ += (*frame)->size;
   state_ = State::Open;
   retry_after_ = kFirstReconnect;
+  opened_at_ = Clock::now();
   for (const auto& [prefix, count] : subscriptions_) zmtp::append_frame(pending_, '\1' + prefix);
   send_pending();
   return state_ == State::Open;

@@ -58,6 +58,7 @@ class IpcSource final : public DataSource {
 
   int socket_ = -1;
   State state_ = State::Away;
+  Clock::time_point opened_at_{};
   Clock::time_point retry_at_{};
   std::chrono::milliseconds retry_after_ = kFirstReconnect;
   std::chrono::milliseconds receive_timeout_{-1};  ///< As set at the socket.

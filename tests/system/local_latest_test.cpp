@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -109,25 +110,24 @@ class Newest {
   std::map<std::string, Position> newest_;
 };
 
-TEST(LocalLatest, ReaderThatWasStopped_GetsNewDataFirst) {
-  const DaemonProcess daemon(
-      {.further_rigs = {{.name = "fast", .device = "sim:floor?seed=8", .acquire = "rate_hz = 1500.0\nlow_latency = true"}}});
-  ASSERT_TRUE(daemon.is_ready());
+using Readers = std::map<std::string, std::unique_ptr<ReaderProcess>>;
+
+/// Stops the readers of `rigs`, and compares their first blocks with the newest ones. `before_resume` runs at the end of the stop.
+void expect_new_data_first(
+    const DaemonProcess& daemon, const std::map<std::string, std::string>& rigs, const std::function<void()>& before_resume = [] {}) {
   Newest newest(daemon);
-  const std::map<std::string, std::unique_ptr<ReaderProcess>> readers = [&] {
-    std::map<std::string, std::unique_ptr<ReaderProcess>> made;
-    made["floor/cop"] = std::make_unique<ReaderProcess>(daemon.data_endpoint(), "floor/", "floor/cop");
-    made["fast/raw"] = std::make_unique<ReaderProcess>(daemon.data_endpoint(), "fast/", "fast/raw");
-    return made;
-  }();
+  Readers readers;
+  for (const auto& [rig, topic] : rigs) readers[topic] = std::make_unique<ReaderProcess>(daemon.data_endpoint(), rig + "/", topic);
   for (const auto& [topic, reader] : readers) ASSERT_TRUE(reader->next());
-  newest.read_for(std::chrono::milliseconds(500));
 
   // A reader that is stopped just after it received a block prints that old block afterwards: another attempt, three at most.
   bool is_new = false;
   for (int attempt = 0; attempt < 3 && !is_new; ++attempt) {
+    newest.read_for(std::chrono::milliseconds(1500));
     for (const auto& [topic, reader] : readers) reader->signal(SIGSTOP);
     newest.read_for(kStop);
+    before_resume();
+    newest.read_for(std::chrono::milliseconds(100));
     is_new = true;
     for (const auto& [topic, reader] : readers) {
       const auto before = reader->last();
@@ -144,6 +144,27 @@ TEST(LocalLatest, ReaderThatWasStopped_GetsNewDataFirst) {
     }
   }
   EXPECT_TRUE(is_new);
+}
+
+class LocalLatest : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(daemon_.is_ready()); }
+
+  DaemonProcess daemon_{
+      {.further_rigs = {{.name = "fast", .device = "sim:floor?seed=8", .acquire = "rate_hz = 1500.0\nlow_latency = true"}}}};
+};
+
+TEST_F(LocalLatest, ReaderThatWasStopped_GetsNewDataFirst) {
+  expect_new_data_first(daemon_, {{"floor", "floor/cop"}, {"fast", "fast/raw"}});
+}
+
+/// The queue of the reader is full of blocks; then more events follow than it has room for.
+TEST_F(LocalLatest, ReaderThatMissedEvents_ConnectsAgainAndGetsNewDataFirst) {
+  expect_new_data_first(daemon_, {{"fast", "fast/raw"}}, [&] {
+    auto control = daemon_.control();
+    for (int i = 0; i < 300; ++i) EXPECT_TRUE(control.mark(std::string(200, 'x'), "fast"));
+  });
+  EXPECT_TRUE(eventually([&] { return daemon_.log().find("was disconnected: it read too slowly") != std::string::npos; }));
 }
 
 }  // namespace

@@ -19,6 +19,8 @@ constexpr int kMessagesPerTurn = 256;
 constexpr int kSubscriptionsPerTurn = 1024;
 constexpr milliseconds kTurn{50};  // longest delay of a stop request and of a new subscription
 constexpr milliseconds kRenewal{100};
+/// Subscribed to again for a new subscriber. The subscription to everything stays, so that nothing is missed meanwhile.
+constexpr const char* kRenewed = "dtsd/";
 
 zmq::socket_t publisher(zmq::context_t& context) {
   zmq::socket_t socket(context, zmq::socket_type::xpub);
@@ -35,6 +37,7 @@ core::Result<std::unique_ptr<DataRelay>> DataRelay::start(zmq::context_t& contex
   auto source = client::open_source({.endpoint = local, .largest_message = kLargestMessage, .handshake_limit = milliseconds(20)});
   if (!source) return core::fail(core::ErrorCode::InvalidArgument, source.error().what, source.error().hint);
   (*source)->subscribe("");
+  (*source)->subscribe(kRenewed);
   DTS_TRY_ASSIGN(auto listener, RemoteListener::bind(publisher(context), remote, "data"));
   return std::unique_ptr<DataRelay>(new DataRelay(std::move(listener), std::move(*source)));
 }
@@ -49,21 +52,31 @@ DataRelay::~DataRelay() {
 
 void DataRelay::run(const std::stop_token& stop) {
   static_cast<void>(core::configure_this_thread("data", {}));
+  bool has_more = false;
   while (!stop.stop_requested()) {
-    static_cast<void>(source_->wait(kTurn));
+    static_cast<void>(source_->wait(has_more ? milliseconds(0) : kTurn));
     is_renewal_due_ = take_subscriptions() || is_renewal_due_;  // first: new subscribers get what arrives now
-    pass_messages();
+    has_more = pass_messages();
     renew_subscription();
+    note_interruptions();
     if (is_drop_due_.exchange(false, std::memory_order_acq_rel)) is_down_.store(!listener_.drop_connections(), std::memory_order_relaxed);
   }
 }
 
-void DataRelay::pass_messages() {
+/// Returns true if more messages may be waiting.
+bool DataRelay::pass_messages() {
   for (int turn = 0; turn < kMessagesPerTurn; ++turn) {
     const auto message = source_->take();
-    if (!message) return;
+    if (!message) return false;
     if (message->is_well_formed) send(*message);
   }
+  return true;
+}
+
+/// dtsd ends the connection of a relay that was too slow for an event. Ends the connections of the subscribers, too: they connect again,
+/// and so get the present states and count an interruption.
+void DataRelay::note_interruptions() {
+  if (std::exchange(interruptions_, source_->interruptions()) != source_->interruptions()) drop_peers();
 }
 
 void DataRelay::send(const client::RawMessage& message) {
@@ -95,8 +108,8 @@ void DataRelay::renew_subscription() {
   if (!is_renewal_due_ || now - renewed_at_ < kRenewal) return;
   is_renewal_due_ = false;
   renewed_at_ = now;
-  source_->unsubscribe("");
-  source_->subscribe("");
+  source_->unsubscribe(kRenewed);
+  source_->subscribe(kRenewed);
 }
 
 }  // namespace dts::relay

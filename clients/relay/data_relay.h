@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <thread>
 #include <zmq.hpp>
@@ -17,8 +18,8 @@ namespace dts::relay {
 ///     dtsd's Unix socket --DataSource--> this thread --XPUB, CURVE--> subscribers
 ///
 /// The local subscription is always the same one, to everything: no remote subscriber changes anything in dtsd. dtsd repeats its retained
-/// messages (status, newest events of sessions and devices) for every new subscription, so this class renews its own subscription when a
-/// remote one is new, at most ten times a second. Thread: its own, "data".
+/// messages (status, newest events of sessions and devices) for every new subscription, so this class renews a part of its own subscription
+/// when a remote one is new, at most ten times a second. Thread: its own, "data".
 class DataRelay {
  public:
   /// Binds `remote` and starts the thread. `local`: dtsd's data endpoint; connects to it in the background, and again whenever it was away.
@@ -38,7 +39,8 @@ class DataRelay {
 
   DataRelay(RemoteListener listener, std::unique_ptr<client::DataSource> source);
   void run(const std::stop_token& stop);
-  void pass_messages();
+  [[nodiscard]] bool pass_messages();
+  void note_interruptions();
   void send(const client::RawMessage& message);
   [[nodiscard]] bool take_subscriptions();
   void renew_subscription();
@@ -48,6 +50,7 @@ class DataRelay {
   std::atomic<bool> is_drop_due_{false};
   std::atomic<bool> is_down_{false};
   bool is_renewal_due_ = false;
+  std::uint64_t interruptions_ = 0;
   Clock::time_point renewed_at_{};
   std::jthread thread_;
 };

@@ -33,8 +33,12 @@ void FreshKeys::look() {
   const std::lock_guard lock(mutex_);
   const Stamp now = stamp();  // before the file is read: a later change is then seen at the next look
   if (now.is_same(seen_)) return;
+  if (auto reloaded = store_->reload(); !reloaded) {  // tried again at every look: a revoked key must not stay valid
+    if (!now.is_same(failed_)) log_.error(core::to_string(reloaded.error()));
+    failed_ = now;
+    return;
+  }
   seen_ = now;
-  if (auto reloaded = store_->reload(); !reloaded) return log_.error(core::to_string(reloaded.error()));
   log_.info(std::to_string(store_->keys().size()) + " client key(s)");
 }
 

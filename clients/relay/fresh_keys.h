@@ -19,7 +19,8 @@ class FreshKeys {
   /// Opens dtsd's folder of keys. Fails with NotFound if dtsd has not made its own key yet, and as KeyStore::open.
   [[nodiscard]] static core::Result<std::unique_ptr<FreshKeys>> open(const std::string& directory, core::Log log);
 
-  /// Reads the keys again if the file has changed since the last look. A damaged file is logged, and changes nothing.
+  /// Reads the keys again if the file has changed since the last look. A damaged file is logged once, changes nothing,
+  /// and is tried again.
   void look();
   [[nodiscard]] access::KeyStore& store() noexcept { return *store_; }
 
@@ -40,6 +41,7 @@ class FreshKeys {
   core::Log log_;
   std::mutex mutex_;
   Stamp seen_;
+  Stamp failed_;  ///< Could not be read; is logged once.
 };
 
 }  // namespace dts::relay

@@ -167,7 +167,7 @@ const Frame* FrameReader::front() noexcept {
     const std::uint64_t written = ring_.written();
     if (position_.frame >= written) return nullptr;
     if (written - position_.frame <= longest_lag_ && read_front()) return &frame_;
-    const std::uint64_t newer = ring_.written() - std::max<std::size_t>(longest_lag_ / 2, 1);
+    const std::uint64_t newer = std::max(ring_.written() - std::max<std::size_t>(longest_lag_ / 2, 1), position_.frame + 1);
     lost_frames_ += newer - position_.frame;
     position_.frame = newer;
   }

@@ -55,7 +55,7 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_dropped_blocks_total(state.published.lost_frames);
   out.set_nominal_rate_hz(state.acquisition.rate.hz());
   if (state.measured_rate_hz > 0.0) out.set_measured_rate_hz(state.measured_rate_hz);
-  out.set_lost_events_total(state.pipeline.end.lost_events + state.published.lost_events);
+  out.set_lost_events_total(state.published.lost_events);
   if (state.pipeline.us_per_scan > 0.0) out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
   out.set_restarts_total(state.acquisition.restarts_total);
   if (state.acquisition.clock_drift_ppm != 0.0) out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);

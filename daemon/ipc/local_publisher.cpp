@@ -395,8 +395,8 @@ void LocalPublisher::offer(Peer& peer, bool is_event) {
   peer.misses_event |= is_event;
 }
 
-/// Sends a message that is longer than the small queue. The kernel cuts only messages of more than about 48 kB, which no stream has: only
-/// for the rest of those this needs memory. Returns false if nothing was sent.
+/// Sends a message that is longer than the small queue, which only the publish thread does. Needs memory if the kernel takes only a part of
+/// it. Returns false if nothing was sent.
 bool LocalPublisher::send_directly(Peer& peer) {
   if (peer.is_blocked || peer.misses_event || !peer.out.empty()) return false;
   const ssize_t sent = ::send(peer.fd, frames_.data(), frames_.size(), MSG_NOSIGNAL);

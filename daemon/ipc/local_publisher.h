@@ -43,8 +43,8 @@ class LocalPublisher final : public DataSocket {
   static constexpr std::size_t kMostPeersOfAProcess = 64;
   static constexpr std::size_t kMostSubscriptions = 256;  ///< Of one peer. A peer that wants more is disconnected.
   static constexpr std::size_t kLongestPrefix = 200;
-  static constexpr std::size_t kSmallQueueBytes = std::size_t{8} << 10U;  ///< Of one peer, besides the kernel's buffer,
-  static constexpr std::size_t kQueueBytes = std::size_t{352} << 10U;     ///< and while that buffer is full.
+  static constexpr std::size_t kSmallQueueBytes = std::size_t{16} << 10U;  ///< Of one peer, besides the kernel's buffer,
+  static constexpr std::size_t kQueueBytes = std::size_t{352} << 10U;      ///< and while that buffer is full.
   static constexpr std::size_t kMostLargeQueues = 16;
   static constexpr std::size_t kMostLargeQueuesOfAProcess = 4;
   /// Time limit of the handshake. If no connection is free, a newcomer replaces one that has no subscription after this time.
@@ -88,8 +88,8 @@ class LocalPublisher final : public DataSocket {
 
   LocalPublisher(int listener, int epoll, const core::Clock& clock, core::Log log)
       : listener_(listener), epoll_(epoll), clock_(clock), log_(std::move(log)) {
-    frames_.reserve(kSmallQueueBytes);
-    body_.reserve(kSmallQueueBytes);
+    frames_.reserve(2 * kSmallQueueBytes);
+    body_.reserve(2 * kSmallQueueBytes);
   }
   void watch(int fd);
   void accept_peers();

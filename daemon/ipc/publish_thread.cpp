@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <future>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "dts/wire/options.h"
@@ -13,28 +14,28 @@ namespace dts::ipc {
 namespace {
 
 constexpr std::size_t kLongestOutbox = 1000;
+constexpr std::size_t kBytesOfAValue = 5;  // a float and its quality
+constexpr std::size_t kBytesBesideValues = 256;
 constexpr std::size_t kAllPeers = std::numeric_limits<std::size_t>::max();
 constexpr int kWaitMs = 200;
 constexpr int kRetainedMs = 100;
-/// Most frames of one rig per turn; then the other rigs, subscriptions and stop requests are handled.
-constexpr int kFramesPerTurn = 64;
-/// A publisher that is later than this skips frames: subscribers want the present.
-constexpr double kLongestLagMs = 1000.0;
 
 std::string event_topic(const std::string& rig, const dts::v1::Event& event) { return rig + "/" + wire::topic_of(event).name(); }
 
 }  // namespace
 
 PublishThread::Source::Source(PublishThread& owner_of_this, session::Rig& rig_to_publish, std::uint64_t instance_id)
-    : owner(owner_of_this), rig(rig_to_publish), frames(rig.frames(), rig.frames_in(kLongestLagMs)) {
+    : owner(owner_of_this), rig(rig_to_publish), frames(rig.frames(), rig.frames().capacity()) {
   const pipeline::RigConfig& config = rig.config();
+  std::size_t bytes = 0;
   if (config.trigger) trigger_channel = rig.device().channels.at(config.trigger->channel).name;
   for (std::size_t index = 0; index < rig.formats().size(); ++index) {
     const core::StreamFormat& format = rig.formats()[index];
     if (std::ranges::find(config.published, format.name) == config.published.end()) continue;
     streams.emplace_back(index, StreamEncoder(instance_id, config.name, format));
+    bytes += kBytesBesideValues + kBytesOfAValue * format.channels.size() * config.block_scans;
   }
-  report.longest_lag = frames.longest_lag();
+  is_short = bytes <= kFrameBytesOfARig;
 }
 
 PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
@@ -45,6 +46,11 @@ PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell&
     for (const auto& [index, encoder] : source.streams) socket_->expect(encoder.topic());
     rig->publish_with(source);
   }
+}
+
+PublishThread::~PublishThread() {
+  for (Source& source : sources_) source.rig.stop();
+  stop();
 }
 
 std::vector<std::string> PublishThread::start(const core::ThreadPolicy& policy) {
@@ -107,22 +113,36 @@ void PublishThread::publish_all() {
   for (Source& source : sources_) {
     const std::lock_guard lock(socket_mutex_);
     if (!publish(source, Caller::Publish)) bell_.ring();  // continue after the other rigs
-    static_cast<void>(socket_->flush(kAllPeers));
+    static_cast<void>(flush(source, kAllPeers));
   }
 }
 
 bool PublishThread::publish_from_rig(Source& source) noexcept {
   const std::unique_lock lock(socket_mutex_, std::try_to_lock);
-  if (!lock) return false;
+  if (!lock || !source.is_short || source.frames.waiting() > kFramesOfARig) return false;
   const bool is_all = publish(source, Caller::Rig);
-  return socket_->flush(kPeersOfARig) && is_all;
+  return flush(source, kPeersOfARig) && is_all;
+}
+
+/// Gives what was sent to the system, and then notes its latency.
+bool PublishThread::flush(Source& source, std::size_t most_peers) {
+  const bool is_all = socket_->flush(most_peers);
+  const std::int64_t now_ns = clock_.now_ns();
+  for (const std::int64_t newest_ns : std::span(source.newest_ns).first(source.unflushed)) {
+    source.report.latency.add(static_cast<double>(now_ns - newest_ns) * 1e-6);
+  }
+  source.unflushed = 0;
+  source.report.lost_frames = source.frames.lost_frames();
+  source.report.lost_events = source.frames.lost_events();
+  source.rig.note_published(source.report);
+  return is_all;
 }
 
 /// Returns false if frames are left: too many for one turn, or, on a rig's thread, one with events.
 bool PublishThread::publish(Source& source, Caller caller) {
   core::FrameReader& frames = source.frames;
   source.report.frames_waiting.note(frames.waiting(), clock_.now_ns());
-  for (int turn = 0; turn < kFramesPerTurn; ++turn) {
+  for (std::size_t turn = 0; turn < kFramesPerTurn; ++turn) {
     const core::Frame* const frame = frames.front();
     if (frame == nullptr) return true;
     const bool has_gap = frame->gap_before.reason != core::GapReason::None;
@@ -134,7 +154,7 @@ bool PublishThread::publish(Source& source, Caller caller) {
     const auto others = std::ranges::find_if_not(events, is_trigger);
     std::for_each(events.begin(), others, [&](const core::Event& event) { send_event(source, event); });
     send_streams(source, *frame);
-    note_latency(source, *frame);
+    note_newest(source, *frame);
     std::for_each(others, events.end(), [&](const core::Event& event) { send_event(source, event); });
     frames.release();
   }
@@ -149,15 +169,11 @@ void PublishThread::send_streams(Source& source, const core::Frame& frame) {
   }
 }
 
-/// Measures the latency of the first stream, the raw one: it has no filter delay.
-void PublishThread::note_latency(Source& source, const core::Frame& frame) {
+/// Notes the newest scan of the first stream, the raw one: it has no filter delay.
+void PublishThread::note_newest(Source& source, const core::Frame& frame) {
   const core::Block& raw = frame.streams.front();
-  if (raw.count() == 0) return;
-  const std::int64_t newest_ns = raw.host_time_ns + source.rig.formats().front().rate.time_ns({raw.count() - 1});
-  source.report.latency.add(static_cast<double>(clock_.now_ns() - newest_ns) * 1e-6);
-  source.report.lost_frames = source.frames.lost_frames();
-  source.report.lost_events = source.frames.lost_events();
-  source.rig.note_published(source.report);
+  if (raw.count() == 0 || source.unflushed == source.newest_ns.size()) return;
+  source.newest_ns[source.unflushed++] = raw.host_time_ns + source.rig.formats().front().rate.time_ns({raw.count() - 1});
 }
 
 void PublishThread::send_event(const Source& source, const core::Event& event) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <deque>
 #include <memory>
@@ -16,6 +17,7 @@
 #include "core/thread.h"
 #include "ipc/data_socket.h"
 #include "ipc/encode.h"
+#include "ipc/local_publisher.h"
 #include "session/rig.h"
 
 namespace dts::ipc {
@@ -38,11 +40,16 @@ class PublishThread {
  public:
   /// Subscribers that a rig's thread serves; each costs it a system call per block.
   static constexpr std::size_t kPeersOfARig = 4;
+  /// Frames that a rig's thread sends at once. It leaves a longer burst to the publish thread.
+  static constexpr std::size_t kFramesOfARig = 8;
+  /// Longest messages of a frame that a rig's thread sends. They find room in the queue of each subscriber who reads.
+  static constexpr std::size_t kFrameBytesOfARig = LocalPublisher::kSmallQueueBytes * 5 / 8;
 
-  /// `bell` is the doorbell that the rigs ring. `bell` and the rigs must outlive this object; the rigs' threads must end before it.
+  /// `bell` is the doorbell that the rigs ring. `bell` and the rigs must outlive this object.
   PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs, core::Clock& clock,
                 std::uint64_t instance_id);
-  ~PublishThread() { stop(); }
+  /// Ends the rigs' threads, which use this object.
+  ~PublishThread();
   PublishThread(const PublishThread&) = delete;
   PublishThread& operator=(const PublishThread&) = delete;
 
@@ -59,6 +66,9 @@ class PublishThread {
   [[nodiscard]] std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
 
  private:
+  /// Most frames of one rig per turn; then the other rigs, subscriptions and stop requests are handled.
+  static constexpr std::size_t kFramesPerTurn = 64;
+
   struct Outgoing {
     std::string topic;
     std::shared_ptr<const google::protobuf::MessageLite> message;
@@ -73,6 +83,9 @@ class PublishThread {
     core::FrameReader frames;
     std::string trigger_channel;                                 ///< Name of the channel.
     std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
+    bool is_short = true;                                        ///< Its frames have at most `kFrameBytesOfARig`.
+    std::array<std::int64_t, kFramesPerTurn> newest_ns{};        ///< Newest scans of the frames that are sent but not flushed.
+    std::size_t unflushed = 0;
     session::PublishReport report{};
   };
   enum class Caller : std::uint8_t { Rig, Publish };
@@ -80,9 +93,10 @@ class PublishThread {
   void run(const std::stop_token& stop);
   [[nodiscard]] bool publish_from_rig(Source& source) noexcept;
   [[nodiscard]] bool publish(Source& source, Caller caller);
+  [[nodiscard]] bool flush(Source& source, std::size_t most_peers);
   void publish_all();
   void send_streams(Source& source, const core::Frame& frame);
-  void note_latency(Source& source, const core::Frame& frame);
+  static void note_newest(Source& source, const core::Frame& frame);
   void post(Outgoing outgoing);
   void send_event(const Source& source, const core::Event& event);
   void send_event(const Source& source, dts::v1::Event event);

@@ -31,7 +31,6 @@ struct LatencyReport {
 struct PublishReport {
   LatencyReport latency{};
   RecentPeak frames_waiting{};    ///< Frames that waited for the publisher.
-  std::size_t longest_lag = 0;    ///< If more frames wait, the publisher skips some.
   std::uint64_t lost_frames = 0;  ///< Frames that the publisher skipped because it was too slow.
   std::uint64_t lost_events = 0;  ///< Events of these frames, and events that found no room.
 };

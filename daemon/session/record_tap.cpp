@@ -65,7 +65,7 @@ RecordTap::Item RecordTap::end(std::uint64_t lost_scans, std::uint64_t lost_even
 
 void RecordTap::release() noexcept {
   if (last_item_) {
-    done_.store(take_, std::memory_order_relaxed);  // the control thread learns of it with the finished recording
+    done_.store(take_, std::memory_order_release);  // pairs with is_done()
     take_ = 0;
     last_item_.reset();
     return;

@@ -38,7 +38,9 @@ class RecordTap {
 
   /// Returns the number of the take that `open` will begin. Thread: control.
   [[nodiscard]] std::uint64_t next_take() const noexcept { return takes_ + 1; }
-  /// Begins a take with the next frame. The previous take must be closed and read to its end. Thread: control.
+  /// Returns true if the newest take is closed and read to its end, or there was none. Thread: control.
+  [[nodiscard]] bool is_done() const noexcept { return done_.load(std::memory_order_acquire) == takes_; }  // pairs with release()
+  /// Begins a take with the next frame. Only if `is_done`. Thread: control.
   void open() noexcept { opened_.store(++takes_, std::memory_order_release); }  // pairs with begin_take()
   /// Ends the take at `end`. Thread: control.
   void close(const core::FramePosition& end) noexcept;

@@ -158,8 +158,10 @@ bool RecordThread::drain(const std::string& rig, Line& line) {
       line.emptied_ns = clock_.now_ns();
       return false;
     }
+    const bool is_end = item->frame == nullptr;
+    if (is_end) line.tap->release();  // first: then the next take may be opened as soon as this recording is reported
     record(rig, line, *item);
-    line.tap->release();
+    if (!is_end) line.tap->release();
   }
   return true;
 }
@@ -171,7 +173,7 @@ void RecordThread::record(const std::string& rig, Line& line, const RecordTap::I
   line.lost_events = item.lost_events;
   if (item.frame == nullptr) return finish(rig, line, "");
   if (!std::exchange(line.has_frames, true)) {
-    line.recorder->set_stage_state(line.tap->state());
+    if (item.lost_scans == 0) line.recorder->set_stage_state(line.tap->state());  // the state before the first frame of the take
   } else if (item.frame->segment != line.recorder->segment()) {
     note_unseen_loss(*line.recorder, line.lost_scans);  // scan indices restart here, so a later jump cannot show this loss
   }

@@ -285,6 +285,10 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   if (view.state == DiskState::Full) return core::fail(core::ErrorCode::LimitExceeded, "no session can start: " + view.problem);
   if (view.state == DiskState::Unusable) return core::fail(core::ErrorCode::Failed, "no session can start: " + view.problem);
   if (view.state == DiskState::Low) log_.warning(view.problem);
+  if (!rig.tap().is_done()) {
+    return core::fail(core::ErrorCode::WrongState, "rig '" + facts.rig + "': the previous recording, which failed, is still being closed",
+                      "try again in a second");
+  }
   const std::string file = file_of(config_, facts);
   DTS_TRY_ASSIGN(auto recorder, record::Recorder::create(file, facts, streams_of(rig)));
   if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
@@ -306,6 +310,8 @@ void Recordings::end(Rig& rig) {
   }
   rig.tap().close(rig.pipeline_report().end);
 }
+
+void Recordings::mark_incomplete(const std::string& rig, std::string reason) { thread_.mark_incomplete(rig, std::move(reason)); }
 
 std::uint32_t Recordings::part(const std::string& rig) const {
   const auto found = under_way_.find(rig);

@@ -50,6 +50,8 @@ class Recordings {
   /// Ends the recording: queued data are written, then the file is closed. The recording is incomplete if the device is away at this
   /// moment.
   void end(Rig& rig);
+  /// Marks the current recording of a rig as incomplete for a reason that its frames do not show.
+  void mark_incomplete(const std::string& rig, std::string reason);
   void note(const std::string& rig, v1::Event event) { thread_.post(rig, std::move(event)); }
 
   /// Enters a row into the catalogue. If the catalogue fails, the error is logged and the entry is retried about every second. The

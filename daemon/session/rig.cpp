@@ -14,6 +14,10 @@ constexpr double kRingMs = 8000.0;        // the disk may stall this long
 constexpr std::size_t kFewestFrames = 8;  // at low rates with large blocks
 constexpr int kFramesPerCall = 64;        // of a burst, before the publisher is called
 
+std::size_t blocks_in(const pipeline::RigConfig& config, double ms) {
+  return std::max(kFewestFrames, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
+}
+
 core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pipeline& pipeline, const std::vector<std::string>& wanted,
                            const std::string& verb) {
   for (const std::string& stream : wanted) {
@@ -117,7 +121,7 @@ Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, 
       windows_(std::move(made.windows)),
       pipeline_(std::move(made.pipeline)),
       frame_(pipeline_->make_frame()),
-      frames_(frames_in(kRingMs), frame_),
+      frames_(blocks_in(*config_, kRingMs), frame_),
       cop_stream_(cop_stream_of(*pipeline_)),
       tap_(frames_, *pipeline_),
       acquisition_(*device_, clock, *this, config_->rate, config_->block_scans),
@@ -144,8 +148,10 @@ void Rig::stop() noexcept {
   if (thread_.joinable()) thread_.join();
 }
 
-std::size_t Rig::frames_in(double ms) const noexcept {
-  return std::max(kFewestFrames, static_cast<std::size_t>(config_->rate.scans_in_ms(ms)) / config_->block_scans);
+bool Rig::has_room() noexcept {
+  const std::uint64_t followed = followed_.load(std::memory_order_relaxed);
+  const bool is_followed = followed == kNobodyFollows || frames_.end().frame - followed < frames_.capacity();
+  return is_followed && !tap_.is_full();
 }
 
 void Rig::process(const core::Acquired& acquired, bool has_more) noexcept {
@@ -183,10 +189,8 @@ std::optional<core::Rate> Rig::cop_rate() const noexcept {
 
 RingFill Rig::ring_fill() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  const auto percent = [](std::size_t frames, std::size_t of) {
-    return 100.0 * static_cast<double>(frames) / static_cast<double>(std::max<std::size_t>(of, 1));
-  };
-  return {.frames_percent = percent(published().frames_waiting.at(now_ns), published().longest_lag),
+  const auto percent = [](std::size_t frames, std::size_t of) { return 100.0 * static_cast<double>(frames) / static_cast<double>(of); };
+  return {.frames_percent = percent(published().frames_waiting.at(now_ns), frames_.capacity()),
           .record_percent = percent(tap_.recently_waiting(now_ns), frames_.capacity())};
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -98,8 +101,11 @@ class Rig final : private ScanSink {
 
   /// Returns the newest frames; follow them with a FrameReader.
   [[nodiscard]] core::FrameRing& frames() noexcept { return frames_; }
-  /// Returns the number of frames of a duration.
-  [[nodiscard]] std::size_t frames_in(double ms) const noexcept;
+  /// Notes that a session has processed the frames before `frame`. A device that waits for its reader then waits for the session, too.
+  /// Thread: control.
+  void note_followed(std::uint64_t frame) noexcept { followed_.store(frame, std::memory_order_relaxed); }
+  /// No session needs the frames. Thread: control.
+  void follow_without_limit() noexcept { note_followed(kNobodyFollows); }
   /// Returns the index of the stream "cop" in a frame; nothing if the rig has none.
   [[nodiscard]] std::optional<std::size_t> cop_stream() const noexcept { return cop_stream_; }
   /// Returns the rate of the stream "cop"; nothing if the rig has none.
@@ -119,7 +125,7 @@ class Rig final : private ScanSink {
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<pipeline::RigConfig> config,
                                                                    std::unique_ptr<device::Device> device, core::Clock& clock,
                                                                    core::Doorbell& publish_bell);
-  [[nodiscard]] bool has_room() noexcept override { return !tap_.is_full(); }
+  [[nodiscard]] bool has_room() noexcept override;
   void process(const core::Acquired& acquired, bool has_more) noexcept override;
   void publish(bool has_more) noexcept;
   void note_progress(const core::Block& block, std::int64_t spent_ns) noexcept;
@@ -136,6 +142,8 @@ class Rig final : private ScanSink {
   FramePublisher* publisher_ = nullptr;
   int unpublished_ = 0;                    ///< Frames in the ring since the publisher was called.
   std::optional<std::size_t> cop_stream_;  ///< Index of the frame's stream "cop".
+  static constexpr std::uint64_t kNobodyFollows = std::numeric_limits<std::uint64_t>::max();
+  std::atomic<std::uint64_t> followed_{kNobodyFollows};
   RecordTap tap_;
   Acquisition acquisition_;
   StatisticsCollector statistics_;

@@ -27,6 +27,10 @@ void RigSession::prepare_results(const Protocol& protocol, const record::Session
 
 /// Passes the new frames and their events to the judges.
 void RigSession::drain() {
+  if (judges_.empty()) {
+    rig_.follow_without_limit();
+    return frames_.start_at(rig_.pipeline_report().end);
+  }
   for (const core::Frame* frame = frames_.front(); frame != nullptr; frame = frames_.front()) {
     const core::Block* const cop = rig_.cop_stream() ? &frame->streams[*rig_.cop_stream()] : nullptr;
     for (const auto& judge : judges_) {
@@ -34,6 +38,10 @@ void RigSession::drain() {
       if (cop != nullptr && cop->count() > 0) judge->take(*cop);
     }
     frames_.release();
+  }
+  rig_.note_followed(frames_.position().frame);
+  if (frames_.lost_frames() > 0) {
+    services_.recordings.mark_incomplete(rig_.config().name, "dtsd was too busy for the results; compute them again from the file");
   }
 }
 

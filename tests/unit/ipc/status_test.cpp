@@ -62,8 +62,8 @@ TEST_F(StatusTest, Rig_SaysAllThatItCounts) {
                  .clock_drift_ppm = 11,
                  .rate = core::Rate::create(6, 1).value()};
   acquisition.losses.add(core::GapReason::Silence, {.gaps = 4, .scans = 3});
-  state_.pipeline = {.us_per_scan = 15, .end = {.lost_events = 10}};
-  state_.published = {.lost_frames = 13, .lost_events = 4};
+  state_.pipeline = {.us_per_scan = 15};
+  state_.published = {.lost_frames = 13, .lost_events = 14};
   state_.tare.outcome = pipeline::TareOutcome::Done;
   state_.session = {.id = "s1", .state = session::SessionState::Running, .elapsed_s = 16, .message = "m\xFF"};
   state_.session.request = {

@@ -30,9 +30,9 @@ v1::Role role_of(const std::string& word) {
 /// Fails if the daemon does not listen on the network: a key file would have no address.
 client::Result<void> check_listens(const v1::ListKeysResponse& keys) {
   if (!keys.control_endpoint().empty()) return {};
-  return client::fail(
-      client::ErrorCode::WrongState, "the daemon accepts only this machine: a key has no use yet",
-      "add to its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (one line each), then: systemctl restart dtsd dts-relay");
+  return client::fail(client::ErrorCode::WrongState, "the daemon accepts only this machine: a key has no use yet",
+                      "add to its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (one line each), then: "
+                      "systemctl restart dtsd dts-relay");
 }
 
 }  // namespace

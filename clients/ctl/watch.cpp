@@ -150,7 +150,8 @@ client::Error Watch::explain() const {
   if (auto somebody = client::probe(endpoint); !somebody) return somebody.error();
   client::Error error = explain_silence(daemon_silence_ >= kSilence ? nullptr : subscriber_.status(), topics_, endpoint);
   if (where_.key && error.code == client::ErrorCode::Unreachable) {
-    error.hint = "on the daemon's machine, check that dtsd runs and still has the key '" + where_.key->name + "': dtsctl key list";
+    error.hint = "on the daemon's machine, check that dtsd and dts-relay run, and that dtsd still has the key '" + where_.key->name +
+                 "': dtsctl key list";
   }
   return error;
 }

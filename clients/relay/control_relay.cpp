@@ -12,8 +12,8 @@ namespace dts::relay {
 namespace {
 
 constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // as dtsd's own control socket
-constexpr int kQueueCommands = 400;  // on their way to dtsd; answers on their way to one client
-constexpr int kFramesOfACommand = 3;  // libzmq counts each of them
+constexpr int kQueueCommands = 400;                      // on their way to dtsd; answers on their way to one client
+constexpr int kFramesOfACommand = 3;                     // libzmq counts each of them
 constexpr int kReadPerTurn = 4096;
 constexpr int kReconnectMs = 100;
 constexpr std::int64_t kLogNs = 1'000'000'000;  // at most one log line for rejected requests in this time

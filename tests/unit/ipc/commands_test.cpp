@@ -34,9 +34,9 @@ class CommandsTest : public session::RecordingsTest {
   ~CommandsTest() override { std::filesystem::remove_all(folder_.string() + "-keys"); }
 
   void make_handler() {
-    handler_ = std::make_unique<CommandHandler>(*supervisor_, clock_, Identity{.instance_id = 42, .version = "1"},
-                                                std::vector<std::string>{"notice"},
-                                                KeyCommands{keys_.get(), clock_, settings::RemoteEndpoints{.control = "tcp://c:1", .data = "tcp://d:2"}});
+    handler_ = std::make_unique<CommandHandler>(
+        *supervisor_, clock_, Identity{.instance_id = 42, .version = "1"}, std::vector<std::string>{"notice"},
+        KeyCommands{keys_.get(), clock_, settings::RemoteEndpoints{.control = "tcp://c:1", .data = "tcp://d:2"}});
   }
   static void replace(std::string& text, const std::string& what, const std::string& by) {
     for (std::size_t at = 0; !what.empty() && (at = text.find(what, at)) != std::string::npos; at += by.size())

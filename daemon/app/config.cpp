@@ -43,7 +43,7 @@ session::StorageConfig read_storage(files::TomlReader reader) {
   storage.stop_below_mib = reader.number("stop_below_mib", storage.stop_below_mib, 0.0, 1e6);
   if (storage.warn_below_min < storage.refuse_below_min) {
     reader.report("warn_below_min",
-                  "warn_below_min is less than refuse_below_min: dtsd would refuse sessions before it warns; raise warn_below_min");
+                  "warn_below_min is less than refuse_below_min: dtsd would reject sessions before it warns; raise warn_below_min");
   }
   reader.finish();
   return storage;

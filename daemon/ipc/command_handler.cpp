@@ -84,13 +84,13 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
       }
       return response;
     case pipeline::TareOutcome::Loaded:
-      return error_response({ErrorCode::WrongState, "tare refused: the plate of rig '" + pending.rig + "' is loaded",
+      return error_response({ErrorCode::WrongState, "tare rejected: the plate of rig '" + pending.rig + "' is loaded",
                              "let everybody step off, then try again"});
     case pipeline::TareOutcome::Unsteady:
-      return error_response({ErrorCode::WrongState, "tare refused: the plate of rig '" + pending.rig + "' moved while averaging",
+      return error_response({ErrorCode::WrongState, "tare rejected: the plate of rig '" + pending.rig + "' moved while averaging",
                              "keep still around the plate, then try again"});
     case pipeline::TareOutcome::BadSensor:
-      return error_response({ErrorCode::WrongState, "tare refused: a sensor of rig '" + pending.rig + "' is faulty",
+      return error_response({ErrorCode::WrongState, "tare rejected: a sensor of rig '" + pending.rig + "' is faulty",
                              "test it: dtsctl device test " + pending.rig});
   }
   return error_response({ErrorCode::Internal, "tare ended in an unknown state", ""});

@@ -46,7 +46,7 @@ void RecordThread::add(const std::string& rig, RecordTap& tap) { lines_[rig].tap
 void RecordThread::start() {
   sync_.start();
   thread_ = std::jthread([this](const std::stop_token& stop) {
-    static_cast<void>(core::configure_this_thread("record", {}));  // default policy, cannot be refused
+    static_cast<void>(core::configure_this_thread("record", {}));  // default policy, cannot be rejected
     run(stop);
   });
 }

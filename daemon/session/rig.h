@@ -73,7 +73,7 @@ class Rig final : private ScanSink {
 
   /// Sets who publishes frames on the rig's thread; call it before `start`. `publisher` outlives the run of the rig's thread.
   void publish_with(FramePublisher& publisher) noexcept { publisher_ = &publisher; }
-  /// Thread: control. Refused scheduling requests go to `log` and to `notices`.
+  /// Thread: control. Rejected scheduling requests go to `log` and to `notices`.
   void start(core::Log log);
   void stop() noexcept;
 

@@ -119,7 +119,7 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"mark { text: 'x' rig: 'chair' }", error("NOT_FOUND"), "local mark not_found"},
       {"mark { rig: 'floor' }", error("INVALID_ARGUMENT"), "local mark [floor] invalid_argument"},
       {"tare { rig: 'chair' }", error("NOT_FOUND"), "local tare not_found"},
-      {"tare { rig: 'floor' }", error("WRONG_STATE") + " what: \"tare refused: the plate of rig \\'floor\\' is loaded\"",
+      {"tare { rig: 'floor' }", error("WRONG_STATE") + " what: \"tare rejected: the plate of rig \\'floor\\' is loaded\"",
        "local tare [floor] wrong_state"},
       {"test_device { rig: 'chair' }", error("NOT_FOUND"), "local device_test not_found"},
       {"stop_session {}", error("WRONG_STATE"), "local stop_session wrong_state"},
@@ -246,7 +246,7 @@ TEST_F(CommandsTest, Tare_IsAnsweredOnceItsOwnReportIsThere) {
     EXPECT_EQ(answer({.request = request, .outcome = TareOutcome::Done, .channel_count = 3, .baseline_mm = {0.5, 0.25, 2}}),
               "tare { baseline_mm: [0.5, 0.25, 2] }");
   }
-  const std::string refused = error("WRONG_STATE") + " what: \"tare refused: ";
+  const std::string refused = error("WRONG_STATE") + " what: \"tare rejected: ";
   EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::Loaded}).starts_with(refused + "the plate of rig \\'floor\\' is loaded"));
   EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::Unsteady}).starts_with(refused + "the plate of rig \\'floor\\' moved"));
   EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::BadSensor}).starts_with(refused + "a sensor of rig \\'floor\\' is faulty"));

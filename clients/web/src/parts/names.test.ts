@@ -30,7 +30,7 @@ test('sessionTitle.Names subject, protocol and day, the year only if it is anoth
 });
 
 test.each([
-  ["tare refused: the plate of rig 'floor' is loaded", "Tare refused: the plate of rig 'floor' is loaded"],
+  ["tare rejected: the plate of rig 'floor' is loaded", "Tare rejected: the plate of rig 'floor' is loaded"],
   ['see dtsctl session list', 'See dtsctl session list'],
   ['dtsctl tare --rig chair', 'dtsctl tare --rig chair'],
   ['', ''],

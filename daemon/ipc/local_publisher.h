@@ -43,8 +43,8 @@ class LocalPublisher final : public DataSocket {
   static constexpr std::size_t kMostPeersOfAProcess = 64;
   static constexpr std::size_t kMostSubscriptions = 256;  ///< Of one peer. A peer that wants more is disconnected.
   static constexpr std::size_t kLongestPrefix = 200;
-  static constexpr std::size_t kSmallQueueBytes = std::size_t{16} << 10U;  ///< Of one peer, besides the kernel's buffer,
-  static constexpr std::size_t kQueueBytes = std::size_t{352} << 10U;      ///< and while that buffer is full.
+  static constexpr std::size_t kSmallQueueBytes = std::size_t{9} << 10U;  ///< Of one peer, besides the kernel's buffer,
+  static constexpr std::size_t kQueueBytes = std::size_t{352} << 10U;     ///< and while that buffer is full.
   static constexpr std::size_t kMostLargeQueues = 16;
   static constexpr std::size_t kMostLargeQueuesOfAProcess = 4;
   /// Time limit of the handshake. If no connection is free, a newcomer replaces one that has no subscription after this time.

@@ -43,7 +43,7 @@ class PublishThread {
   /// Frames that a rig's thread sends at once. It leaves a longer burst to the publish thread.
   static constexpr std::size_t kFramesOfARig = 8;
   /// Longest messages of a frame that a rig's thread sends. They find room in the queue of each subscriber who reads.
-  static constexpr std::size_t kFrameBytesOfARig = LocalPublisher::kSmallQueueBytes * 5 / 8;
+  static constexpr std::size_t kFrameBytesOfARig = LocalPublisher::kSmallQueueBytes * 3 / 4;
 
   /// `bell` is the doorbell that the rigs ring. `bell` and the rigs must outlive this object.
   PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs, core::Clock& clock,

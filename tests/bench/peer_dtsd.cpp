@@ -150,9 +150,8 @@ class Producer {
     keys_ = need(access::KeyStore::open(directory_.path() + "/keys"));
     handler_.emplace(supervisor_, clock_, ipc::Identity{.instance_id = kInstance, .boot_id = boot_id(), .started_ns = clock_.now_ns()},
                      std::vector<std::string>{}, ipc::KeyCommands(keys_.get(), clock_, {}));
-    std::vector<ipc::ControlSocket> sockets;
-    sockets.push_back(need(ipc::ControlSocket::bind(context_, "ipc://" + directory_.path() + "/control.sock")));
-    server_.emplace(std::move(sockets), access::Gate(keys_.get()), supervisor_, *handler_, *publisher_, clock_, core::Log());
+    auto control = need(ipc::ControlSocket::bind(context_, "ipc://" + directory_.path() + "/control.sock"));
+    server_.emplace(std::move(control), access::Gate(keys_.get()), supervisor_, *handler_, *publisher_, clock_, core::Log());
     supervisor_.start();
   }
 

@@ -190,7 +190,7 @@ TEST_F(LocalAttackTest, HalfOpenConnections) { under("half-open", 4); }
 TEST_F(LocalAttackTest, IdleConnections) { under("idle", 4); }
 TEST_F(FastLocalAttackTest, SubscribersThatNeverRead) { under("never-reading"); }
 /// The bound is that of the queues: all small ones and all large ones.
-TEST_F(FastLocalAttackTest, AllConnectionsNeverRead) { under("never-reading", 4, kMostKb + 256 * 16 + 16 * 352); }
+TEST_F(FastLocalAttackTest, AllConnectionsNeverRead) { under("never-reading", 4, kMostKb + 256 * 9 + 16 * 352); }
 TEST_F(FastLocalAttackTest, SubscribersThatSip) { under("sipping"); }
 TEST_F(LocalAttackTest, AllConnectionsRead) { under("reading", 4); }
 TEST_F(LocalAttackTest, FramesOf9Exabytes) { under("huge-frames"); }

@@ -21,8 +21,8 @@ namespace dts::core {
 /// An element is a number of 64-bit words, at most `slot_words`. Only the constructor allocates.
 ///
 /// `begun_` is stored before the first word of an element and `written_` after the last. Each word is stored with release order: a reader
-/// that has loaded a word of a later element therefore also finds that element begun, and rejects its copy. The model checker replaces
-/// `Atomic`.
+/// that has loaded a word of a later element therefore also finds that element begun, and rejects its copy. After that, `written` returns a
+/// newer number, so that the reader can skip. The model checker replaces `Atomic`.
 template <template <class> class Atomic = std::atomic>
 class BroadcastRing {
  public:
@@ -41,7 +41,7 @@ class BroadcastRing {
   /// Writes an element; ignores words beyond `slot_words`. Thread: the writer. Realtime-safe: yes.
   void write(std::span<const Word> element) noexcept {
     const std::uint64_t index = written_.load(std::memory_order_relaxed);  // own index
-    begun_.store(index + 1, std::memory_order_relaxed);                    // the release stores that follow publish it
+    begun_.store(index + 1, std::memory_order_release);                    // pairs with read()
     Atomic<Word>* const slot = slot_of(index);
     const std::size_t size = std::min(element.size(), slot_words_);
     slot[0].store(size, std::memory_order_release);  // as below: pairs with read()
@@ -58,7 +58,7 @@ class BroadcastRing {
     const Atomic<Word>* const slot = slot_of(index);
     const std::size_t size = std::min<std::size_t>(slot[0].load(std::memory_order_acquire), out.size());  // as below: pairs with write()
     for (std::size_t word = 0; word < size; ++word) out[word] = slot[word + 1].load(std::memory_order_acquire);
-    const bool is_whole = begun_.load(std::memory_order_relaxed) - index <= capacity();
+    const bool is_whole = begun_.load(std::memory_order_acquire) - index <= capacity();  // pairs with write()
     return is_whole ? std::optional(size) : std::nullopt;
   }
 

@@ -58,21 +58,21 @@ TEST(SimDevice, ReaderTooLate_OverrunWithExactCount) {
   Bench punctual("sim:floor");
   bench.start(100);
   punctual.start(100);
-  bench.clock.advance_ns(990 * kMillisecond);  // 100 scans are there: exactly the buffer
-  const Recorded in_time = bench.read_scans(100, 10);
+  bench.clock.advance_ns(3990 * kMillisecond);  // 400 scans are there: exactly the buffer
+  const Recorded in_time = bench.read_scans(400, 10);
   EXPECT_TRUE(in_time.gaps.empty());
-  EXPECT_EQ(in_time.block_firsts.back(), 90U);
-  bench.clock.advance_ns(2 * kSimulatedSecond + 5 * kMillisecond);  // 200 more scans
+  EXPECT_EQ(in_time.block_firsts.back(), 390U);
+  bench.clock.advance_ns(5 * kSimulatedSecond + 5 * kMillisecond);  // 500 more scans
 
   const Recorded recorded = bench.read_scans(64);
-  const Recorded all = punctual.read_scans(364);
+  const Recorded all = punctual.read_scans(964);
 
   ASSERT_EQ(recorded.gaps.size(), 1U);
   EXPECT_EQ(recorded.gaps[0].reason, core::GapReason::Overrun);
-  EXPECT_EQ(recorded.gaps[0].missing_scans, 200U);
+  EXPECT_EQ(recorded.gaps[0].missing_scans, 500U);
   EXPECT_TRUE(recorded.gaps[0].is_exact);
   EXPECT_EQ(recorded.block_firsts[0], 0U);  // a new segment
-  EXPECT_TRUE(std::equal(recorded.channels[0].begin(), recorded.channels[0].end(), all.channels[0].begin() + 300));
+  EXPECT_TRUE(std::equal(recorded.channels[0].begin(), recorded.channels[0].end(), all.channels[0].begin() + 900));
 }
 
 TEST(SimDevice, FaultOverrun_ExactGapThenTheScansAfterIt) {
@@ -143,12 +143,12 @@ TEST(SimDevice, FaultAtTheStartOrOfALateReader_EveryLostScanIsCounted) {
   ASSERT_EQ(at_start.gaps.size(), 1U);
   EXPECT_EQ(at_start.gaps[0].missing_scans, 50U);
 
-  Bench late("sim:floor?fault=overrun&fault_at_s=3&fault_for_s=1");
+  Bench late("sim:floor?fault=overrun&fault_at_s=6&fault_for_s=1");
   late.start(100);
-  late.clock.advance_ns(4990 * kMillisecond);
+  late.clock.advance_ns(10'990 * kMillisecond);
   const Recorded recorded = late.read_scans(1);
   ASSERT_EQ(recorded.gaps.size(), 2U);
-  EXPECT_EQ(recorded.gaps[0].missing_scans + recorded.gaps[1].missing_scans, 400U);  // 400..500 fit the buffer
+  EXPECT_EQ(recorded.gaps[0].missing_scans + recorded.gaps[1].missing_scans, 700U);  // 700..1100 fit the buffer
 }
 
 TEST(SimDevice, WrongBlockShape_TimeoutAndNothingWritten) {

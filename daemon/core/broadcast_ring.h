@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -15,8 +14,8 @@ namespace dts::core {
 /// Lock-free ring for one writer thread and any number of reader threads. The writer knows no reader and never waits: it overwrites the
 /// oldest element. A reader counts for itself, copies an element out, and learns whether it was overwritten meanwhile.
 ///
-///     element     10  11  12  13          capacity 4, written() = 14
-///     slot         2   3   0   1          element 14 will overwrite element 10
+///     element     10  11  12          capacity 3, written() = 13
+///     slot         1   2   0          element 13 will overwrite element 10
 ///
 /// An element is a number of 64-bit words, at most `slot_words`. Only the constructor allocates.
 ///
@@ -28,14 +27,13 @@ class BroadcastRing {
  public:
   using Word = std::uint64_t;
 
-  /// Makes at least `minimum_slots` slots, rounded up to a power of two. The caller must check both sizes, because they decide how much
-  /// memory is allocated. Thread: control.
-  BroadcastRing(std::size_t minimum_slots, std::size_t slot_words)
+  /// Makes `slots` slots, at least one. The caller must check both sizes, because they decide how much memory is allocated. Thread: control.
+  BroadcastRing(std::size_t slots, std::size_t slot_words)
       : slot_words_(slot_words),
-        mask_(std::bit_ceil(std::max<std::size_t>(minimum_slots, 1)) - 1),
-        words_(std::make_unique<Atomic<Word>[]>((mask_ + 1) * stride())) {}
+        slots_(std::max<std::size_t>(slots, 1)),
+        words_(std::make_unique<Atomic<Word>[]>(slots_ * stride())) {}
 
-  [[nodiscard]] std::size_t capacity() const noexcept { return mask_ + 1; }
+  [[nodiscard]] std::size_t capacity() const noexcept { return slots_; }
   [[nodiscard]] std::size_t slot_words() const noexcept { return slot_words_; }
 
   /// Writes an element; ignores words beyond `slot_words`. Thread: the writer. Realtime-safe: yes.
@@ -66,10 +64,10 @@ class BroadcastRing {
   static constexpr std::size_t kCacheLine = 64;
 
   [[nodiscard]] std::size_t stride() const noexcept { return slot_words_ + 1; }  // the first word of a slot is the size of its element
-  [[nodiscard]] Atomic<Word>* slot_of(std::uint64_t index) const noexcept { return &words_[(index & mask_) * stride()]; }
+  [[nodiscard]] Atomic<Word>* slot_of(std::uint64_t index) const noexcept { return &words_[(index % slots_) * stride()]; }
 
   std::size_t slot_words_;
-  std::size_t mask_;
+  std::size_t slots_;
   std::unique_ptr<Atomic<Word>[]> words_;
   alignas(kCacheLine) Atomic<std::uint64_t> begun_{0};  ///< Number of elements of which a word may have been written.
   Atomic<std::uint64_t> written_{0};                    ///< Number of complete elements.

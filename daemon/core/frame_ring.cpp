@@ -27,7 +27,7 @@ std::size_t words_of(const Frame& frame) {
 }
 
 std::size_t slots_for(std::size_t frames, std::size_t words) {
-  const std::size_t most = std::bit_floor(FrameRing::kMostBytes / (words * sizeof(Word)));
+  const std::size_t most = FrameRing::kMostBytes / (words * sizeof(Word));
   return std::clamp<std::size_t>(frames, 1, std::max<std::size_t>(most, 1));
 }
 

@@ -37,7 +37,7 @@ class FrameRing {
   /// Enough for 250 events a second while a ring of 8 s lasts.
   static constexpr std::size_t kEvents = 2048;
 
-  /// Makes room for at least `frames` frames of the size of `prototype`, limited by `kMostBytes`. Thread: control.
+  /// Makes room for `frames` frames of the size of `prototype`, limited by `kMostBytes`. Thread: control.
   FrameRing(std::size_t frames, const Frame& prototype);
 
   /// Writes a frame like the prototype, and its events. Thread: rig. Realtime-safe: yes.

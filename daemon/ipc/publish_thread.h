@@ -39,7 +39,7 @@ namespace dts::ipc {
 class PublishThread {
  public:
   /// Subscribers that a rig's thread serves; each costs it a system call per block.
-  static constexpr std::size_t kPeersOfARig = 4;
+  static constexpr std::size_t kPeersOfARig = 16;
   /// Frames that a rig's thread sends at once. It leaves a longer burst to the publish thread.
   static constexpr std::size_t kFramesOfARig = 8;
   /// Longest messages of a frame that a rig's thread sends. They find room in the queue of each subscriber who reads.

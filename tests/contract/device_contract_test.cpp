@@ -245,6 +245,25 @@ TEST_P(DeviceContract, Gap_IndexRestartsAndTheCountFillsTheHole) {
   EXPECT_NEAR(static_cast<double>(before + read.gap.missing_scans), elapsed_scans, read.gap.is_exact ? 0.5 : 2.0);
 }
 
+/// Single scans are asked for, and the reader is late at times: then several wait.
+TEST_P(DeviceContract, HasMore_IsTrueOnlyIfTheNextReadDoesNotWait) {
+  const auto device = create(GetParam().uri);
+  EXPECT_FALSE(device->has_more());
+  ASSERT_TRUE(device->open().has_value());
+  EXPECT_FALSE(device->has_more());
+  ASSERT_TRUE(device->start(usual(*device, 1)).has_value());
+  core::Block block = block_for(*device, 1);
+  for (int scan = 0; scan < 200; ++scan) {
+    if (scan % 20 == 19) clock_.sleep_until_ns(clock_.now_ns() + 50 * kMillisecond);
+    const bool has_more = device->has_more();
+    const std::int64_t before_ns = clock_.now_ns();
+    ASSERT_EQ(device->read(block, before_ns + kSecond).outcome, ReadOutcome::Scans);
+    EXPECT_TRUE(!has_more || clock_.now_ns() == before_ns) << scan;
+  }
+  ASSERT_TRUE(device->stop().has_value());
+  EXPECT_FALSE(device->has_more());
+}
+
 TEST_P(DeviceContract, Deadline_IsKept) {
   const auto device = streaming(GetParam().uri);
   core::Block block = block_for(*device, 64);

@@ -13,7 +13,7 @@ namespace dts::core {
 namespace {
 
 TEST(BroadcastRing, Elements_AreReadInAnyOrderUntilTheyAreOverwritten) {
-  BroadcastRing<> ring(3, 2);
+  BroadcastRing<> ring(4, 2);
   ASSERT_EQ(ring.capacity(), 4U);
   std::array<std::uint64_t, 2> out{};
   for (std::uint64_t element = 0; element < 6; ++element) ring.write(std::array{element, 10 * element});

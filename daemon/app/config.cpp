@@ -13,7 +13,7 @@ namespace dts::app {
 namespace {
 
 constexpr std::size_t kLongestRigName = 32;
-constexpr int kStepsBelow = 3;  // our lowest thread priority is fifo_priority minus this
+constexpr int kStepsBelow = 2;  // our lowest thread priority is fifo_priority minus this
 
 bool is_rig_name(const std::string& name) {
   return !name.empty() && name.size() <= kLongestRigName && name != "dtsd" &&
@@ -25,7 +25,7 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
   realtime.fifo_priority = static_cast<int>(reader.integer("fifo_priority", realtime.fifo_priority, 0, 95));
   if (realtime.fifo_priority > 0 && realtime.fifo_priority <= kStepsBelow) {
     reader.report("fifo_priority",
-                  "fifo_priority must be 0 (off) or above " + std::to_string(kStepsBelow) + ": three threads use the priorities below it");
+                  "fifo_priority must be 0 (off) or above " + std::to_string(kStepsBelow) + ": two threads use the priorities below it");
   }
   realtime.locks_memory = reader.boolean("lock_memory", realtime.locks_memory);
   const auto cores = static_cast<std::int64_t>(std::max(1U, std::thread::hardware_concurrency()));

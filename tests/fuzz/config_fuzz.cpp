@@ -42,7 +42,7 @@ void check_config(const app::DaemonConfig& config) {
   promise(std::isfinite(config.storage.stop_below_mib) && config.storage.warn_below_min >= config.storage.refuse_below_min,
           "room on the disk");
   const int priority = config.realtime.fifo_priority;
-  promise(priority == 0 || (priority > 3 && priority <= 95), "all threads have a priority");
+  promise(priority == 0 || (priority > 2 && priority <= 95), "all threads have a priority");
   std::set<std::string> names;
   for (const app::ConfiguredRig& rig : config.rigs) {
     promise(!rig.rig.name.empty() && rig.rig.name.size() <= 32 && names.insert(rig.rig.name).second, "rigs have names");

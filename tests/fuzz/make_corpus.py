@@ -124,7 +124,7 @@ def rigs() -> dict[str, str]:
 
 def configs() -> dict[str, str]:
     network = '[network]\ncontrol = "tcp://*:5555"\ndata = "tcp://*:5556"\n'
-    realtime = '[log]\nlevel = "debug"\n[endpoints]\ncontrol = "tcp://127.0.0.1:7001"\ndata = "ipc:///run/dtsd/data.sock"\n[realtime]\nfifo_priority = 40\nlock_memory = false\ncpus = [0]\n'
+    realtime = '[log]\nlevel = "debug"\n[endpoints]\ncontrol = "ipc:///run/dtsd/control.sock"\ndata = "ipc:///run/dtsd/data.sock"\n[realtime]\nfifo_priority = 40\nlock_memory = false\ncpus = [0]\n'
     storage = '[storage]\ndirectory = "state"\nrefuse_below_min = 5.0\nwarn_below_min = 30\nresume_within_min = 10.0\nstop_below_mib = 1.0\n[protocols]\ndirectory = "protocols"\n'
     return {
         "dtsd.toml": shipped("dtsd.toml"),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <utility>
 
 namespace dts::core {
 namespace {
@@ -17,11 +18,12 @@ static_assert(std::is_trivially_copyable_v<Event>, "events are stored as words")
 
 constexpr std::size_t words_for(std::size_t bytes) noexcept { return (bytes + sizeof(Word) - 1) / sizeof(Word); }
 
-std::size_t words_of(const Frame& frame) {
+std::size_t words_of(const Frame& frame, const std::vector<bool>& is_short) {
   std::size_t words = kHeaderWords;
-  for (const Block& block : frame.streams) {
+  for (std::size_t stream = 0; stream < frame.streams.size(); ++stream) {
+    const Block& block = frame.streams[stream];
     const std::size_t values = block.channel_count() * block.capacity();
-    words += kBlockWords + values + words_for(values);
+    words += kBlockWords + words_for(values * (is_short[stream] ? sizeof(float) : sizeof(double))) + words_for(values);
   }
   return words;
 }
@@ -39,14 +41,11 @@ class Writer {
   void put(std::int64_t value) noexcept { put(std::bit_cast<Word>(value)); }
   void put(double value) noexcept { put(std::bit_cast<Word>(value)); }
   void put(std::uint32_t low, std::uint32_t high) noexcept { put(Word{low} | Word{high} << 32U); }
-  void put(std::span<const double> values) noexcept {
-    std::memcpy(&words_[size_], values.data(), values.size_bytes());
-    size_ += values.size();
-  }
-  [[nodiscard]] std::span<std::uint8_t> bytes(std::size_t count) noexcept {
+  /// Returns the place for `count` bytes, from the next whole word on.
+  [[nodiscard]] std::uint8_t* bytes(std::size_t count) noexcept {
     auto* const first = reinterpret_cast<std::uint8_t*>(words_.data() + size_);
     size_ += words_for(count);
-    return {first, count};
+    return first;
   }
   [[nodiscard]] std::span<const Word> written() const noexcept { return words_.first(size_); }
 
@@ -61,14 +60,11 @@ class Reader {
   Word word() noexcept { return words_[at_++]; }
   std::int64_t time_ns() noexcept { return std::bit_cast<std::int64_t>(word()); }
   double value() noexcept { return std::bit_cast<double>(word()); }
-  void values(std::span<double> out) noexcept {
-    std::memcpy(out.data(), &words_[at_], out.size_bytes());
-    at_ += out.size();
-  }
-  [[nodiscard]] std::span<const std::uint8_t> bytes(std::size_t count) noexcept {
+  /// Returns the next `count` bytes, from the next whole word on.
+  [[nodiscard]] const std::uint8_t* bytes(std::size_t count) noexcept {
     const auto* const first = reinterpret_cast<const std::uint8_t*>(words_.data() + at_);
     at_ += words_for(count);
-    return {first, count};
+    return first;
   }
 
  private:
@@ -76,21 +72,44 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-void put_block(Writer& out, const Block& block) noexcept {
+template <class Number>
+void put_values(Writer& out, const Block& block) noexcept {
+  std::uint8_t* to = out.bytes(block.channel_count() * block.count() * sizeof(Number));
+  for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
+    for (const double value : block.column(channel)) {
+      const auto number = static_cast<Number>(value);
+      std::memcpy(to, &number, sizeof number);
+      to += sizeof number;
+    }
+  }
+}
+
+template <class Number>
+void read_values(Reader& in, Block& block) noexcept {
+  const std::uint8_t* from = in.bytes(block.channel_count() * block.count() * sizeof(Number));
+  for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
+    for (double& value : block.column(channel)) {
+      Number number{};
+      std::memcpy(&number, from, sizeof number);
+      value = number;
+      from += sizeof number;
+    }
+  }
+}
+
+void put_block(Writer& out, const Block& block, bool is_short) noexcept {
   out.put(static_cast<std::uint32_t>(block.count()), block.segment);
   out.put(block.first_scan.value);
   out.put(block.host_time_ns);
   out.put(block.host_time_uncertainty_ns);
   out.put(block.clock_drift_ppm);
   out.put(block.sequence);
-  for (std::size_t channel = 0; channel < block.channel_count(); ++channel) out.put(block.column(channel));
-  auto bits = out.bytes(block.channel_count() * block.count());
-  for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
-    std::ranges::copy(block.quality(channel), bits.subspan(channel * block.count()).begin());
-  }
+  is_short ? put_values<float>(out, block) : put_values<double>(out, block);
+  auto* bits = out.bytes(block.channel_count() * block.count());
+  for (std::size_t channel = 0; channel < block.channel_count(); ++channel) bits = std::ranges::copy(block.quality(channel), bits).out;
 }
 
-void read_block(Reader& in, Block& block) noexcept {
+void read_block(Reader& in, Block& block, bool is_short) noexcept {
   const Word count_and_segment = in.word();
   block.set_count(static_cast<std::uint32_t>(count_and_segment));
   block.segment = static_cast<std::uint32_t>(count_and_segment >> 32U);
@@ -99,10 +118,11 @@ void read_block(Reader& in, Block& block) noexcept {
   block.host_time_uncertainty_ns = in.time_ns();
   block.clock_drift_ppm = in.value();
   block.sequence = in.word();
-  for (std::size_t channel = 0; channel < block.channel_count(); ++channel) in.values(block.column(channel));
-  const auto bits = in.bytes(block.channel_count() * block.count());
+  is_short ? read_values<float>(in, block) : read_values<double>(in, block);
+  const auto* bits = in.bytes(block.channel_count() * block.count());
   for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
-    std::ranges::copy(bits.subspan(channel * block.count(), block.count()), block.quality(channel).begin());
+    std::copy_n(bits, block.count(), block.quality(channel).begin());
+    bits += block.count();
   }
 }
 
@@ -113,11 +133,12 @@ std::size_t scans_of(const Frame& frame) noexcept { return frame.streams.empty()
 
 }  // namespace
 
-FrameRing::FrameRing(std::size_t frames, const Frame& prototype)
-    : frames_(slots_for(frames, words_of(prototype)), words_of(prototype)),
+FrameRing::FrameRing(std::size_t frames, const Frame& prototype, std::vector<bool> is_short)
+    : is_short_(std::move(is_short)),
+      frames_(slots_for(frames, words_of(prototype, is_short_)), words_of(prototype, is_short_)),
       events_(kEvents, kEventWords),
       prototype_(prototype),
-      words_(words_of(prototype)) {}
+      words_(words_of(prototype, is_short_)) {}
 
 void FrameRing::write(const Frame& frame, const FrameEvents& events) noexcept {
   std::array<Word, kEventWords> event_words{};
@@ -140,7 +161,7 @@ void FrameRing::write(const Frame& frame, const FrameEvents& events) noexcept {
   out.put(end_.scans);
   out.put(end_.events);
   out.put(end_.lost_events);
-  for (const Block& block : frame.streams) put_block(out, block);
+  for (std::size_t stream = 0; stream < frame.streams.size(); ++stream) put_block(out, frame.streams[stream], is_short_[stream]);
   ++end_.frame;
   end_.scans += scans_of(frame);
   end_.lost_scans_total = frame.lost_scans_total;
@@ -192,7 +213,7 @@ bool FrameReader::read_front() noexcept {
                           .lost_events = in.word(),
                           .lost_scans_total = frame_.lost_scans_total,
                           .segment = frame_.segment};
-  for (Block& block : frame_.streams) read_block(in, block);
+  for (std::size_t stream = 0; stream < frame_.streams.size(); ++stream) read_block(in, frame_.streams[stream], ring_.is_short_[stream]);
 
   const bool has_lost = scans_before != position_.scans;
   frame_.gap_before = {};

@@ -33,12 +33,13 @@ struct FramePosition {
 class FrameRing {
  public:
   /// A ring never becomes larger: at high rates it then holds a shorter time.
-  static constexpr std::size_t kMostBytes = std::size_t{48} << 20U;
+  static constexpr std::size_t kMostBytes = std::size_t{36} << 20U;
   /// Enough for 250 events a second while a ring of 8 s lasts.
   static constexpr std::size_t kEvents = 2048;
 
-  /// Makes room for `frames` frames of the size of `prototype`, limited by `kMostBytes`. Thread: control.
-  FrameRing(std::size_t frames, const Frame& prototype);
+  /// Makes room for `frames` frames of the size of `prototype`, limited by `kMostBytes`. `is_short`, for each stream: its values are stored
+  /// as float32, in half of the memory. Thread: control.
+  FrameRing(std::size_t frames, const Frame& prototype, std::vector<bool> is_short);
 
   /// Writes a frame like the prototype, and its events. Thread: rig. Realtime-safe: yes.
   void write(const Frame& frame, const FrameEvents& events) noexcept;
@@ -53,6 +54,7 @@ class FrameRing {
   friend class FrameReader;
   using Word = BroadcastRing<>::Word;
 
+  std::vector<bool> is_short_;
   BroadcastRing<> frames_;
   BroadcastRing<> events_;
   Frame prototype_;

@@ -18,6 +18,13 @@ std::size_t blocks_in(const pipeline::RigConfig& config, double ms) {
   return std::max(kFewestFrames, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
 }
 
+/// Returns which streams are computed. These are published and recorded as float32; "raw" and "aux" are recorded as the device measured.
+std::vector<bool> computed_streams(const pipeline::Pipeline& pipeline) {
+  std::vector<bool> are_computed;
+  for (const core::StreamFormat& format : pipeline.formats()) are_computed.push_back(format.name != "raw" && format.name != "aux");
+  return are_computed;
+}
+
 core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pipeline& pipeline, const std::vector<std::string>& wanted,
                            const std::string& verb) {
   for (const std::string& stream : wanted) {
@@ -121,7 +128,7 @@ Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, 
       windows_(std::move(made.windows)),
       pipeline_(std::move(made.pipeline)),
       frame_(pipeline_->make_frame()),
-      frames_(blocks_in(*config_, kRingMs), frame_),
+      frames_(blocks_in(*config_, kRingMs), frame_, computed_streams(*pipeline_)),
       cop_stream_(cop_stream_of(*pipeline_)),
       tap_(frames_, *pipeline_),
       acquisition_(*device_, clock, *this, config_->rate, config_->block_scans),

@@ -44,7 +44,8 @@ class RecordThreadTest : public testing::Test {
 
   /// A ring with its tap, written by the test instead of a rig's thread.
   struct Line {
-    Line(std::size_t frames, const pipeline::Pipeline& pipeline) : ring(frames, pipeline.make_frame()), tap(ring, pipeline) {}
+    Line(std::size_t frames, const pipeline::Pipeline& pipeline)
+        : ring(frames, pipeline.make_frame(), std::vector<bool>(pipeline.formats().size())), tap(ring, pipeline) {}
     core::FrameRing ring;
     RecordTap tap;
 

@@ -88,16 +88,6 @@ class Block {
     set_count(other.count());
   }
 
-  /// Copies position, sequence, values and quality from `other`; ignores channels and scans that do not fit. Realtime-safe: yes.
-  void copy_from(const Block& other) noexcept {
-    copy_position(other);
-    sequence = other.sequence;
-    for (std::size_t channel = 0; channel < std::min(channels_, other.channels_); ++channel) {
-      std::ranges::copy(other.column(channel).first(count_), column(channel).begin());
-      std::ranges::copy(other.quality(channel).first(count_), quality(channel).begin());
-    }
-  }
-
  private:
   std::size_t channels_ = 0;
   std::size_t capacity_ = 0;

@@ -85,7 +85,6 @@ class FrameReader {
   [[nodiscard]] const FramePosition& position() const noexcept { return position_; }
   /// Returns the number of frames that wait.
   [[nodiscard]] std::size_t waiting() const noexcept { return static_cast<std::size_t>(ring_.written() - position_.frame); }
-  [[nodiscard]] std::size_t longest_lag() const noexcept { return longest_lag_; }
   /// Return what this reader missed since the beginning or `start_at`: frames and scans; events, those included that found no room.
   [[nodiscard]] std::uint64_t lost_frames() const noexcept { return lost_frames_; }
   [[nodiscard]] std::uint64_t lost_scans() const noexcept { return lost_scans_; }

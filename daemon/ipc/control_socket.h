@@ -13,7 +13,7 @@ namespace dts::ipc {
 /// A message to the daemon, and its sender. Its frames are
 ///
 ///     [identity] [payload]                        from a local client
-///     [identity] [empty] [payload]                likewise, from a REQ socket
+///     [identity] [empty] [payload]                the same, from a REQ socket
 ///     [identity] [ticket] [public key] [payload]  from dts-relay, for a client on another machine
 ///
 /// dts-relay needs the ticket to find its client again; the daemon only returns it. The public key is a frame of its own, so that no

@@ -13,6 +13,8 @@ class DataSocket {
  public:
   virtual ~DataSocket() = default;
 
+  /// Returns false if nobody would get a message of `topic`: then it need not be made.
+  [[nodiscard]] virtual bool is_wanted(std::string_view /*topic*/) { return true; }
   /// Sends one message to every subscriber of a prefix of `topic`, at the latest at the next `flush`. Never blocks: drops the message for a
   /// subscriber whose queue is full, and that subscriber sees a dropped block in the sequence numbers.
   virtual void send(std::string_view topic, const google::protobuf::MessageLite& message) = 0;

@@ -57,6 +57,7 @@ class LocalPublisher final : public DataSocket {
   LocalPublisher(const LocalPublisher&) = delete;
   LocalPublisher& operator=(const LocalPublisher&) = delete;
 
+  [[nodiscard]] bool is_wanted(std::string_view topic) override { return !subscribers_of(topic).empty(); }
   void send(std::string_view topic, const google::protobuf::MessageLite& message) override;
   [[nodiscard]] bool flush(std::size_t most_peers) override;
   void wait(int bell_fd, int timeout_ms) override;

@@ -164,7 +164,7 @@ bool PublishThread::publish(Source& source, Caller caller) {
 void PublishThread::send_streams(Source& source, const core::Frame& frame) {
   for (auto& [index, encoder] : source.streams) {
     const core::Block& block = frame.streams[index];
-    if (block.count() == 0) continue;
+    if (block.count() == 0 || !socket_->is_wanted(encoder.topic())) continue;
     socket_->send(encoder.topic(), encoder.encode(block, frame.lost_scans_total, source.frames.lost_frames()));
   }
 }

@@ -92,7 +92,7 @@ class Stage {
   [[nodiscard]] virtual const StageDescription& describe() const noexcept = 0;
   /// Receives the format of its input (channels with units, rate) and returns the format of its output (the pipeline sets the name).
   /// Allocates all memory for blocks of up to `max_scans`. Fails with InvalidArgument if the stage cannot use this input, and with
-  /// LimitExceeded if an option is beyond its limit at this rate. Thread: control, before the pipeline thread runs.
+  /// LimitExceeded if an option is beyond its limit at this rate. Thread: control, before the rig's thread runs.
   [[nodiscard]] virtual core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) = 0;
   /// Fills `out` from `in`. `out` already has the position and count of `in` and capacity for as many scans; a stage that makes fewer scans
   /// sets count, first scan and host time itself. A value may be NaN only with a quality bit that explains it. A stage that makes no stream

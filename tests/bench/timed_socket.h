@@ -25,6 +25,7 @@ class TimedSocket final : public ipc::DataSocket {
               Figures& figures)
       : socket_(std::move(socket)), first_scan_(first_scan), rate_(rate), clock_(clock), figures_(figures) {}
 
+  [[nodiscard]] bool is_wanted(std::string_view topic) override { return socket_->is_wanted(topic); }
   void send(std::string_view topic, const google::protobuf::MessageLite& message) override {
     const auto* block = dynamic_cast<const v1::StreamBlock*>(&message);
     const std::int64_t before_ns = clock_.now_ns();

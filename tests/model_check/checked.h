@@ -56,7 +56,7 @@ constexpr rl::memory_order to_relacy(std::memory_order order) noexcept {
   return rl::mo_relaxed;
 }
 
-/// Stands in for std::atomic in the lock-free classes; every access is a step the checker may interleave, and a load
+/// Replaces std::atomic in the lock-free classes; every access is a step the checker may interleave, and a load
 /// may return any value the C++ memory model allows.
 template <class T, Weakening weakening>
 class CheckedAtomic {

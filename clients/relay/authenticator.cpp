@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/thread.h"
+#include "relay/frames.h"
 
 namespace dts::relay {
 namespace {
@@ -34,18 +35,6 @@ struct Verdict {
 // 300: libzmq's clients retry after their handshake timeout. 400: they never retry.
 constexpr Verdict kTooOften{"300", "too many attempts, try again later"};
 constexpr Verdict kStranger{"400", "no such key"};
-
-std::optional<std::vector<zmq::message_t>> receive(zmq::socket_t& socket) {
-  std::vector<zmq::message_t> frames;
-  bool has_more = true;
-  while (has_more) {
-    zmq::message_t frame;
-    if (!socket.recv(frame, zmq::recv_flags::dontwait)) return std::nullopt;
-    has_more = frame.more();
-    frames.push_back(std::move(frame));
-  }
-  return frames;
-}
 
 }  // namespace
 
@@ -76,7 +65,7 @@ void Authenticator::run(const std::stop_token& stop) {
     try {
       zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
       zmq_poll(&item, 1, kLookMs);
-      while (const auto request = receive(socket_)) answer(*request);
+      while (const auto request = receive_frames(socket_, kCurveFrames + 1)) answer(*request);
     } catch (const zmq::error_t& error) {
       if (error.num() == ETERM) return;  // the context is being destroyed
     } catch (const std::bad_alloc&) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "dts/v1/control.pb.h"
+#include "relay/frames.h"
 
 namespace dts::relay {
 namespace {
@@ -14,6 +15,7 @@ namespace {
 constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // as dtsd's own control socket
 constexpr int kQueueCommands = 400;                      // on their way to dtsd; answers on their way to one client
 constexpr int kFramesOfACommand = 3;                     // libzmq counts each of them
+constexpr std::size_t kMostFrames = 4;                   // one more than any message has
 constexpr int kReadPerTurn = 4096;
 constexpr int kReconnectMs = 100;
 constexpr std::int64_t kLogNs = 1'000'000'000;  // at most one log line for rejected requests in this time
@@ -50,18 +52,6 @@ bool send(zmq::socket_t& socket, std::span<const std::string_view> frames) noexc
   return true;
 }
 
-std::optional<std::vector<zmq::message_t>> receive_frames(zmq::socket_t& socket) {
-  std::vector<zmq::message_t> frames;
-  bool has_more = true;
-  while (has_more) {
-    zmq::message_t frame;
-    if (!socket.recv(frame, zmq::recv_flags::dontwait)) return std::nullopt;
-    has_more = frame.more();
-    if (frames.size() < 4) frames.push_back(std::move(frame));  // one more than any message has shows that there are too many
-  }
-  return frames;
-}
-
 }  // namespace
 
 core::Result<ControlRelay> ControlRelay::open(zmq::context_t& context, const RemoteEndpoint& remote, const std::string& local,
@@ -88,7 +78,7 @@ void ControlRelay::serve(int ms) {
 }
 
 std::optional<ControlRelay::Incoming> ControlRelay::receive() {
-  auto frames = receive_frames(listener_.socket());
+  auto frames = receive_frames(listener_.socket(), kMostFrames);
   if (!frames) return std::nullopt;
   const char* name = zmq_msg_gets(frames->back().handle(), "User-Id");
   Incoming incoming{.client = frames->front().to_string(), .public_key = name == nullptr ? "" : name};
@@ -120,7 +110,7 @@ bool ControlRelay::forward(const Incoming& incoming) {
 
 /// Returns false if no answer of dtsd waits.
 bool ControlRelay::pass_answer() {
-  const auto frames = receive_frames(dealer_);
+  const auto frames = receive_frames(dealer_, kMostFrames);
   if (!frames) return false;
   const std::string_view ticket = frames->front().to_string_view();
   if (frames->size() != 2 || ticket.empty()) return true;

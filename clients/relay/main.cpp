@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // dts-relay: the network side of dtsd. Its configuration is dtsd's (config/dtsd.toml, [network]).
 #include <signal.h>
-#include <sys/resource.h>
 #include <systemd/sd-daemon.h>
 
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
 
+#include "core/process.h"
 #include "relay/relay.h"
 
 namespace {
@@ -17,24 +17,6 @@ constexpr int kBadInput = 2;
 int report(const dts::files::Problems& problems) {
   for (const auto& problem : problems) std::cerr << dts::files::to_string(problem) << '\n';
   return kBadInput;
-}
-
-/// Blocks the signals. Must run before the first thread starts, so that every thread inherits the mask.
-void block_signals() {
-  sigset_t ours;
-  sigemptyset(&ours);
-  for (const int signal : {SIGTERM, SIGINT}) sigaddset(&ours, signal);
-  pthread_sigmask(SIG_BLOCK, &ours, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
-}
-
-/// Raises the limit of descriptors to the hard limit: libzmq 4.3.4 aborts the process if it cannot accept a connection for lack of
-/// descriptors.
-void raise_descriptor_limit() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 int exit_status(const dts::core::Error& error) {
@@ -56,8 +38,8 @@ int run(const std::string& file) {
     log.info(file + " has no [network]: dtsd serves this machine only, and there is nothing to relay");
     return 0;
   }
-  block_signals();
-  raise_descriptor_limit();
+  dts::core::block_signals({SIGTERM, SIGINT});
+  dts::core::raise_descriptor_limit();
   dts::core::SystemClock clock;
   const auto ended = dts::relay::run_relay(settings, clock, log);
   if (ended) return 0;

@@ -2,7 +2,6 @@
 // dtsd: the daemon. Four switches; everything else is configuration (config/dtsd.toml) or a command (dtsctl).
 #include <google/protobuf/stubs/logging.h>
 #include <signal.h>
-#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <exception>
@@ -10,6 +9,7 @@
 
 #include "app/daemon.h"
 #include "app/plate_check.h"
+#include "core/process.h"
 #include "device/usb/libusb_bus.h"
 
 namespace {
@@ -20,24 +20,6 @@ int report(const dts::files::Problems& problems) {
   for (const auto& problem : problems) std::cerr << dts::files::to_string(problem) << '\n';
   std::cerr << problems.size() << (problems.size() == 1 ? " problem" : " problems") << " found; nothing was started\n";
   return kBadInput;
-}
-
-/// Blocks the signals. Must run before the first thread starts, so that every thread inherits the mask. The control thread polls for them.
-void block_signals() {
-  sigset_t ours;
-  sigemptyset(&ours);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&ours, signal);
-  pthread_sigmask(SIG_BLOCK, &ours, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
-}
-
-/// Raises the limit of descriptors to the hard limit: libzmq 4.3.4 aborts the process if it cannot accept a connection for lack of
-/// descriptors.
-void raise_descriptor_limit() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = limit.rlim_max;
-  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 int exit_status(const dts::core::Error& error) {
@@ -66,8 +48,8 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
     std::cout << file << ": fine, " << rigs.size() << " rig(s)\n";
     return 0;
   }
-  block_signals();
-  raise_descriptor_limit();
+  dts::core::block_signals({SIGTERM, SIGINT, SIGHUP});  // the control thread polls for them
+  dts::core::raise_descriptor_limit();
   const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), std::move(notices), clock, bell, usb, log);
   if (ended) return 0;
   log.error(dts::core::to_string(ended.error()));

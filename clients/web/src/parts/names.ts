@@ -1,8 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain names for what the daemon names by a key: protocols, conditions, sessions.
-import type { SessionRecord } from '../generated/dts/v1/sessions_pb';
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+
+import type { ProtocolInfo, SessionRecord } from '../generated/dts/v1/sessions_pb';
+import type { Link } from '../link/types';
 import { strings } from '../strings';
 import { day } from './numbers';
+
+/** The daemon's protocols; empty until it has answered. */
+export const protocols = signal<readonly ProtocolInfo[]>([]);
+
+/** Asks for the protocols after each new connection: a restarted daemon may have others. The shell calls it once for all pages. */
+export const useProtocols = (link: Link): void => {
+  const state = link.state.value;
+  useEffect(() => {
+    if (state !== 'up') return;
+    link.send({ case: 'listProtocols', value: {} }).then(
+      (answer) => {
+        if (answer.case === 'protocols') protocols.value = answer.value.protocols;
+      },
+      () => undefined, // the next connection asks again
+    );
+  }, [link, state]);
+};
 
 /** Turns a key into words: "eyes-closed-two-feet" becomes "eyes closed two feet". */
 export const spoken = (key: string): string => key.replaceAll(/[-_]/g, ' ');
@@ -14,13 +35,15 @@ const programs = /^(dts|sudo|systemctl|journalctl|chmod|chown)/;
 /** Writes a message of daemon or gateway as a sentence on the screen: with a capital, unless it begins with a command to type. */
 export const asSentence = (message: string): string => (programs.test(message) ? message : capitalised(message));
 
-/** "Quiet standing" for "quiet-standing"; a protocol of the user's own is shown by its own name. */
-export const protocolName = (name: string): string => {
-  const { protocols } = strings.common;
-  const known = Object.hasOwn(protocols, name) ? protocols[name] : undefined;
-  return known ?? capitalised(spoken(name));
-};
+const protocolOf = (name: string): ProtocolInfo | undefined => protocols.value.find((one) => one.name === name);
 
-/** "P017, Romberg, 23 Nov": what a person calls a session. The session ID is shown beside it. */
-export const sessionTitle = ({ subject, protocol, startedUtcNs }: SessionRecord): string =>
+/** "Romberg's test" for "romberg": the protocol's title. One that the daemon no longer has is shown by its own name. Reads a signal. */
+export const protocolName = (name: string): string => protocolOf(name)?.title || capitalised(spoken(name));
+
+/** "Eyes open" for the condition "eyes-open" of a protocol: its title. Reads a signal. */
+export const conditionName = (protocol: string, condition: string): string =>
+  protocolOf(protocol)?.conditionList.find((one) => one.name === condition)?.title || capitalised(spoken(condition));
+
+/** "P017, Romberg's test, 23 Nov": what a person calls a session. The session ID is shown beside it. */
+export const sessionTitle = ({ subject, protocol, startedUtcNs }: Pick<SessionRecord, 'subject' | 'protocol' | 'startedUtcNs'>): string =>
   strings.sessions.titleOf(subject === '' ? strings.sessions.noSubject : subject, protocolName(protocol), day(startedUtcNs));

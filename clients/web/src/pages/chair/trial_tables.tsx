@@ -4,9 +4,10 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
-import { spoken } from '../../parts/names';
+import { conditionName } from '../../parts/names';
 import type { TrialResult, TrunkMovement } from '../../generated/dts/v1/stream_pb';
 import { fixed, whole } from '../../parts/numbers';
+import { OutcomeMark, outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
 import type { TargetSummary } from './consistency';
 import { angleOf, byTarget, counts } from './consistency';
@@ -20,7 +21,10 @@ const classText = (trial: TrialRecord): string => {
   return classWord(result.movement) + (why.length > 0 ? ` (${why.join(', ')})` : '');
 };
 
-const targetText = (condition: string, cm: number): string => (cm > 0 ? strings.chair.table.target(spoken(condition), fixed(cm, 0)) : spoken(condition));
+const targetText = (protocol: string, condition: string, cm: number): string => {
+  const name = conditionName(protocol, condition);
+  return cm > 0 ? strings.chair.table.target(name, fixed(cm, 0)) : name;
+};
 
 const intervalText = ({ trunkLoDeg, trunkHiDeg }: Partial<TrunkMovement>): string =>
   trunkLoDeg === undefined || trunkHiDeg === undefined
@@ -40,9 +44,15 @@ const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element =
   </>
 );
 
+interface TablesProps {
+  /** Name of the protocol, for the titles of its conditions. */
+  protocol: string;
+  trials: readonly TrialRecord[];
+}
+
 /** `isWhole`: with everything that is known of each reach. */
-export const TrialTable = ({ trials, isWhole = false }: { trials: readonly TrialRecord[]; isWhole?: boolean }): JSX.Element => {
-  const { heads, outcomes } = strings.chair.table;
+export const TrialTable = ({ protocol, trials, isWhole = false }: TablesProps & { isWhole?: boolean }): JSX.Element => {
+  const { heads } = strings.chair.table;
   return (
     <table class="chair-table" data-testid="trial-table">
       <thead>
@@ -59,8 +69,10 @@ export const TrialTable = ({ trials, isWhole = false }: { trials: readonly Trial
         {[...trials].reverse().map((trial) => (
           <tr key={`${trial.part}/${trial.trial}/${trial.attempt}`} class={counts(trial) ? '' : 'chair-void'}>
             <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
-            <td>{targetText(trial.condition, trial.result?.targetCm ?? 0)}</td>
-            <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
+            <td>{targetText(protocol, trial.condition, trial.result?.targetCm ?? 0)}</td>
+            <td>
+              <OutcomeMark outcome={outcomeOf(trial)} />
+            </td>
             <td>{classText(trial)}</td>
             <td class="number">{fixed(angleOf(trial), 1)}</td>
             {isWhole && <Details result={trial.result} />}
@@ -87,7 +99,7 @@ const WindowCell = ({ summary }: { summary: TargetSummary }): JSX.Element => {
   );
 };
 
-export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+export const TargetTable = ({ protocol, trials }: TablesProps): JSX.Element => {
   const { heads, source } = strings.chair.table;
   return (
     <>
@@ -104,7 +116,7 @@ export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX
         <tbody>
           {byTarget(trials).map((summary) => (
             <tr key={summary.condition}>
-              <td>{targetText(summary.condition, summary.targetCm)}</td>
+              <td>{targetText(protocol, summary.condition, summary.targetCm)}</td>
               <td class="number">{whole(summary.trials)}</td>
               <td class="number">{fixed(summary.meanDeg, 1)}</td>
               <td class="number">{fixed(summary.sdDeg, 1)}</td>
@@ -121,7 +133,7 @@ export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX
 type View = 'trials' | 'targets';
 
 /** Shows the trials during a session and the targets after it, unless the user chose one. */
-export const Trials = ({ trials, isOver }: { trials: readonly TrialRecord[]; isOver: boolean }): JSX.Element => {
+export const Trials = ({ protocol, trials, isOver }: TablesProps & { isOver: boolean }): JSX.Element => {
   const chosen = useSignal<View | undefined>(undefined);
   const view = chosen.value ?? (isOver ? 'targets' : 'trials');
   const { title, byTrial, byTargets, none } = strings.chair.table;
@@ -141,7 +153,7 @@ export const Trials = ({ trials, isOver }: { trials: readonly TrialRecord[]; isO
       </header>
       {/* This part scrolls, also by keyboard; the page must not. */}
       <div class="chair-trials-body" tabIndex={0} role="group" aria-labelledby="chair-trials-head">
-        {trials.length === 0 ? <p class="empty">{none}</p> : view === 'trials' ? <TrialTable trials={trials} /> : <TargetTable trials={trials} />}
+        {trials.length === 0 ? <p class="empty">{none}</p> : view === 'trials' ? <TrialTable protocol={protocol} trials={trials} /> : <TargetTable protocol={protocol} trials={trials} />}
       </div>
     </section>
   );

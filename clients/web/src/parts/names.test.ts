@@ -3,7 +3,7 @@ import { create } from '@bufbuild/protobuf';
 import { beforeEach, expect, test, vi } from 'vitest';
 
 import { ProtocolInfoSchema, SessionRecordSchema } from '../generated/dts/v1/sessions_pb';
-import { asSentence, conditionName, protocolName, protocols, sessionTitle } from './names';
+import { asSentence, conditionName, isLabel, labelRule, protocolName, protocols, sessionTitle } from './names';
 
 beforeEach(() => {
   protocols.value = [create(ProtocolInfoSchema, { name: 'romberg', title: "Romberg's test", conditionList: [{ name: 'eyes-open', title: 'Eyes open, two feet' }] })];
@@ -46,4 +46,16 @@ test.each([
   ['', ''],
 ])('asSentence.%j is %j', (message, expected) => {
   expect(asSentence(message)).toBe(expected);
+});
+
+test.each([
+  ['[A-Z0-9]{1,8}', 'AB12', true],
+  ['[A-Z0-9]{1,8}', 'Anna Schmidt', false],
+  ['a|b', 'ab', false], // the whole text, not a part of it
+  ['[A-Z0-9]{1,8}', '', true], // no label
+  ['[', 'anything', true], // the daemon decides
+])('isLabel.By the rule %j, %j: %s', (pattern, text, expected) => {
+  labelRule.value = { hint: '', pattern };
+
+  expect(isLabel(text)).toBe(expected);
 });

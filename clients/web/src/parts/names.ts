@@ -11,6 +11,19 @@ import { day } from './numbers';
 /** The daemon's protocols; empty until it has answered. */
 export const protocols = signal<readonly ProtocolInfo[]>([]);
 
+/** The clinic's rule for labels and markers; empty until the daemon has answered. */
+export const labelRule = signal<{ readonly hint: string; readonly pattern: string }>({ hint: '', pattern: '' });
+
+/** Returns whether a label fits the clinic's rule. The daemon checks it again. */
+export const isLabel = (text: string): boolean => {
+  if (text === '' || labelRule.value.pattern === '') return true;
+  try {
+    return new RegExp(`^(?:${labelRule.value.pattern})$`, 'u').test(text);
+  } catch {
+    return true; // an expression that this browser cannot read
+  }
+};
+
 /** Asks for the protocols after each new connection: a restarted daemon may have others. The shell calls it once for all pages. */
 export const useProtocols = (link: Link): void => {
   const state = link.state.value;
@@ -18,7 +31,9 @@ export const useProtocols = (link: Link): void => {
     if (state !== 'up') return;
     link.send({ case: 'listProtocols', value: {} }).then(
       (answer) => {
-        if (answer.case === 'protocols') protocols.value = answer.value.protocols;
+        if (answer.case !== 'protocols') return;
+        protocols.value = answer.value.protocols;
+        labelRule.value = { hint: answer.value.labelHint, pattern: answer.value.labelPattern };
       },
       () => undefined, // the next connection asks again
     );

@@ -21,7 +21,8 @@ const livePages = new Set(['floor', 'chair']);
 const signs = { good: '●', plain: '○', warning: '▲', error: '✕' } as const;
 
 const Tabs = (): JSX.Element => {
-  const shown = path.value[0] === 'compare' ? 'sessions' : (path.value[0] ?? 'floor');
+  const [first = 'floor'] = path.value;
+  const shown = first === 'compare' || first === 'subjects' ? 'sessions' : first;
   return (
     <nav aria-label={words.navigation} class="tabs">
       {pages.map((page) => (
@@ -102,7 +103,10 @@ export const Shell = ({ link, children }: { link: Link; children: ComponentChild
   const isHelpOpen = useSignal(false);
   useProtocols(link);
   const page = useRef<HTMLElement>(null);
-  useEffect(() => page.current?.scrollTo(0, 0), [path.value]); // every page opens at its top
+  useEffect(() => {
+    page.current?.scrollTo(0, 0); // every page opens at its top
+    window.scrollTo(0, 0); // on a phone the window scrolls
+  }, [path.value]);
   const { kind, text, hint } = conditionOf(link.state.value, link.since.value, link.status.value, link.dropped.value);
   // A live picture without data says by itself why, and what to do.
   const isInPicture = livePages.has(path.value[0] ?? 'floor') && link.state.value !== 'up';

@@ -68,7 +68,7 @@ export const TrialControls = ({ link, rig, session, examination, children }: Con
   });
   const start = trial === 0 ? words.first : outcome === undefined || outcome === 'done' ? words.next : words.startNext;
   return (
-    <>
+    <div class="chair-controls">
       <div class="row">
         <Button label={start} keyName="A" kind="main" onClick={next} whyNot={whyNotNext} testId="trial-next" isReasonNearby />
         <Button label={words.redo} keyName="R" onClick={redo} whyNot={whyNotRedo} testId="trial-redo" isReasonNearby />
@@ -86,7 +86,7 @@ export const TrialControls = ({ link, rig, session, examination, children }: Con
       <CommandNotice commands={commands} testId="command-error" />
       <CommandNotice commands={marking} testId="mark-error" />
       <CommandNotice commands={stopping} testId="stop-error" />
-    </>
+    </div>
   );
 };
 
@@ -106,7 +106,7 @@ export const StartControls = ({ link, rig, session, onStart }: StartProps): JSX.
     isTared.value = (await commands.run({ case: 'tare', value: { rig } })) !== undefined;
   };
   return (
-    <>
+    <div class="chair-controls">
       <div class="row">
         <Button label={words.start} kind="main" onClick={onStart} whyNot={whyNot} testId="open-start" isReasonNearby />
         <Button label={words.tare} onClick={() => void tare()} whyNot={whyNot} testId="tare" isReasonNearby />
@@ -117,6 +117,6 @@ export const StartControls = ({ link, rig, session, onStart }: StartProps): JSX.
       </div>
       <p class="why-not why-not-line">{whyNot}</p>
       <CommandNotice commands={commands} testId="command-error" />
-    </>
+    </div>
   );
 };

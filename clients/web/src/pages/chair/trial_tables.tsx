@@ -31,16 +31,20 @@ const intervalText = ({ trunkLoDeg, trunkHiDeg }: Partial<TrunkMovement>): strin
     ? strings.common.undefinedValue
     : strings.chair.table.window(fixed(trunkLoDeg, 1), fixed(trunkHiDeg, 1));
 
+const detailHeads = strings.chair.table.heads.details;
+
 /** The interval of the angle, P1, P2, P3, and the probabilities of the classes 1, 2, 3. */
 const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element => (
   <>
-    <td class="number">{intervalText(result?.movement ?? {})}</td>
+    <td data-label={detailHeads[0]} class="number">
+      {intervalText(result?.movement ?? {})}
+    </td>
     {[result?.reach?.p1, result?.reach?.p2, result?.reach?.p3].map((point, index) => (
-      <td key={index} class="number">
+      <td key={index} data-label={detailHeads[index + 1]} class="number">
         {fixed(point?.valueMm, 2)}
       </td>
     ))}
-    <td class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
+    <td data-label={detailHeads[4]} class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
   </>
 );
 
@@ -50,11 +54,17 @@ interface TablesProps {
   trials: readonly TrialRecord[];
 }
 
-/** `isWhole`: with everything that is known of each reach. */
-export const TrialTable = ({ protocol, trials, isWhole = false }: TablesProps & { isWhole?: boolean }): JSX.Element => {
+interface TrialTableProps extends TablesProps {
+  /** With everything that is known of each reach. */
+  isWhole?: boolean;
+  /** Returns how a trial's outcome was corrected, or "". */
+  correctionOf?: (trial: TrialRecord) => string;
+}
+
+export const TrialTable = ({ protocol, trials, isWhole = false, correctionOf = () => '' }: TrialTableProps): JSX.Element => {
   const { heads } = strings.chair.table;
   return (
-    <table class="chair-table" data-testid="trial-table">
+    <table class="chair-table stack" data-testid="trial-table">
       <thead>
         <tr>
           <th class="number">{heads.trial}</th>
@@ -68,13 +78,20 @@ export const TrialTable = ({ protocol, trials, isWhole = false }: TablesProps & 
       <tbody>
         {[...trials].reverse().map((trial) => (
           <tr key={`${trial.part}/${trial.trial}/${trial.attempt}`} class={counts(trial) ? '' : 'chair-void'}>
-            <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
-            <td>{targetText(protocol, trial.condition, trial.result?.targetCm ?? 0)}</td>
-            <td>
-              <OutcomeMark outcome={outcomeOf(trial)} />
+            <td data-label={heads.trial} class="number">
+              {trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}
             </td>
-            <td>{classText(trial)}</td>
-            <td class="number">{fixed(angleOf(trial), 1)}</td>
+            <td data-label={heads.target}>{targetText(protocol, trial.condition, trial.result?.targetCm ?? 0)}</td>
+            <td data-label={heads.outcome}>
+              <div>
+                <OutcomeMark outcome={outcomeOf(trial)} />
+                {correctionOf(trial) !== '' && <div class="corrected">{correctionOf(trial)}</div>}
+              </div>
+            </td>
+            <td data-label={heads.trunk}>{classText(trial)}</td>
+            <td data-label={heads.angle} class="number">
+              {fixed(angleOf(trial), 1)}
+            </td>
             {isWhole && <Details result={trial.result} />}
           </tr>
         ))}
@@ -88,11 +105,12 @@ const isInside = ({ meanDeg, window }: TargetSummary): boolean | undefined =>
 
 const WindowCell = ({ summary }: { summary: TargetSummary }): JSX.Element => {
   const inside = isInside(summary);
-  if (summary.window === undefined) return <td>{strings.common.undefinedValue}</td>;
+  const head = strings.chair.table.heads.window;
+  if (summary.window === undefined) return <td data-label={head}>{strings.common.undefinedValue}</td>;
   const range = strings.chair.table.window(fixed(summary.window.lowDeg, 1), fixed(summary.window.highDeg, 1));
   const word = inside === undefined ? '' : inside ? strings.chair.table.inside : strings.chair.table.outside;
   return (
-    <td>
+    <td data-label={head}>
       {range}
       {word !== '' && <strong class={inside ? 'chair-inside' : 'chair-outside'}> {word}</strong>}
     </td>
@@ -103,7 +121,7 @@ export const TargetTable = ({ protocol, trials }: TablesProps): JSX.Element => {
   const { heads, source } = strings.chair.table;
   return (
     <>
-      <table class="chair-table" data-testid="target-table">
+      <table class="chair-table stack" data-testid="target-table">
         <thead>
           <tr>
             <th>{heads.target}</th>
@@ -116,10 +134,16 @@ export const TargetTable = ({ protocol, trials }: TablesProps): JSX.Element => {
         <tbody>
           {byTarget(trials).map((summary) => (
             <tr key={summary.condition}>
-              <td>{targetText(protocol, summary.condition, summary.targetCm)}</td>
-              <td class="number">{whole(summary.trials)}</td>
-              <td class="number">{fixed(summary.meanDeg, 1)}</td>
-              <td class="number">{fixed(summary.sdDeg, 1)}</td>
+              <td data-label={heads.target}>{targetText(protocol, summary.condition, summary.targetCm)}</td>
+              <td data-label={heads.count} class="number">
+                {whole(summary.trials)}
+              </td>
+              <td data-label={heads.angle} class="number">
+                {fixed(summary.meanDeg, 1)}
+              </td>
+              <td data-label={heads.sd} class="number">
+                {fixed(summary.sdDeg, 1)}
+              </td>
               <WindowCell summary={summary} />
             </tr>
           ))}

@@ -9,11 +9,13 @@ import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
 import { isActive } from '../../parts/active';
+import type { Commands } from '../../parts/controls';
 import { CommandNotice, Notice, Tile, useCommands } from '../../parts/controls';
 import { Live, useIsOld } from '../../parts/live';
 import { conditionName, protocolName } from '../../parts/names';
 import { fixed, whole } from '../../parts/numbers';
 import { lastOutcome } from '../../parts/outcomes';
+import type { StartForm } from '../../parts/start_form';
 import { useStartForm } from '../../parts/start_form';
 import { StartSession, StartTaken } from '../../parts/start_session';
 import { strings } from '../../strings';
@@ -100,14 +102,14 @@ interface SideProps {
   link: Link;
   status: RigStatus;
   floor: LiveFloor;
+  form: StartForm;
+  commands: Commands;
+  marking: Commands;
 }
 
-const Side = ({ link, status, floor }: SideProps): JSX.Element => {
+const Side = ({ link, status, floor, form, commands, marking }: SideProps): JSX.Element => {
   const isOld = useIsOld(link, status.rig!.name).value;
   const { session } = status;
-  const form = useStartForm(isActive(session));
-  const commands = useCommands(link);
-  const marking = useCommands(link);
   const record = useRecord(link, floor, session).value.answer;
   if (form.isShown) {
     return (
@@ -126,24 +128,28 @@ const Side = ({ link, status, floor }: SideProps): JSX.Element => {
         <Load floor={floor} />
       </SwayTiles>
       <SessionControls link={link} status={status} commands={commands} marking={marking} onStart={form.open} />
-      <div class="floor-notices">
-        <Remarks floor={floor} status={status} />
-        <StartTaken form={form} protocol={session?.protocol ?? ''} />
-        <CommandNotice commands={commands} testId="command-error" />
-        <CommandNotice commands={marking} testId="mark-error" />
-      </div>
     </div>
   );
 };
 
 const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element | null => {
   const rig = status.rig!;
+  const { session } = status;
   const floor = useMemo(() => new LiveFloor(link, rig.name), [link, rig.name]);
   useEffect(() => () => floor.close(), [floor]);
+  const form = useStartForm(isActive(session));
+  const commands = useCommands(link);
+  const marking = useCommands(link);
   return (
     <div class="floor">
       <div class="floor-pictures">
         <Guidance link={link} status={status} floor={floor} />
+        <div class="floor-notices">
+          <Remarks floor={floor} status={status} />
+          <StartTaken form={form} protocol={session?.protocol ?? ''} />
+          <CommandNotice commands={commands} testId="command-error" />
+          <CommandNotice commands={marking} testId="mark-error" />
+        </div>
         <Live link={link} rig={rig.name}>
           <div class="floor-live">
             <Plate link={link} rig={rig} floor={floor} />
@@ -151,7 +157,7 @@ const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
           </div>
         </Live>
       </div>
-      <Side link={link} status={status} floor={floor} />
+      <Side link={link} status={status} floor={floor} form={form} commands={commands} marking={marking} />
     </div>
   );
 };

@@ -13,6 +13,7 @@ import type { Commands } from '../../parts/controls';
 import { Button, CommandNotice, Notice, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
 import { LastSession } from '../../parts/last_session';
+import { labelRule } from '../../parts/names';
 import { whole } from '../../parts/numbers';
 import { lastOutcome } from '../../parts/outcomes';
 import { StopButton, useSessionStop } from '../../parts/stop_button';
@@ -51,10 +52,9 @@ const Marking = ({ rig, commands, whyNot, undo }: MarkingProps): JSX.Element => 
         />
         <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby />
       </div>
-      <p class="field-hint">{strings.common.markHint}</p>
       <UndoLine {...undo}>
         <span role="status" class="marked" data-testid="marked">
-          {done.value}
+          {done.value || labelRule.value.hint || strings.common.markHint}
         </span>
       </UndoLine>
     </>

@@ -16,6 +16,7 @@ std::string audit_name(const dts::v1::Request& request) {
     case dts::v1::TRIAL_ACTION_NEXT: return "trial_next";
     case dts::v1::TRIAL_ACTION_REDO: return "trial_redo";
     case dts::v1::TRIAL_ACTION_REJECT: return "trial_reject";
+    case dts::v1::TRIAL_ACTION_UNDO: return "trial_undo";
     default: return wire::rules_of(request).audit();
   }
 }

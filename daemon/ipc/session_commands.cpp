@@ -33,7 +33,7 @@ void add_fields(const record::SessionRow& row, dts::v1::SessionRecord& out) {
 }  // namespace
 
 dts::v1::Response CommandHandler::start_session(const dts::v1::StartSessionRequest& request) {
-  session::SessionRequest asked{.protocol = request.protocol().empty() ? "free" : request.protocol(),
+  session::SessionRequest asked{.protocol = request.protocol(),
                                 .subject = request.subject(),
                                 .label = request.label(),
                                 .duration_s = request.duration_s(),
@@ -83,7 +83,8 @@ dts::v1::Response CommandHandler::trial(const dts::v1::TrialRequest& request) {
     case dts::v1::TRIAL_ACTION_NEXT: action = session::TrialAction::Next; break;
     case dts::v1::TRIAL_ACTION_REDO: action = session::TrialAction::Redo; break;
     case dts::v1::TRIAL_ACTION_REJECT: action = session::TrialAction::Reject; break;
-    default: return error_response({ErrorCode::InvalidArgument, "unknown action on a trial", "use next, redo or reject"});
+    case dts::v1::TRIAL_ACTION_UNDO: action = session::TrialAction::Undo; break;
+    default: return error_response({ErrorCode::InvalidArgument, "unknown action on a trial", "use next, redo, reject or undo"});
   }
   const auto trial = supervisor_.trial(request.rig(), action);
   if (!trial) return error_response(trial.error());

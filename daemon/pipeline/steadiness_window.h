@@ -32,7 +32,12 @@ class SteadinessWindows {
     open(newest_.trial, newest_.segment, newest_.first_scan, end_scan);
   }
   /// Ends the window immediately: no trial is measured. Thread: control.
-  void close() noexcept { publish({}); }
+  void close() noexcept {
+    closed_ = newest_;
+    publish({});
+  }
+  /// Opens the window again that `close` ended last. Thread: control.
+  void reopen() noexcept { publish(closed_); }
   /// Returns the newest window. Thread: rig (the one reader). Realtime-safe: yes.
   [[nodiscard]] const SteadinessWindow& latest() noexcept { return box_.load(); }
 
@@ -44,6 +49,7 @@ class SteadinessWindows {
   }
 
   SteadinessWindow newest_;
+  SteadinessWindow closed_;  ///< The window that `close` ended last.
   core::LatestValue<SteadinessWindow> box_;
 };
 

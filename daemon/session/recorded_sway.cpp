@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "session/cop_trace.h"
 #include "session/session_events.h"
@@ -115,7 +116,10 @@ class TrialSteps {
         trial.end_scan = {event.scan()};
         trial.end_segment = event.segment();
       }
+      if (step.kind == Done) done_.insert(key);
       trial.outcome = name(step.kind);
+    } else if (step.kind == Undone) {
+      trial.outcome = done_.contains(key) ? name(Done) : "";
     }
     return {};
   }
@@ -130,6 +134,7 @@ class TrialSteps {
   }
 
   static constexpr std::size_t kMostResults = 10'000;
+  std::set<Key> done_;  ///< Also if they were redone or rejected later.
   std::map<Key, StandingTrial> trials_;
   std::vector<SessionFigure> session_results_;
 };

@@ -59,6 +59,10 @@ class Recordings {
   void enter_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->put_trial(trial); });
   }
+  /// Removes the row of a trial that is under way again.
+  void remove_trial(const record::TrialRow& trial) {
+    enter_or_owe([this, trial] { return catalogue_->remove_trial(trial); });
+  }
   void enter_result(const record::ResultRow& result) {
     enter_or_owe([this, result] { return catalogue_->put_result(result); });
   }

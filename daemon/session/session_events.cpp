@@ -23,6 +23,7 @@ static_assert(static_cast<int>(SessionState::Failed) == v1::SESSION_STATE_FAILED
 static_assert(static_cast<int>(TrialEventKind::Ready) == v1::TRIAL_EVENT_KIND_READY);
 static_assert(static_cast<int>(TrialEventKind::Done) == v1::TRIAL_EVENT_KIND_DONE);
 static_assert(static_cast<int>(TrialEventKind::Finished) == v1::TRIAL_EVENT_KIND_FINISHED);
+static_assert(static_cast<int>(TrialEventKind::Undone) == v1::TRIAL_EVENT_KIND_UNDONE);
 
 using LabelMap = google::protobuf::Map<std::string, std::string>;
 
@@ -135,7 +136,7 @@ v1::DeviceState to_message(device::DeviceState state) {
 
 core::Result<TrialEvent> trial_of(const v1::Event& event) {
   const v1::TrialChange& message = event.trial();
-  if (message.step() < v1::TRIAL_EVENT_KIND_READY || message.step() > v1::TRIAL_EVENT_KIND_FINISHED) {
+  if (message.step() < v1::TRIAL_EVENT_KIND_READY || message.step() > v1::TRIAL_EVENT_KIND_UNDONE) {
     return tl::make_unexpected(events::damaged(event, "step"));
   }
   if (message.labels_size() > kMostLabels) return tl::make_unexpected(events::damaged(event, "labels"));

@@ -30,6 +30,7 @@ v1::Request start_command() {
   v1::Request command;
   command.set_request_id("attack-1");
   command.mutable_start_session()->set_rig("floor");
+  command.mutable_start_session()->set_protocol("free");
   return command;
 }
 

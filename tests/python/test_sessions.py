@@ -28,7 +28,7 @@ class Waiting(unittest.TestCase):
 
 class Sessions(WithDaemon):
     def test_SessionIsRecordedWithItsMarks(self) -> None:
-        with self.daemon.start_session("floor", subject="P017", label="first") as session:
+        with self.daemon.start_session("floor", "free", subject="P017", label="first") as session:
             mark = session.mark("hello")
             self.daemon.record("floor/cop", 0.5)
             self.assertTrue(session.is_running)
@@ -42,7 +42,7 @@ class Sessions(WithDaemon):
         self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P017")], [session.id])
 
     def test_ExceptionAbortsTheSession(self) -> None:
-        with self.assertRaises(ZeroDivisionError), self.daemon.start_session("floor") as session:
+        with self.assertRaises(ZeroDivisionError), self.daemon.start_session("floor", "free") as session:
             1 / 0
 
         record = self.daemon.session(session.id)
@@ -50,15 +50,15 @@ class Sessions(WithDaemon):
         self.assertIn("ZeroDivisionError", record.message)
 
     def test_SecondSessionOfARigIsWrongState(self) -> None:
-        with self.daemon.start_session("floor"):
+        with self.daemon.start_session("floor", "free"):
             with self.assertRaises(dts.WrongState):
-                self.daemon.start_session("floor")
+                self.daemon.start_session("floor", "free")
 
         with self.assertRaises(dts.WrongState):
             self.daemon.stop_session("floor")
 
     def test_SessionWithADurationEndsByItself(self) -> None:
-        with self.daemon.start_session("floor", duration_s=0.5) as session:
+        with self.daemon.start_session("floor", "free", duration_s=0.5) as session:
             record = session.wait(timeout=60)
 
         self.assertEqual(record.state, "complete")
@@ -68,14 +68,14 @@ class Sessions(WithDaemon):
             session.info()
 
     def test_WaitingForASessionWithoutEndTimesOut(self) -> None:
-        with self.daemon.start_session("floor") as session:
+        with self.daemon.start_session("floor", "free") as session:
             with self.assertRaises(dts.Timeout):
                 session.wait(timeout=0.2)
 
     def test_TrialsAreSteppedThroughAndTold(self) -> None:
         wait_for(lambda: self.daemon.record("floor/cop", 0.1)["load_n"].mean() > 50, "somebody stands on the plate")
         events = self.daemon.events("floor/trial")
-        with self.daemon.start_session("floor", protocol="quiet-standing") as session:
+        with self.daemon.start_session("floor", "quiet-standing") as session:
             status = session.trial("next")
             told = next(events)
             session.trial("reject")
@@ -86,7 +86,7 @@ class Sessions(WithDaemon):
         self.assertEqual(rejected.fields["condition"], "eyes-open-two-feet")
 
     def test_AuditHasWhatWasDone(self) -> None:
-        with self.daemon.start_session("floor") as session:
+        with self.daemon.start_session("floor", "free") as session:
             pass
 
         audit = self.daemon.audit()

@@ -22,6 +22,7 @@ class ResumeTest : public ::testing::Test {
   std::string start(double duration_s) {
     v1::StartSessionRequest request;
     request.set_rig("floor");
+    request.set_protocol("free");
     request.set_duration_s(duration_s);
     const std::string id = daemon_.control().start_session(request).value().session_id();
     EXPECT_TRUE(eventually([&] { return runs(id); }));

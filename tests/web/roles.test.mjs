@@ -16,7 +16,7 @@ const text = (words) => [...Buffer.from(words)];
 /** Returns FromBrowser.request with a command: its field number in Request, and its content. */
 const forged = (requestId, command, content) => field(4, [...field(1, text(requestId)), ...field(command, content)]);
 const commands = {
-  startSession: [4, field(1, text('floor'))],
+  startSession: [4, [...field(1, text('floor')), ...field(2, text('free'))]],
   stopSession: [5, field(1, text('floor'))],
   mark: [6, field(1, text('forged'))],
   tare: [7, field(1, text('floor'))],

@@ -97,7 +97,7 @@ describe('sessions', () => {
   test('the list shows what dtsctl lists, and filters', async () => {
     const id = await daemon.measuredStanding('P017');
     await daemon.ctl('session', 'stop');
-    await daemon.ctl('session', 'start', '--rig', 'floor', '--subject', 'Q2');
+    await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'free', '--subject', 'Q2');
     const page = await tabs.open('sessions');
     await waitForText(page, 'session-count', '3 sessions');
     await by(page, 'session-row').filter({ hasText: 'running' }).waitFor();

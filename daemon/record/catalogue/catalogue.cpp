@@ -186,6 +186,14 @@ core::Status Catalogue::put_trial(const TrialRow& trial) try {
   return implementation_->database.failure(exception);
 }
 
+core::Status Catalogue::remove_trial(const TrialRow& trial) try {
+  implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ? AND trial = ? AND attempt = ?", trial.session_id,
+                                trial.part, trial.trial, trial.attempt);
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
 core::Status Catalogue::put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
                                         const std::string& text) try {
   implementation_->put_calibration(id, rig, kind, text);

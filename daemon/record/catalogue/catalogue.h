@@ -10,6 +10,7 @@
 
 #include "core/losses.h"
 #include "core/result.h"
+#include "dts/v1/sessions.pb.h"
 #include "record/session_facts.h"
 #include "record/xdf/recovery.h"
 
@@ -63,7 +64,9 @@ struct TrialRow {
   friend bool operator==(const TrialRow&, const TrialRow&) = default;
 };
 
-/// Returns true if the trial was done and its steadiness result, if it has one, is valid.
+/// Returns why the trial of a result is not valid; UNSPECIFIED if it is valid, or if the event is not a result.
+[[nodiscard]] v1::TrialFault fault_of(const v1::Event& result);
+/// Returns true if the trial was done and its result, if it has one, has no fault.
 [[nodiscard]] bool is_valid(const TrialRow& trial);
 
 struct SessionRow {
@@ -152,6 +155,8 @@ class Catalogue {
   [[nodiscard]] core::Status end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
   /// Adds a trial, or replaces the row of the same trial and attempt. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status put_trial(const TrialRow& trial);
+  /// Removes the row of this part, trial and attempt, if there is one: the trial is under way again.
+  [[nodiscard]] core::Status remove_trial(const TrialRow& trial);
   [[nodiscard]] core::Status put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
                                              const std::string& text);
   /// Adds a result, or replaces the result of the same name. Fails with NotFound if there is no such session, and with InvalidArgument if

@@ -9,11 +9,20 @@
 
 namespace dts::record {
 
+v1::TrialFault fault_of(const v1::Event& result) {
+  if (result.has_trial_result()) return result.trial_result().has_reach() ? v1::TRIAL_FAULT_UNSPECIFIED : v1::TRIAL_FAULT_NO_REACH;
+  if (!result.has_sway() || result.sway().is_preliminary()) return v1::TRIAL_FAULT_UNSPECIFIED;
+  const v1::Sway& sway = result.sway();
+  if ((sway.flags() & v1::SWAY_FLAG_STEPPED_OFF) != 0) return v1::TRIAL_FAULT_STEPPED_OFF;
+  if ((sway.flags() & v1::SWAY_FLAG_MOVED) != 0) return v1::TRIAL_FAULT_FEET_MOVED;
+  return sway.is_valid() ? v1::TRIAL_FAULT_UNSPECIFIED : v1::TRIAL_FAULT_NO_VALUES;
+}
+
 bool is_valid(const TrialRow& trial) {
   if (trial.outcome != "done") return false;
   const auto result = event_of_text(trial.result);
   if (!result) return trial.result.empty();  // a result that cannot be read proves nothing
-  return !result->has_sway() || result->sway().is_valid();
+  return fault_of(*result) == v1::TRIAL_FAULT_UNSPECIFIED;
 }
 
 std::string state_of(const SessionRow& session) {

@@ -20,7 +20,7 @@ from .streams import Samples
 from .subscriber import Subscriber, check_timeout
 from .v1 import control_pb2, sessions_pb2, stream_pb2
 
-TrialAction = Literal["next", "redo", "reject"]
+TrialAction = Literal["next", "redo", "reject", "undo"]
 
 _SUBSCRIBED_S = 5.0  # a daemon that runs answers a subscription at once
 _OVER = (stream_pb2.SESSION_STATE_UNSPECIFIED, stream_pb2.SESSION_STATE_IDLE, stream_pb2.SESSION_STATE_FAILED)
@@ -146,7 +146,7 @@ class Daemon:
     def start_session(
         self,
         rig: str,
-        protocol: str = "",
+        protocol: str,
         subject: str = "",
         label: str = "",
         duration_s: float = 0.0,
@@ -155,7 +155,7 @@ class Daemon:
     ) -> "Session":
         """Starts a session and its recording, and returns the session.
 
-        `protocol` is a name from `protocols`; empty means "free". `subject` is the subject ID, never a name. `label` is a note, never a
+        `protocol` is a name from `protocols`; "free" records until stopped. `subject` is the subject ID, never a name. `label` is a note, never a
         name. `duration_s` stops the session automatically; 0 means the duration of the protocol, or no limit. `settle_s` is the settling
         time before the measurement; 0 means the time of the protocol. Both are in seconds. `fields` are the values that the protocol
         requires.
@@ -198,13 +198,14 @@ class Daemon:
         """Executes one step of the protocol's trials and returns the state of the trials.
 
         "next" starts the next trial, or ends a trial without a fixed duration; "redo" discards the present or last trial and repeats it;
-        "reject" discards it and continues without it. An empty `rig` means the only rig that has a session. Raises `WrongState` if the rig
+        "reject" discards it and continues without it; "undo" takes back the last of both for 5 s. An empty `rig` means the only rig that has a session. Raises `WrongState` if the rig
         has no session with trials.
         """
         actions = {
             "next": sessions_pb2.TRIAL_ACTION_NEXT,
             "redo": sessions_pb2.TRIAL_ACTION_REDO,
             "reject": sessions_pb2.TRIAL_ACTION_REJECT,
+            "undo": sessions_pb2.TRIAL_ACTION_UNDO,
         }
         return self._control.call(control_pb2.Request(trial=sessions_pb2.TrialRequest(rig=rig, action=actions[action]))).trial
 

@@ -130,6 +130,11 @@ def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
         raise _damaged("the phase of a trial is unknown")
     _check_amount(trial.next_target_cm, "a trial's target")
     _check_amount(trial.remaining_s, "a trial's time")
+    _check_amount(trial.settle_s, "a trial's settling time")
+    _check_amount(trial.duration_s, "a trial's duration")
+    _check_amount(trial.target_cm, "a trial's target")
+    _check_amount(trial.target_percent, "a trial's target")
+    _check_amount(trial.undo_s, "a trial's time to undo")
 
 
 def _check_part(part: sessions_pb2.SessionPart) -> None:
@@ -158,10 +163,15 @@ def _check_sessions(sessions: sessions_pb2.ListSessionsResponse) -> None:
 def _check_protocol(protocol: sessions_pb2.ProtocolInfo) -> None:
     if not _is_name(protocol.name):
         raise _damaged("a protocol has no valid name")
-    _check_count(protocol.conditions, _MAX_TEXTS, "conditions")
+    _check_count(protocol.condition_list, _MAX_TEXTS, "conditions")
     _check_count(protocol.fields, _MAX_TEXTS, "fields")
     _check_amount(protocol.settle_s, "a protocol's settling time")
     _check_amount(protocol.duration_s, "a protocol's duration")
+    _check_amount(protocol.length_s, "a protocol's length")
+    for condition in protocol.condition_list:
+        _check_amount(condition.settle_s, "a condition's settling time")
+        _check_amount(condition.duration_s, "a condition's duration")
+        _check_amount(condition.target_percent, "a condition's target")
     for field in protocol.fields:
         if not (math.isfinite(field.minimum) and math.isfinite(field.maximum) and field.minimum <= field.maximum):
             raise _damaged(f"field '{field.name}' has no valid range")

@@ -46,7 +46,7 @@ const pictureChair = async ({ daemon, tabs }) => {
   const page = await tabs.open('chair');
   await daemon.ctl('session', 'start', '--rig', 'chair', '--protocol', 'reaching-short', '--subject', 'P021', ...fields);
   await startTrial(daemon, 'chair');
-  await page.locator('.chair-prompt-back', { hasText: /max.*Trial [789] of 9/s }).waitFor();
+  await page.locator('.chair-prompt-back', { hasText: /Maximum reach.*Trial [789] of 9/s }).waitFor();
   await page.getByRole('heading', { name: 'Trunk class', exact: true }).waitFor(); // and not "Trunk class, last trial"
   await shoot(page, 'live-chair');
   await waitFor(async () => /"phase": *"finished"/.test(await daemon.ctl('status', '--json')), 'all reaches are done', minutesMs);

@@ -13,7 +13,6 @@ import type { Commands } from '../../parts/controls';
 import { Button, CommandNotice, Notice, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
 import { LastSession } from '../../parts/last_session';
-import { labelRule } from '../../parts/names';
 import { whole } from '../../parts/numbers';
 import { lastOutcome } from '../../parts/outcomes';
 import { StopButton, useSessionStop } from '../../parts/stop_button';
@@ -54,7 +53,7 @@ const Marking = ({ rig, commands, whyNot, undo }: MarkingProps): JSX.Element => 
       </div>
       <UndoLine {...undo}>
         <span role="status" class="marked" data-testid="marked">
-          {done.value || labelRule.value.hint || strings.common.markHint}
+          {done.value || strings.common.markHint}
         </span>
       </UndoLine>
     </>

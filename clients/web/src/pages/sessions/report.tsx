@@ -76,7 +76,7 @@ export const Report = ({ sessionId, testId }: { sessionId: string; testId: strin
             {pageName(name)}
           </button>
         ))}
-        <a class="button" href={url} target="_blank" rel="noopener">
+        <a class="button" href={url} target="_blank" rel="noopener" data-testid={`${testId}-print`}>
           {report.print}
         </a>
       </div>

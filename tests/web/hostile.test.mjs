@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Text that wants to do harm, in every text field: it is refused with a message, or shown as plain text. The page stays as it is.
+// Text that wants to do harm, in every text field: it is rejected with a message, or shown as plain text. The page stays as it is.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
@@ -75,7 +75,7 @@ describe('hostile text', () => {
     }
   });
 
-  test('in a correction: shown as plain text, or refused', async () => {
+  test('in a correction: shown as plain text, or rejected', async () => {
     for (const field of ['subject', 'label', 'notes', 'reason']) {
       for (const [name, text] of Object.entries(texts)) {
         await goTo(page, 'sessions');

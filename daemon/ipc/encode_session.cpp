@@ -171,6 +171,7 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_first_scan(trial.first_scan);
   out.set_last_scan(trial.last_scan);
   out.set_last_segment(trial.last_segment);
+  out.set_recorded_outcome(clean_text(trial.recorded_outcome));
   if (trial.result.empty()) return;
   auto event = record::event_of_text(trial.result);
   if (event && trial.outcome == "done") out.set_fault(record::fault_of(*event));
@@ -182,6 +183,19 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
     *out.mutable_sway() = std::move(*event->mutable_sway());
     out.mutable_sway()->set_session_id(trial.session_id);
   }
+}
+
+void fill(dts::v1::Correction& out, const record::Correction& correction) {
+  out.set_number(correction.number);
+  out.set_utc_ns(correction.utc_ns);
+  out.set_who(clean_text(correction.who));
+  out.set_field(std::string(record::name(correction.field)));
+  out.set_part(correction.part);
+  out.set_trial(correction.trial);
+  out.set_attempt(correction.attempt);
+  out.set_old_value(clean_text(correction.old_value));
+  out.set_new_value(clean_text(correction.new_value));
+  out.set_reason(clean_text(correction.reason));
 }
 
 }  // namespace
@@ -200,6 +214,33 @@ dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32
   if (row.ended_utc_ns != 0) out.set_ended_utc_ns(row.ended_utc_ns);
   for (const record::PartRow& part : row.parts) fill(*out.add_parts(), part);
   for (const record::TrialRow& trial : row.trials) fill(*out.add_trials(), trial);
+  for (const record::Correction& correction : row.corrections) fill(*out.add_corrections(), correction);
+  out.set_notes(clean_text(row.notes));
+  out.set_is_deleted(row.is_deleted);
+  return out;
+}
+
+dts::v1::SessionRecord listed_session(const record::SessionRow& row, std::uint32_t planned_trials) {
+  constexpr int kListed = 5;
+  dts::v1::SessionRecord out = session_record(row, planned_trials);
+  out.clear_notes();
+  auto& corrections = *out.mutable_corrections();
+  if (corrections.size() > kListed) corrections.DeleteSubrange(0, corrections.size() - kListed);
+  for (dts::v1::Correction& correction : corrections) {
+    for (std::string* text : {correction.mutable_who(), correction.mutable_old_value(), correction.mutable_new_value(), correction.mutable_reason()})
+      text->clear();
+  }
+  return out;
+}
+
+dts::v1::SubjectInfo subject_info(const record::SubjectRow& row) {
+  dts::v1::SubjectInfo out;
+  out.set_subject(clean_text(row.subject));
+  out.set_sessions(row.sessions);
+  out.set_deleted_sessions(row.deleted_sessions);
+  out.set_first_utc_ns(row.first_utc_ns);
+  out.set_last_utc_ns(row.last_utc_ns);
+  out.set_bytes(row.bytes);
   return out;
 }
 

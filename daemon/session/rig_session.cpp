@@ -135,6 +135,7 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
 
 core::Status RigSession::start(std::string id, const SessionRequest& request, const Moment& moment) {
   DTS_TRY(check(request));
+  DTS_TRY(check_label(services_.label_rule, "label", request.label));
   DTS_TRY_ASSIGN(const auto protocol, find_protocol(request.protocol));
   if (const std::string& kind = protocol->rig_kind; !kind.empty() && kind != rig_.config().kind) {
     return core::fail(ErrorCode::InvalidArgument, "protocol '" + protocol->name + "' is for a " + kind + ", and rig '" +
@@ -304,6 +305,19 @@ void RigSession::recording_finished(const FinishedRecording& finished, const Mom
   session_.closed(moment.now_ns);
   collect(moment.at);
   enter_end(finished, moment.now_ns);
+}
+
+void RigSession::revise(const record::SessionRow& row, const Moment& moment) {
+  if (session_.view(moment.now_ns).id != row.id) return;
+  session_.revise(row.subject, row.label, moment.now_ns);
+  collect(moment.at);
+}
+
+void RigSession::forget(const std::string& subject, const Moment& moment) {
+  if (is_under_way() || session_.view(moment.now_ns).request.subject != subject) return;
+  session_.forget(moment.now_ns);
+  trials_.reset();
+  collect(moment.at);
 }
 
 /// Writes an event of the session to the recording, and keeps it for the bus.

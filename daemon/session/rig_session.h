@@ -12,6 +12,7 @@
 #include "core/log.h"
 #include "core/worker.h"
 #include "record/catalogue/catalogue.h"
+#include "session/label_rule.h"
 #include "session/protocol.h"
 #include "session/recordings.h"
 #include "session/rig.h"
@@ -45,6 +46,7 @@ struct SessionServices {
   Recordings& recordings;
   core::Worker& worker;  ///< Analyses finished trials.
   std::vector<Protocol> protocols{Protocol{}};
+  LabelRule label_rule{};
   std::string software{};  ///< "dtsd 0.1.0"
   std::string boot_id{};
   /// Returns the number of trials in a recorded protocol's text. A function, because this folder reads no files.
@@ -77,6 +79,11 @@ class RigSession {
   void recording_finished(const FinishedRecording& finished, const Moment& moment);
   /// Writes an event of the rig to the recording.
   void note(v1::Event event, const DataPosition& at);
+
+  /// Takes over the corrected subject ID and label if this is the last session.
+  void revise(const record::SessionRow& row, const Moment& moment);
+  /// Forgets the last session if it was one of this subject.
+  void forget(const std::string& subject, const Moment& moment);
 
   [[nodiscard]] bool is_under_way() const noexcept { return session_.is_under_way(); }
   [[nodiscard]] SessionView view(std::int64_t now_ns) const { return session_.view(now_ns); }

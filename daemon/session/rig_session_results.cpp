@@ -111,8 +111,7 @@ void RigSession::conclude(const DataPosition& at) {
 }
 
 void RigSession::enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at) {
-  const std::uint32_t part = services_.recordings.part(rig_.config().name);
-  const std::string suffix = part > 1 ? "_part_" + std::to_string(part) : "";
+  const std::string suffix = part_suffix(services_.recordings.part(rig_.config().name));
   for (const SessionFigure& figure : figures) {
     const record::ResultRow row{.session_id = session_.view(0).id,
                                 .name = figure.name + suffix,

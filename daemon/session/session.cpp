@@ -11,7 +11,6 @@ constexpr double kStartTimeoutS = 10.0;
 constexpr double kLongestDurationS = 7.0 * 86400.0;
 constexpr double kLongestSettleS = 3600.0;
 constexpr std::size_t kLongestSubject = 64;
-constexpr std::size_t kLongestText = 200;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
 
@@ -39,7 +38,6 @@ core::Status check(const SessionRequest& request) {
     return core::fail(ErrorCode::InvalidArgument, "the subject ID must have at most 64 letters, digits, '_', '.' or '-'",
                       "use the clinic's subject ID, never a name");
   }
-  if (request.label.size() > kLongestText) return core::fail(ErrorCode::InvalidArgument, "label is longer than 200 bytes");
   if (!std::isfinite(request.duration_s) || request.duration_s < 0 || request.duration_s > kLongestDurationS) {
     return core::fail(ErrorCode::InvalidArgument, "duration_s must be 0 (until stopped) or up to 604800 s");
   }
@@ -106,6 +104,21 @@ void Session::tick(std::int64_t now_ns, std::uint64_t scans_total) {
   if (state_ == SessionState::Running && request_.duration_s > 0 && seconds_between(running_since_ns_, now_ns) >= request_.duration_s) {
     static_cast<void>(stop(now_ns));  // cannot fail: the session is running
   }
+}
+
+void Session::revise(std::string subject, std::string label, std::int64_t now_ns) {
+  if (is_under_way()) return;
+  request_.subject = std::move(subject);
+  request_.label = std::move(label);
+  changes_.push_back(view(now_ns));
+}
+
+void Session::forget(std::int64_t now_ns) {
+  if (is_under_way()) return;
+  id_.clear();
+  request_ = {};
+  running_since_ns_ = 0;
+  enter(SessionState::Idle, now_ns);
 }
 
 SessionView Session::view(std::int64_t now_ns) const {

@@ -151,6 +151,30 @@ core::Result<TrialEvent> trial_of(const v1::Event& event) {
                     .rest_s = known(message.has_rest_s(), message.rest_s()).value_or(0.0)};
 }
 
+core::Result<ReachTrialResult> reach_result_of(const v1::Event& event) {
+  const v1::TrialResult& message = event.trial_result();
+  if (!event.has_trial_result()) return tl::make_unexpected(events::damaged(event, "trial_result"));
+  ReachTrialResult result{.trial = message.trial(), .attempt = message.attempt(), .condition = message.condition(), .segment = event.segment()};
+  if (message.has_target_cm() && std::isfinite(message.target_cm())) result.target_cm = message.target_cm();
+  if (message.has_expected_class()) {
+    if (message.expected_class() < 0 || message.expected_class() > 3) return tl::make_unexpected(events::damaged(event, "expected_class"));
+    result.expected = static_cast<core::TrunkClass>(message.expected_class());
+  }
+  v1::Event part;  // the two messages as the events that they were
+  part.set_segment(event.segment());
+  part.set_scan(event.scan());
+  if (message.has_reach()) {
+    *part.mutable_reach() = message.reach();
+    DTS_TRY_ASSIGN(result.reach, events::reach_of(part));
+  }
+  if (message.has_movement()) {
+    *part.mutable_movement() = message.movement();
+    DTS_TRY_ASSIGN(const auto movement, events::class_of(part));
+    result.movement = movement.movement;
+  }
+  return result;
+}
+
 core::Result<SwayTrialResult> sway_of(const v1::Event& event) {
   const v1::Sway& message = event.sway();
   if (!event.has_sway() || message.is_preliminary()) return tl::make_unexpected(events::damaged(event, "is_preliminary"));

@@ -18,7 +18,7 @@ namespace dts::session {
 namespace {
 
 constexpr std::int64_t kRateWindowNs = 2'000'000'000;
-constexpr std::size_t kLongestMark = 200;
+constexpr std::size_t kLongestName = 200;
 constexpr std::chrono::seconds kCloseLimit{10};  // if the disk hangs longer, the next start recovers the recordings
 
 }  // namespace
@@ -85,7 +85,7 @@ core::Result<Supervisor::Entry*> Supervisor::find(const std::string& name) {
   if (const auto found = entries_.find(name); found != entries_.end()) return &found->second;
   std::vector<std::string> known;
   for (const auto& [rig_name, entry] : entries_) known.push_back(rig_name);
-  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", core::known_words_hint(name, known));
+  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestName) + "'", core::known_words_hint(name, known));
 }
 
 std::string Supervisor::new_session_id(const std::string& rig) {
@@ -136,6 +136,11 @@ core::Result<SessionView> Supervisor::start_session(const std::string& rig, cons
 
 core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(const std::string& id) {
   DTS_TRY_ASSIGN(const auto row, services_.recordings.catalogue().session(id));
+  if (row.is_deleted || row.subject != row.recorded_subject) {  // each part has the recorded subject ID
+    return core::fail(core::ErrorCode::WrongState, "session " + row.id + (row.is_deleted ? " is deleted" : " has a corrected subject ID"),
+                      row.is_deleted ? "restore it first: dtsctl session restore " + row.id
+                                     : "start a new session: dtsctl session start --rig " + row.rig);
+  }
   DTS_TRY_ASSIGN(auto entry, find(row.rig));
   DTS_TRY(check_startable(*entry));
   DTS_TRY_ASSIGN(auto view, begun(*entry, entry->session.resume(row, moment(*entry))));
@@ -187,9 +192,8 @@ void Supervisor::finish_recordings() {
 }
 
 core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark(const std::string& rig, const std::string& text) {
-  if (text.empty() || text.size() > kLongestMark) {
-    return core::fail(core::ErrorCode::InvalidArgument, "a marker's text has 1..200 bytes, this one " + std::to_string(text.size()));
-  }
+  if (text.empty()) return core::fail(core::ErrorCode::InvalidArgument, "the marker has no text", "dtsctl mark \"eyes closed\"");
+  DTS_TRY(check_label(services_.label_rule, "marker", text));
   std::vector<std::string> chosen;
   if (rig.empty()) {
     for (const auto& [rig_name, entry] : entries_) chosen.push_back(rig_name);

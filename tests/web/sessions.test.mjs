@@ -184,6 +184,21 @@ describe('sessions', () => {
     await page.close();
   });
 
+  test('a stop is undone with U, and sent at once when the page is left', async () => {
+    const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'free', '--subject', 'Q3')).trim();
+    const page = await tabs.open('floor');
+    await by(page, 'stop-session').click();
+    await waitForText(page, 'toast', 'Session stops in 5 s');
+    await page.keyboard.press('u');
+    await by(page, 'toast').waitFor({ state: 'detached' });
+    assert.equal((await daemon.session(id)).state, 'running');
+    await by(page, 'stop-session').click();
+    await by(page, 'toast').waitFor();
+    await by(page, 'tab-health').click();
+    assert.equal((await daemon.endedSession(id)).state, 'complete');
+    await page.close();
+  });
+
   test('two sessions side by side differ as dtsctl says', async () => {
     const [one, other] = ids;
     const { figures } = await daemon.json('session', 'compare', one, other);

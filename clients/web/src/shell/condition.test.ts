@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
+import type { MessageInitShape } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 
 import { RigStatusSchema, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
+import type { TrialStatusSchema } from '../generated/dts/v1/sessions_pb';
 import { DiskState, DiskStatusSchema, TrialFault, TrialOutcome, TrialPhase } from '../generated/dts/v1/sessions_pb';
 import { DeviceState, SessionState } from '../generated/dts/v1/stream_pb';
 import { conditionOf } from './condition';
@@ -29,7 +31,7 @@ test.each<[string, Parameters<typeof conditionOf>, object]>([
   expect(conditionOf(...given)).toMatchObject(expected);
 });
 
-test.each<[string, object, string]>([
+test.each<[string, MessageInitShape<typeof TrialStatusSchema>, string]>([
   ['Rejected', { phase: TrialPhase.WAITING, lastOutcome: TrialOutcome.REJECTED, lastTrial: 2 }, '1 rig OK · floor: trial 2 rejected'],
   ['SteppedOff', { phase: TrialPhase.WAITING, lastOutcome: TrialOutcome.DONE, lastFault: TrialFault.STEPPED_OFF, lastTrial: 2 }, '1 rig OK · floor: trial 2: person stepped off'],
   ['Running', { phase: TrialPhase.SETTLING, lastOutcome: TrialOutcome.DONE, trial: 3, of: 4, lastTrial: 2 }, '1 rig OK · floor: trial 3 of 4'],

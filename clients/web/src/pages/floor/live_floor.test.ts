@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
+import type { MessageInitShape } from '@bufbuild/protobuf';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 
 import { Quality, SessionState, SwaySchema, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
@@ -80,7 +81,7 @@ test('LiveFloor.Ellipse has the area of the tile and the scans of its window; wi
   expect(floor.ellipse.value).toBeUndefined();
 });
 
-test.each<[object, string]>([
+test.each<[MessageInitShape<typeof SwaySchema>, string]>([
   [{ isPreliminary: true, window: SwayWindow.LATEST, windowS: 30 }, 'last 30 s'],
   [{ isPreliminary: true, trial: 2, window: SwayWindow.TRIAL }, 'trial 2 so far'],
   [{ trial: 2 }, 'trial 2'],

@@ -46,8 +46,9 @@ std::string change_text(const std::string& state, const std::string& subject, co
 
 /// Returns "go, trial 3: 120 at 85.2 cm", "rest for 20.0 s".
 std::string trial_text(const v1::TrialChange& change) {
-  const std::string what = enumerator_word(*v1::TrialEventKind_descriptor(), change.step());
-  if (change.step() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done; end the session: dtsctl session stop";
+  const bool is_undone = change.step() == v1::TRIAL_EVENT_KIND_UNDONE;
+  const std::string what = is_undone ? "redo or reject taken back" : enumerator_word(*v1::TrialEventKind_descriptor(), change.step());
+  if (change.step() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials have ended; end the session: dtsctl session stop";
   if (change.step() == v1::TRIAL_EVENT_KIND_REST) return change.rest_s() > 0.0 ? "rest for " + cli::duration(change.rest_s()) : "rest";
   std::string text = what + ", trial " + std::to_string(change.trial());
   if (change.attempt() > 1) text += " attempt " + std::to_string(change.attempt());

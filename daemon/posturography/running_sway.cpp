@@ -18,8 +18,8 @@ void RunningSwaySums::reset() noexcept { *this = RunningSwaySums(rate_hz_); }
 
 void RunningSwaySums::add(double ml_mm, double ap_mm) noexcept {
   if (samples_ == 0.0) {
-    least_ml_ = most_ml_ = ml_mm;
-    least_ap_ = most_ap_ = ap_mm;
+    first_ml_ = least_ml_ = most_ml_ = ml_mm;
+    first_ap_ = least_ap_ = most_ap_ = ap_mm;
   } else {
     const double step_ml = is_interrupted_ ? 0.0 : ml_mm - last_ml_;
     const double step_ap = is_interrupted_ ? 0.0 : ap_mm - last_ap_;
@@ -42,6 +42,36 @@ void RunningSwaySums::add(double ml_mm, double ap_mm) noexcept {
   square_ml_ += from_mean_ml * (ml_mm - mean_ml_);
   square_ap_ += from_mean_ap * (ap_mm - mean_ap_);
   product_ += from_mean_ml * (ap_mm - mean_ap_);
+}
+
+void RunningSwaySums::append(const RunningSwaySums& later) noexcept {
+  if (later.empty()) return;
+  if (empty()) {
+    *this = later;
+    return;
+  }
+  const double step_ml = later.first_ml_ - last_ml_;
+  const double step_ap = later.first_ap_ - last_ap_;
+  path_ += std::sqrt(step_ml * step_ml + step_ap * step_ap) + later.path_;
+  path_ml_ += std::abs(step_ml) + later.path_ml_;
+  path_ap_ += std::abs(step_ap) + later.path_ap_;
+  least_ml_ = std::min(least_ml_, later.least_ml_);
+  most_ml_ = std::max(most_ml_, later.most_ml_);
+  least_ap_ = std::min(least_ap_, later.least_ap_);
+  most_ap_ = std::max(most_ap_, later.most_ap_);
+  const double samples = samples_ + later.samples_;
+  const double part = later.samples_ / samples;
+  const double weight = samples_ * part;
+  const double from_mean_ml = later.mean_ml_ - mean_ml_;
+  const double from_mean_ap = later.mean_ap_ - mean_ap_;
+  square_ml_ += later.square_ml_ + from_mean_ml * from_mean_ml * weight;
+  square_ap_ += later.square_ap_ + from_mean_ap * from_mean_ap * weight;
+  product_ += later.product_ + from_mean_ml * from_mean_ap * weight;
+  mean_ml_ += from_mean_ml * part;
+  mean_ap_ += from_mean_ap * part;
+  samples_ = samples;
+  last_ml_ = later.last_ml_;
+  last_ap_ = later.last_ap_;
 }
 
 core::RunningSway RunningSwaySums::values() const noexcept {

@@ -196,6 +196,7 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   trials_.reset();
   if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
   prepare_results(protocol, facts);
+  rig_.windows().restart();
   auto started = session_.start(facts.session_id, request, moment.now_ns);
   collect(moment.at);
   return started;

@@ -119,7 +119,9 @@ void add_watch(CommandTree& tree) {
       ->add_option("TOPIC-PREFIX", arguments.topics,
                    "Show topics that begin with this: RIG/STREAM, RIG/EVENT or RIG/. Default: everything except dtsd/status")
       ->option_text("...");
-  watch->add_option("--count", arguments.count, "End after N scans and events together; with --csv after N rows of its stream. Default: no end")
+  watch
+      ->add_option("--count", arguments.count,
+                   "End after N scans and events together; with --csv after N rows of its stream. Default: no end")
       ->option_text("N")
       ->check(count_from_one());
   CLI::Option* jsonl = watch->add_flag("--jsonl", arguments.is_jsonl, "Print one JSON object per line");

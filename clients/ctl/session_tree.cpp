@@ -53,7 +53,8 @@ void add_start(CommandTree& tree, CLI::App& session) {
       "dtsctl session start --rig floor --protocol quiet-standing --subject P017 --field weight_kg=71.5 | with the fields of a protocol\n",
       run_session_start);
   start->add_option("--rig", tree.arguments.rig, "Rig to record")->option_text("RIG")->required();
-  start->add_option("--protocol", wishes.protocol, "Protocol to follow, see dtsctl protocol list. Required; there is no default")->option_text("NAME");
+  start->add_option("--protocol", wishes.protocol, "Protocol to follow, see dtsctl protocol list. Required; there is no default")
+      ->option_text("NAME");
   start->add_option("--subject", wishes.subject, "Subject ID from the clinic, never a name")->option_text("SUBJECT-ID");
   start->add_option("--field", wishes.fields, "Value of a field that the protocol requires; see dtsctl protocol show NAME")
       ->option_text("KEY=VALUE")

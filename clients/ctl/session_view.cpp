@@ -109,8 +109,8 @@ cli::Cell outcome_cell(const v1::TrialRecord& trial) {
 
 /// Prints trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
-  cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">VELOCITY mm/s", ">DISTANCE mm", ">ELLIPSE mm2", "FLAGS", ">PART",
-                     ">FROM .. TO SCAN"});
+  cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">VELOCITY mm/s", ">DISTANCE mm", ">ELLIPSE mm2", "FLAGS",
+                     ">PART", ">FROM .. TO SCAN"});
   const auto value = [](const v1::Sway& sway, const char* symbol, int decimals) {
     return cli::decimal(measure_value(sway, symbol).value_or(std::numeric_limits<double>::quiet_NaN()), decimals);
   };

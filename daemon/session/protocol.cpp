@@ -124,8 +124,7 @@ Protocol free_protocol() {
   Protocol protocol;
   protocol.title = "Free recording";
   protocol.sentence = "Records until it is stopped";
-  protocol.definition =
-      "name = \"" + protocol.name + "\"\ntitle = \"" + protocol.title + "\"\nsentence = \"" + protocol.sentence + "\"\n";
+  protocol.definition = "name = \"" + protocol.name + "\"\ntitle = \"" + protocol.title + "\"\nsentence = \"" + protocol.sentence + "\"\n";
   return protocol;
 }
 

@@ -12,7 +12,7 @@ namespace dts::pipeline {
 namespace {
 
 constexpr double kCutOffHz = 10.0;
-constexpr double kFarthestMm = 1e5;                               // farther away is not on a plate
+constexpr double kFarthestMm = 1e5;  // farther away is not on a plate
 constexpr double kLargestLoadN = 1e6;
 constexpr double kLargestInFilter = 1e9;                          // limit for values from a file
 constexpr std::uint64_t kLargestIndex = std::uint64_t{1} << 53U;  // the largest that a state can hold

@@ -40,7 +40,7 @@ class SwayWatch {
   static constexpr double kAnalysisRateHz = 100.0;
   static constexpr double kLongestGapMs = 50.0;  ///< A longer gap is not interpolated: posturography sheet section 7.
 
-  static constexpr double kSteadyLoad = 0.2;             ///< Share of the load by which it may change.
+  static constexpr double kSteadyLoad = 0.2;  ///< Share of the load by which it may change.
   static constexpr double kSteadyMm = 40.0;
   static constexpr double kLongestTransientMs = 5000.0;  ///< After the last change of load.
 
@@ -116,11 +116,11 @@ class SwayWatch {
   Filter ap_filter_;
 
   Window window_ = Window::None;
-  std::uint64_t first_ = 0;   ///< First index of the window.
-  std::uint64_t due_ = 0;     ///< Index of the next event.
-  std::uint64_t newest_ = 0;  ///< Newest index in the sums.
-  bool has_news_ = false;     ///< The sums changed since the last event.
-  posturography::RunningSwaySums sums_;    ///< Of a trial.
+  std::uint64_t first_ = 0;               ///< First index of the window.
+  std::uint64_t due_ = 0;                 ///< Index of the next event.
+  std::uint64_t newest_ = 0;              ///< Newest index in the sums.
+  bool has_news_ = false;                 ///< The sums changed since the last event.
+  posturography::RunningSwaySums sums_;   ///< Of a trial.
   posturography::RecentSwaySums recent_;  ///< Without a trial, in chunks from one event to the next.
 };
 

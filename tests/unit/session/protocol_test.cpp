@@ -69,8 +69,9 @@ TEST(ProtocolFields, SeveralWrongOrMissing_AreToldTogether) {
   protocol.fields.push_back({.name = "weight_kg", .is_required = true, .minimum = 20.0, .maximum = 250.0});
   const std::string message = refusal(protocol, {{"age_years", "500"}, {"arm_length_cm", "tall"}, {"hat", "red"}});
 
-  for (const char* part : {"protocol 'reach' has no field 'hat'", "'age_years' is out of range", "age_years: allowed: 3 .. 120", "'arm_length_cm' is not a number",
-                           "needs more fields", "add --field side=left|right --field weight_kg=20..250"}) {
+  for (const char* part :
+       {"protocol 'reach' has no field 'hat'", "'age_years' is out of range", "age_years: allowed: 3 .. 120",
+        "'arm_length_cm' is not a number", "needs more fields", "add --field side=left|right --field weight_kg=20..250"}) {
     EXPECT_THAT(message, HasSubstr(part));
   }
 }

@@ -211,7 +211,7 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
                {or_dash(session.subject())},
                {utc_text(session.started_utc_ns())},
                {session.state() == "running" ? "-" : cli::duration(recorded_s(session))},
-               {or_dash(trials.substr(0, trials.rfind(" trials")))},
+               {or_dash(trials.substr(0, trials.rfind(" trials"))), valid_trials(session) == 0 ? cli::Style::Bad : cli::Style::Plain},
                state_cell(state_text(session)),
                {session.label()}});
   }

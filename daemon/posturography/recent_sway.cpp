@@ -7,8 +7,8 @@
 namespace dts::posturography {
 namespace {
 
-constexpr double kFarthestMm = 1e9;
-constexpr double kLargestIndex = 9007199254740992.0;  // 2^53, the largest that a state can hold
+constexpr double kFarthestInStateMm = 1e9;
+constexpr double kLargestIndexInState = 9007199254740992.0;  // 2^53, the largest that a state can hold
 
 }  // namespace
 
@@ -29,6 +29,8 @@ void RecentSwaySums::add(double ml_mm, double ap_mm, std::uint64_t index) noexce
     }
     chunks_[count_].sums.reset();
     chunks_[count_].first_index = index;
+    chunks_[count_].first_ml_mm = ml_mm;
+    chunks_[count_].first_ap_mm = ap_mm;
     ++count_;
     is_complete_ = false;
   }
@@ -40,7 +42,7 @@ void RecentSwaySums::end_chunk() noexcept { is_complete_ = count_ > 0; }
 core::RunningSway RecentSwaySums::values() const noexcept {
   if (count_ == 0) return chunks_.front().sums.values();
   RunningSwaySums all = chunks_.front().sums;
-  for (std::size_t k = 1; k < count_; ++k) all.append(chunks_[k].sums);
+  for (std::size_t k = 1; k < count_; ++k) all.append(chunks_[k].sums, chunks_[k].first_ml_mm, chunks_[k].first_ap_mm);
   return all.values();
 }
 
@@ -53,8 +55,8 @@ void RecentSwaySums::save(std::span<double> state) const noexcept {
   auto next = state.begin() + 1;
   for (std::size_t k = 0; k < count_; ++k) {
     *next++ = static_cast<double>(chunks_[k].first_index);
-    *next++ = chunks_[k].sums.first_ml_mm();
-    *next++ = chunks_[k].sums.first_ap_mm();
+    *next++ = chunks_[k].first_ml_mm;
+    *next++ = chunks_[k].first_ap_mm;
     next = std::ranges::copy(chunks_[k].sums.state(), next).out;
   }
 }
@@ -69,11 +71,12 @@ bool RecentSwaySums::restore(std::span<const double> state) noexcept {
   for (std::size_t k = 0; is_possible && k < whole / 2; ++k) {
     const auto of_chunk = state.subspan(1 + k * kChunkSize, kChunkSize);
     const double first = of_chunk[0];
-    is_possible = first >= 0.0 && first <= kLargestIndex && first == std::floor(first) && std::abs(of_chunk[1]) <= kFarthestMm &&
-                  std::abs(of_chunk[2]) <= kFarthestMm && chunks_[k].sums.set_state(of_chunk.subspan<3, RunningSwaySums::kStateSize>()) &&
-                  !chunks_[k].sums.empty();
+    is_possible = first >= 0.0 && first <= kLargestIndexInState && first == std::floor(first) &&
+                  std::abs(of_chunk[1]) <= kFarthestInStateMm && std::abs(of_chunk[2]) <= kFarthestInStateMm &&
+                  chunks_[k].sums.set_state(of_chunk.subspan<3, RunningSwaySums::kStateSize>()) && !chunks_[k].sums.empty();
     if (!is_possible) break;
-    chunks_[k].sums.set_first(of_chunk[1], of_chunk[2]);
+    chunks_[k].first_ml_mm = of_chunk[1];
+    chunks_[k].first_ap_mm = of_chunk[2];
     chunks_[k].first_index = static_cast<std::uint64_t>(first);
     is_possible = k == 0 || chunks_[k].first_index > chunks_[k - 1].first_index;
   }

@@ -42,6 +42,8 @@ class RecentSwaySums {
   struct Chunk {
     RunningSwaySums sums{};
     std::uint64_t first_index = 0;
+    double first_ml_mm = 0.0;
+    double first_ap_mm = 0.0;
   };
 
   std::vector<Chunk> chunks_;  ///< Oldest first; the first `count_` are in use, and the last of them is the current one.

@@ -18,8 +18,8 @@ void RunningSwaySums::reset() noexcept { *this = RunningSwaySums(rate_hz_); }
 
 void RunningSwaySums::add(double ml_mm, double ap_mm) noexcept {
   if (samples_ == 0.0) {
-    first_ml_ = least_ml_ = most_ml_ = ml_mm;
-    first_ap_ = least_ap_ = most_ap_ = ap_mm;
+    least_ml_ = most_ml_ = ml_mm;
+    least_ap_ = most_ap_ = ap_mm;
   } else {
     const double step_ml = is_interrupted_ ? 0.0 : ml_mm - last_ml_;
     const double step_ap = is_interrupted_ ? 0.0 : ap_mm - last_ap_;
@@ -44,14 +44,14 @@ void RunningSwaySums::add(double ml_mm, double ap_mm) noexcept {
   product_ += from_mean_ml * (ap_mm - mean_ap_);
 }
 
-void RunningSwaySums::append(const RunningSwaySums& later) noexcept {
+void RunningSwaySums::append(const RunningSwaySums& later, double first_ml_mm, double first_ap_mm) noexcept {
   if (later.empty()) return;
   if (empty()) {
     *this = later;
     return;
   }
-  const double step_ml = later.first_ml_ - last_ml_;
-  const double step_ap = later.first_ap_ - last_ap_;
+  const double step_ml = first_ml_mm - last_ml_;
+  const double step_ap = first_ap_mm - last_ap_;
   path_ += std::sqrt(step_ml * step_ml + step_ap * step_ap) + later.path_;
   path_ml_ += std::abs(step_ml) + later.path_ml_;
   path_ap_ += std::abs(step_ap) + later.path_ap_;

@@ -20,18 +20,12 @@ class RunningSwaySums {
   void add(double ml_mm, double ap_mm) noexcept;
   /// Interrupts the path: the distance to the next sample does not count.
   void interrupt() noexcept { is_interrupted_ = samples_ > 0.0; }
-  /// Adds the samples of `later`, which follow immediately (Chan, Golub, LeVeque 1979 for means and co-moments).
-  void append(const RunningSwaySums& later) noexcept;
+  /// Adds the samples of `later`, which follow immediately (Chan, Golub, LeVeque 1979 for means and co-moments). The first of them is at
+  /// `first_ml_mm`, `first_ap_mm`.
+  void append(const RunningSwaySums& later, double first_ml_mm, double first_ap_mm) noexcept;
   [[nodiscard]] bool empty() const noexcept { return samples_ == 0.0; }
   [[nodiscard]] core::RunningSway values() const noexcept;
 
-  /// The first sample is not part of the state: only `append` uses it, of the later sums.
-  [[nodiscard]] double first_ml_mm() const noexcept { return first_ml_; }
-  [[nodiscard]] double first_ap_mm() const noexcept { return first_ap_; }
-  void set_first(double ml_mm, double ap_mm) noexcept {
-    first_ml_ = ml_mm;
-    first_ap_ = ap_mm;
-  }
   [[nodiscard]] std::array<double, kStateSize> state() const noexcept;
   /// Returns false if the numbers are impossible; the sums are then reset.
   [[nodiscard]] bool set_state(std::span<const double, kStateSize> state) noexcept;
@@ -51,8 +45,6 @@ class RunningSwaySums {
   double path_ = 0.0;
   double path_ml_ = 0.0;
   double path_ap_ = 0.0;
-  double first_ml_ = 0.0;
-  double first_ap_ = 0.0;
   double last_ml_ = 0.0;
   double last_ap_ = 0.0;
   double least_ml_ = 0.0;

@@ -31,7 +31,7 @@ void push_newest(SwayWatch::Events& events, const core::SwayEvent& event) noexce
 
 }  // namespace
 
-void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_ms) noexcept {
+void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_ms) {
   const double hz = rate.hz();
   divisor_ = static_cast<std::uint64_t>(std::max(1.0, std::round(hz / kAnalysisRateHz)));
   every_ = rate.scans_in_ms(every_ms);

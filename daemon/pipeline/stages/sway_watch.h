@@ -57,7 +57,7 @@ class SwayWatch {
   };
 
   /// Sets the parameters. Also forgets the trial.
-  void prepare(const core::Rate& rate, double every_ms, double settle_ms) noexcept;
+  void prepare(const core::Rate& rate, double every_ms, double settle_ms);
   /// Sets the trial from the next index on; ends the window of another trial, and for a new trial also a window without a trial. If only
   /// the end differs, the window continues.
   void expect(const Trial& trial, Events& events) noexcept;

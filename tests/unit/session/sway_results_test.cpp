@@ -167,8 +167,8 @@ TEST(SwayResults, OfATrial_AreThoseOfItsLongestStretchOrSayWhyThereAreNone) {
             "1 0:1100 to 0:3100: 2000 samples, 0 missing, flags 4; ",
             {{1100, 3100}}},
            {"rejected and not undone: its samples are not kept",
-            {standing(Measure, 1, 0), samples(cop_block(0, 1800)), standing(Rejected, 1, 1800), samples(cop_block(1800, 4000)),
-             standing(Undone, 1, 5800), standing(Done, 1, 2000)},
+            {standing(Measure, 1, 0), samples(cop_block(0, 1800)), standing(Rejected, 1, 1800), samples(cop_block(1800, 2000)),
+             samples(cop_block(3800, 2000)), standing(Undone, 1, 5800), standing(Done, 1, 2000)},
             "1 0:0 to 0:2000: samples were dropped before the analysis: analyse the recording with dtslab sway; "},
        }) {
     SCOPED_TRACE(why);

@@ -73,6 +73,9 @@ TEST(TrialCollector, Undone_IsAsIfNothingHadHappened) {
               ElementsAre("1.1 done 0:20-0:99"));
   EXPECT_THAT(collected({event("measure", 1, 1, 20), event("rejected", 1, 1, 50), event("undone", 1, 1, 120), event("done", 1, 1, 99)}),
               ElementsAre("1.1 done 0:20-0:99"));
+  EXPECT_THAT(collected({event("measure", 1, 1, 20), event("rejected", 1, 1, 50), event("done", 1, 1, 99), event("undone", 1, 1, 120)}),
+              ElementsAre("1.1 done 0:20-0:99"))
+      << "in the order of times";
   EXPECT_THAT(collected({event("ready", 1, 1, 10), event("rejected", 1, 1, 12), event("undone", 1, 1, 30), event("measure", 1, 1, 20),
                          event("done", 1, 1, 99)}),
               ElementsAre("1.1 done 0:20-0:99"));

@@ -46,13 +46,15 @@ void add_start(CommandTree& tree, CLI::App& session) {
   SessionArguments& wishes = tree.arguments.session;
   CLI::App* start = add(
       tree, session, "start", "Start a session, record it and print its ID",
-      "dtsctl session start --rig floor | runs until dtsctl session stop\n"
-      "dtsctl session start --rig floor --duration 25 --settle 5 | settle for 5 s, then measure 25 s\n"
-      "dtsctl session start --rig chair --subject P017 --label \"eyes closed\" | with a subject ID and a note\n"
+      "dtsctl session start --rig floor --protocol romberg --subject P017 | with the trials of a protocol\n"
+      "dtsctl session start --rig floor --protocol free | runs until dtsctl session stop; no results\n"
+      "dtsctl session start --rig floor --protocol free --duration 25 --settle 5 | settle for 5 s, then record 25 s\n"
+      "dtsctl session start --rig chair --protocol free --label \"eyes closed\" | with a note\n"
       "dtsctl session start --rig floor --protocol quiet-standing --subject P017 --field weight_kg=71.5 | with the fields of a protocol\n",
       run_session_start);
   start->add_option("--rig", tree.arguments.rig, "Rig to record")->option_text("RIG")->required();
-  start->add_option("--protocol", wishes.protocol, "Protocol to follow. Default: free")->option_text("NAME");
+  start->add_option("--protocol", wishes.protocol, "Protocol to follow, see dtsctl protocol list. Required; there is no default")
+      ->option_text("NAME");
   start->add_option("--subject", wishes.subject, "Subject ID from the clinic, never a name")->option_text("SUBJECT-ID");
   start->add_option("--field", wishes.fields, "Value of a field that the protocol requires; see dtsctl protocol show NAME")
       ->option_text("KEY=VALUE")
@@ -86,15 +88,16 @@ void add_end(CommandTree& tree, CLI::App& session) {
 }
 
 void add_trial(CommandTree& tree, CLI::App& session) {
-  CLI::App* trial = add(tree, session, "trial", "Start the next trial, repeat a trial, or reject one",
+  CLI::App* trial = add(tree, session, "trial", "Start the next trial, repeat a trial, reject one, or take that back",
                         "dtsctl session trial next | start the next trial, or end a trial without a fixed duration\n"
                         "dtsctl session trial redo | discard the present or last trial and repeat it\n"
-                        "dtsctl session trial reject | discard the present or last trial and continue without it\n",
+                        "dtsctl session trial reject | discard the present or last trial and continue without it\n"
+                        "dtsctl session trial undo | take back the last redo or reject, for 5 s\n",
                         run_session_trial);
-  trial->add_option("ACTION", tree.arguments.session.action, "next, redo or reject")
+  trial->add_option("ACTION", tree.arguments.session.action, "next, redo, reject or undo")
       ->required()
       ->option_text(" ")
-      ->check(CLI::IsMember({"next", "redo", "reject"}));
+      ->check(CLI::IsMember({"next", "redo", "reject", "undo"}));
   add_rig(*trial, tree, "Rig of the session. Required if several rigs have a session");
 }
 
@@ -114,9 +117,10 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   cli::explain(tree.line, *show,
                "FROM .. TO SCAN | first and last scan of the trial in its part; as SEGMENT:SCAN if a gap divides the trial\n"
                "TRUNK, DEG | trunk class, and trunk flexion in degrees\n"
-               "MVELO | mean velocity of the centre of pressure\n"
-               "RDIST | rms distance of the centre of pressure from its mean position\n"
+               "VELOCITY | mean velocity of the centre of pressure (MVELO)\n"
+               "DISTANCE | rms distance of the centre of pressure from its mean position (RDIST)\n"
                "ELLIPSE | area of the 95 % ellipse (PEA95_F)\n"
+               "(columns) | a narrow terminal shows fewer; --json has all values\n"
                "FLAGS | reasons to doubt the values of a trial\n");
   CLI::App* compare =
       add(tree, session, "compare", "Compare the results of several sessions, oldest first",
@@ -187,7 +191,7 @@ void add_protocols_and_audit(CommandTree& tree) {
 
 void add_sessions(CommandTree& tree) {
   CLI::App* session = cli::add_group(tree.line.app, "session", "Start and stop sessions, and manage their recordings",
-                                     "dtsctl session start --rig floor | start; prints the session ID\n"
+                                     "dtsctl session start --rig floor --protocol romberg | start; prints the session ID\n"
                                      "dtsctl session stop | stop the session\n"
                                      "dtsctl session list | list the recorded sessions\n"
                                      "dtsctl session export 20261121T144525Z-floor-1 --format csv | write tables\n");

@@ -26,14 +26,14 @@ std::vector<Fact> facts_of(const SessionData& session) {
   std::vector<Fact> facts{{.name = "Session", .value = or_dash(about.session_id)},
                           {.name = "Subject ID", .value = or_dash(about.subject)},
                           {.name = "Rig", .value = or_dash(about.rig)},
-                          {.name = "Protocol", .value = or_dash(about.protocol)},
+                          {.name = "Protocol", .value = protocol_text(session)},
                           {.name = "Started", .value = about.started_utc_ns > 0 ? utc_text(about.started_utc_ns) : "unknown"}};
   const auto kept = std::ranges::count_if(session.trials, [](const TrialData& trial) { return trial.counts(); });
   facts.push_back(
       {.name = "Trials",
        .value = std::to_string(kept) + (session.planned_trials > 0 ? " of " + std::to_string(session.planned_trials) : "") + " valid"});
   for (const auto& [name, value] : about.fields) {
-    if (facts.size() < 16) facts.push_back({.name = name, .value = value});
+    if (facts.size() < 16) facts.push_back(field_fact(session, name, value));
   }
   if (!about.label.empty()) facts.push_back({.name = "Note", .value = about.label});
   return facts;
@@ -59,7 +59,7 @@ std::string cut(const std::string& text, double width_mm, double size) {
   return shorter + "...";
 }
 
-void draw_cells(Canvas& canvas, const std::vector<const TrialData*>& trials) {
+void draw_cells(Canvas& canvas, const SessionData& session, const std::vector<const TrialData*>& trials) {
   const double scale = common_scale(trials);
   const double pitch = kFullWidthMm / static_cast<double>(kCellsInRow);
   for (std::size_t index = 0; index < trials.size(); ++index) {
@@ -67,20 +67,21 @@ void draw_cells(Canvas& canvas, const std::vector<const TrialData*>& trials) {
     Canvas cell =
         canvas.group(pitch * static_cast<double>(index % kCellsInRow), (kCellMm + kCellTextMm) * static_cast<double>(index / kCellsInRow));
     cell.text(0.0, 2.2, cut(trial.number() + (trial.counts() ? "" : " (not valid)"), pitch - 2.0, 2.1), {.size = 2.1, .is_bold = true});
-    cell.text(0.0, 4.8, cut(trial.recorded.condition, pitch - 2.0, 1.9), {.size = 1.9, .colour = colour::kDarkGrey});
+    cell.text(0.0, 4.8, cut(condition_text(session, trial.recorded.condition), pitch - 2.0, 1.9),
+              {.size = 1.9, .colour = colour::kDarkGrey});
     const double side = kCellMm - 2.0;
     cell.rect(0.0, 5.6, side, side, colour::kNone, {.colour = colour::kGrey, .width = 0.15});
     draw_path(cell, side / 2.0, 5.6 + side / 2.0, scale, *trial.prepared, kMostPointsOfCell, 0.12);
   }
 }
 
-Figure small_multiples(const std::vector<const TrialData*>& trials) {
+Figure small_multiples(const SessionData& session, const std::vector<const TrialData*>& trials) {
   const double rows = static_cast<double>((trials.size() + kCellsInRow - 1) / kCellsInRow);
   const double side_mm = (kCellMm - 2.0) / common_scale(trials);
   return {.title = "Stabilograms: top = front, right = right. Each frame is " + fixed(side_mm, 1) + " mm wide and high",
           .width_mm = kFullWidthMm,
           .height_mm = rows * (kCellMm + kCellTextMm),
-          .draw = [trials](Canvas& canvas) { draw_cells(canvas, trials); }};
+          .draw = [trials, &session](Canvas& canvas) { draw_cells(canvas, session, trials); }};
 }
 
 Notes left_out(const SessionData& session) {
@@ -142,8 +143,8 @@ Notes differences(const SessionData& session) {
 
 PageContent session_content(const SessionData& session, const SessionPageLimits& limits) {
   PageContent page{
-      .title = "Quiet standing",
-      .subtitle = "session",
+      .title = session_title(session),
+      .subtitle = "quiet standing",
       .facts = facts_of(session),
       .alerts = session_alerts(session),
       .sections = {},
@@ -156,7 +157,7 @@ PageContent session_content(const SessionData& session, const SessionPageLimits&
     ++drawable;
     if (shown.size() < limits.pictures) shown.push_back(&trial);
   }
-  if (!shown.empty()) page.sections.push_back({.columns = {{small_multiples(shown)}}});
+  if (!shown.empty()) page.sections.push_back({.columns = {{small_multiples(session, shown)}}});
   if (drawable > shown.size()) {
     page.alerts.push_back(std::to_string(drawable - shown.size()) + " more stabilograms are only on the pages of their trials.");
   }

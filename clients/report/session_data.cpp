@@ -197,6 +197,7 @@ core::Result<SessionData> read_session(const ReportSource& source, const ReportP
   }
   if (session.facts) {
     session.plate = recorded_plate(*session.facts);
+    session.protocol = recorded_protocol(*session.facts);
     session.planned_trials = planned_trials(*session.facts);
     session.foot_length_mm = foot_length_mm(session.facts);
   }

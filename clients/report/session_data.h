@@ -13,6 +13,7 @@
 #include "record/session_facts.h"
 #include "report/report.h"
 #include "report/stabilogram.h"
+#include "session/protocol.h"
 #include "session/recorded_sway.h"
 
 namespace dts::report {
@@ -56,6 +57,7 @@ struct SessionData {
   std::vector<session::MissingQuotient> missing_quotients;
   std::vector<std::string> differing_results;  ///< Names of results that differ from those that the daemon recorded.
   std::optional<PlateSize> plate;
+  session::Protocol protocol{};  ///< As recorded, for names.
   std::uint32_t planned_trials = 0;
   std::optional<double> foot_length_mm;
 

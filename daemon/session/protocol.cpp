@@ -59,8 +59,9 @@ core::Status check_known(const Protocol& protocol, const Fields& fields) {
   for (std::size_t index = 0; index < fields.size(); ++index) {
     const std::string& given = fields[index].first;
     if (std::ranges::find(names, given) != names.end()) continue;
-    const std::string place = "number " + std::to_string(index + 1) + " of " + std::to_string(fields.size());
-    return wrong("protocol '" + protocol.name + "' has no field " + (looks_like_field(given) ? "'" + given + "'" : "like " + place),
+    const std::string place = std::to_string(index + 1) + " of " + std::to_string(fields.size());
+    return wrong(looks_like_field(given) ? "protocol '" + protocol.name + "' has no field '" + given + "'"
+                                         : "field " + place + " is not a field of protocol '" + protocol.name + "'",
                  names.empty() ? "remove it: this protocol has no fields" : core::known_words_hint(given, names));
   }
   return {};
@@ -123,8 +124,7 @@ Protocol free_protocol() {
   Protocol protocol;
   protocol.title = "Free recording";
   protocol.sentence = "Records until it is stopped";
-  protocol.definition =
-      "name = \"" + protocol.name + "\"\ntitle = \"" + protocol.title + "\"\nsentence = \"" + protocol.sentence + "\"\n";
+  protocol.definition = "name = \"" + protocol.name + "\"\ntitle = \"" + protocol.title + "\"\nsentence = \"" + protocol.sentence + "\"\n";
   return protocol;
 }
 

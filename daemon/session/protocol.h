@@ -13,10 +13,10 @@ namespace dts::session {
 
 /// A value that a protocol requests about the subject before the session starts (thesis Table 6.1): body measures, never names.
 struct ProtocolField {
-  std::string name;       ///< "arm_length_cm": includes the unit.
-  std::string label{};    ///< "Arm length": how a form names the field.
-  std::string unit{};     ///< "cm"; empty: none.
-  std::string help{};     ///< One sentence; may be empty.
+  std::string name;     ///< "arm_length_cm": includes the unit.
+  std::string label{};  ///< "Arm length": how a form names the field.
+  std::string unit{};   ///< "cm"; empty: none.
+  std::string help{};   ///< One sentence; may be empty.
   bool is_required = false;
   double minimum = 0.0;  ///< For a number.
   double maximum = 0.0;
@@ -63,9 +63,9 @@ struct Protocol {
   std::string name = "free";  ///< [a-z0-9-], at most 32
   std::string title{};        ///< "Romberg's test"
   std::string sentence{};     ///< What the protocol does.
-  std::string rig_kind{};   ///< "floor", "chair"; empty: any.
-  double settle_s = 0.0;    ///< For the whole session; a protocol with trials sets it per trial.
-  double duration_s = 0.0;  ///< 0: until stopped.
+  std::string rig_kind{};     ///< "floor", "chair"; empty: any.
+  double settle_s = 0.0;      ///< For the whole session; a protocol with trials sets it per trial.
+  double duration_s = 0.0;    ///< 0: until stopped.
   std::vector<ProtocolField> fields{};
   std::optional<TrialPlan> trials;
   std::string definition;  ///< The file's text, recorded with every session.
@@ -78,8 +78,8 @@ struct Protocol {
 
 /// Fails with InvalidArgument, naming the field, if it is unknown, duplicate, missing though required, not a number, out of range or not
 /// one of the choices. The message repeats no value, and the name of an unknown field only if it looks like one: others could be a person's
-/// name. A condition at maximum reach needs the field max_reach_cm; a condition in percent needs arm_length_cm. Rejects a target beyond the maximum reach,
-/// for safety and as in the thesis (6.3.3).
+/// name. A condition at maximum reach needs the field max_reach_cm; a condition in percent needs arm_length_cm. Rejects a target beyond the
+/// maximum reach, for safety and as in the thesis (6.3.3).
 [[nodiscard]] core::Status check_fields(const Protocol& protocol, const std::vector<std::pair<std::string, std::string>>& fields);
 
 /// Returns a field's number; nothing if the field is absent or not a number.

@@ -112,12 +112,14 @@ class TrialSteps {
                .end_segment = event.segment(),
                .begin_s = time_s};
     } else if (step.kind == Done || step.kind == Redone || step.kind == Rejected || step.kind == Aborted) {
-      if (trial.outcome.empty()) {
+      const bool was_done = done_.contains(key);
+      if (step.kind == Done) done_.insert(key);
+      if (!was_done) {  // a trial that is voided after its end keeps its end
         trial.end_scan = {event.scan()};
         trial.end_segment = event.segment();
       }
-      if (step.kind == Done) done_.insert(key);
-      trial.outcome = name(step.kind);
+      // A Done that was due before an undo may precede it in the file.
+      if (step.kind != Done || trial.outcome.empty()) trial.outcome = name(step.kind);
     } else if (step.kind == Undone) {
       trial.outcome = done_.contains(key) ? name(Done) : "";
     }

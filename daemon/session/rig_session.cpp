@@ -20,7 +20,7 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::size_t kLongestReason = 200;
-constexpr double kFurthestS = 1.0;                     // maximum time from the newest scan to an event after it
+constexpr double kFurthestS = 1.0;                      // maximum time from the newest scan to an event after it
 constexpr double kFurthestBackS = kUndoS + kFurthestS;  // the same for an event before it: an undo reports what was due meanwhile
 
 /// FNV-1a: gives the same order of trials for the same session on every machine.
@@ -165,7 +165,7 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (row.state == "complete" && done.size() >= planned && (planned > 0 || row.message.empty())) {
     const std::string trials = planned > 0 ? "all " + std::to_string(planned) + " trials are done, " : "";
     return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: " + trials + "there is nothing to resume",
-                      "start a new session: dtsctl session start --rig " + row.rig);
+                      "start a new session: dtsctl session start --rig " + row.rig + " --protocol NAME");
   }
   // The requested duration, or the protocol's, less what is already recorded.
   if (const double whole_s = earlier.duration_s > 0.0 ? earlier.duration_s : protocol->duration_s; whole_s > 0.0) {
@@ -197,6 +197,7 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   trials_.reset();
   if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
   prepare_results(protocol, facts);
+  rig_.windows().restart();
   auto started = session_.start(facts.session_id, request, moment.now_ns);
   collect(moment.at);
   return started;

@@ -68,7 +68,7 @@ core::Status Session::start(std::string id, const SessionRequest& request, std::
 core::Status Session::stop(std::int64_t now_ns) {
   if (!is_under_way()) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig_ + "' has no session to stop",
-                      "start one: dtsctl session start --rig " + rig_);
+                      "start one: dtsctl session start --rig " + rig_ + " --protocol NAME");
   }
   if (state_ == SessionState::Stopping) {
     return core::fail(core::ErrorCode::WrongState, "session " + id_ + " is stopping already: its recording is being closed");

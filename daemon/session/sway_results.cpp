@@ -10,7 +10,7 @@ namespace {
 /// The analysis needs 5 ms for 1 min at 100 Hz, and about 0.5 s for 10 min at 1500 Hz (sway_bench).
 constexpr double kLongestTrialS = 600.0;
 constexpr double kUndoMs = kUndoS * 1e3 + 2000.0;  // an undo is due before its event arrives
-constexpr double kLastWordMs = 200.0;  // waits for the last event of the stage `steadiness`, 80 ms and one block after the end
+constexpr double kLastWordMs = 200.0;              // waits for the last event of the stage `steadiness`, 80 ms and one block after the end
 
 TracePlace begin_of(const SwayTrialResult& result) { return {.segment = result.segment, .scan = result.first_scan}; }
 TracePlace end_of(const SwayTrialResult& result) { return {.segment = result.end_segment, .scan = result.end_scan}; }
@@ -47,7 +47,11 @@ core::Result<posturography::Analysis> analyse(const CopCut& samples) {
 }  // namespace
 
 SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate, core::Worker& worker)
-    : raw_rate_(raw_rate), worker_(worker), trace_(raw_rate, cop_rate), last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)), undo_scans_(raw_rate.scans_in_ms(kUndoMs)) {}
+    : raw_rate_(raw_rate),
+      worker_(worker),
+      trace_(raw_rate, cop_rate),
+      last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)),
+      undo_scans_(raw_rate.scans_in_ms(kUndoMs)) {}
 
 void SwayResults::take(const core::Block& cop) {
   trace_.take(cop);
@@ -56,9 +60,8 @@ void SwayResults::take(const core::Block& cop) {
 
 void SwayResults::take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
   using enum TrialEventKind;
-  const bool counts =
-      event.kind == Measure || event.kind == Done || event.kind == Redone || event.kind == Rejected || event.kind == Aborted ||
-      event.kind == Undone;
+  const bool counts = event.kind == Measure || event.kind == Done || event.kind == Redone || event.kind == Rejected ||
+                      event.kind == Aborted || event.kind == Undone;
   if (!counts || event.trial == 0) return;
   const Key key{event.trial, event.attempt};
   if (!attempts_.contains(key) && attempts_.size() >= kMostAttempts) return;
@@ -121,11 +124,11 @@ void SwayResults::end_complete() {
   std::erase_if(open_, [&](const Key& key) {
     Attempt& attempt = attempts_[key];
     const SwayTrialResult& result = attempt.result;
-    if (attempt.state == State::Waiting && !attempt.voided && trace_.reaches({.segment = result.end_segment, .scan = result.end_scan + last_word_scans_})) {
+    if (attempt.state == State::Waiting && !attempt.voided &&
+        trace_.reaches({.segment = result.end_segment, .scan = result.end_scan + last_word_scans_})) {
       end_trial(key, attempt);
     }
-    const bool is_lost =
-        attempt.voided && trace_.reaches({.segment = attempt.voided->segment, .scan = attempt.voided->scan + undo_scans_});
+    const bool is_lost = attempt.voided && trace_.reaches({.segment = attempt.voided->segment, .scan = attempt.voided->scan + undo_scans_});
     if (is_lost && (attempt.state == State::Measuring || attempt.state == State::Waiting)) attempt.state = State::Dropped;
     const bool is_open = attempt.state == State::Measuring || attempt.state == State::Waiting;
     if (is_open && (!kept_from || order(begin_of(result)) < order(*kept_from))) kept_from = begin_of(result);

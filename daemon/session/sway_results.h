@@ -72,8 +72,8 @@ class SwayResults {
   /// Waits until the analyses of all ended trials are done.
   void wait() const;
 
-  /// Returns the trials decided since the last call, in the order of their ends. Leaves out void trials, and returns them if that is undone.
-  /// A trial that is redone or rejected later is void in the summary.
+  /// Returns the trials decided since the last call, in the order of their ends. Leaves out void trials, and returns them if that is
+  /// undone. A trial that is redone or rejected later is void in the summary.
   [[nodiscard]] std::vector<SwayTrialResult> take_decided();
   /// Covers the trials that `take_decided` has returned.
   [[nodiscard]] std::vector<SessionFigure> summary() const;

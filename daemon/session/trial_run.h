@@ -23,11 +23,11 @@ struct PlannedTrial {
   friend bool operator==(const PlannedTrial&, const PlannedTrial&) = default;
 };
 
-inline constexpr double kUndoS = 5.0;                ///< How long a redo or reject can be taken back. A plan that starts by itself waits so long.
+inline constexpr double kUndoS = 5.0;  ///< How long a redo or reject can be taken back. A plan that starts by itself waits so long.
 inline constexpr std::uint32_t kMostTrials = 10'000;  ///< Maximum per plan; further trials are left out.
 [[nodiscard]] std::uint32_t planned_trials(const TrialPlan& plan);
-/// Returns how long all trials take, with the mean delay of the cue, settling and rest, in s. Nothing if trials last until a command. A plan
-/// that does not start by itself takes longer, by the pauses of the user.
+/// Returns how long all trials take, with the mean delay of the cue, settling and rest, in s. Nothing if trials last until a command. A
+/// plan that does not start by itself takes longer, by the pauses of the user.
 [[nodiscard]] std::optional<double> length_s(const TrialPlan& plan);
 
 /// Returns the order of all trials. If a block has fewer trials than conditions, the next block continues with the others, so that the
@@ -165,7 +165,7 @@ class TrialRun {
   std::vector<PlannedTrial> places_;
   std::vector<std::optional<double>> targets_cm_;       ///< Per condition.
   std::vector<std::optional<double>> targets_percent_;  ///< Per condition.
-  std::vector<bool> is_done_before_;               ///< Per trial of the plan.
+  std::vector<bool> is_done_before_;                    ///< Per trial of the plan.
   TrialPhase phase_ = TrialPhase::Waiting;
   std::optional<std::int64_t> phase_ends_ns_;  ///< Nothing: a command ends it.
   std::optional<std::size_t> current_;         ///< Position of the current or last trial.

@@ -18,7 +18,9 @@ class ResumeTest : public ::testing::Test {
     const auto status = daemon_.control().status();
     return status ? status->rigs(0).session() : v1::SessionInfo();
   }
-  [[nodiscard]] bool runs(const std::string& id) const { return session().session_id() == id && session().state() == v1::SESSION_STATE_RUNNING; }
+  [[nodiscard]] bool runs(const std::string& id) const {
+    return session().session_id() == id && session().state() == v1::SESSION_STATE_RUNNING;
+  }
   std::string start(double duration_s) {
     v1::StartSessionRequest request;
     request.set_rig("floor");

@@ -37,12 +37,14 @@ void begin(const v1::Event& event, TrialRow& row) {
   row.first_scan = event.scan();
 }
 
-/// Sets the outcome. A trial that was done and later rejected or redone keeps its end.
-void end(const v1::Event& event, TrialRow& row) {
-  if (row.outcome.empty()) {
+/// Sets the outcome. A trial that was done and later rejected or redone keeps its end. A Done that was due before an undo may precede the
+/// undo in the file.
+void end(const v1::Event& event, bool was_done, TrialRow& row) {
+  if (!was_done) {
     row.last_segment = event.segment();
     row.last_scan = event.scan();
   }
+  if (event.trial().step() == v1::TRIAL_EVENT_KIND_DONE && !row.outcome.empty()) return;
   row.outcome = wire::enumerator_word(*v1::TrialEventKind_descriptor(), event.trial().step());
 }
 
@@ -76,12 +78,13 @@ void TrialCollector::add_step(const v1::Event& event) {
     row.attempt = change.attempt();
     begin(event, row);
   }
+  const bool was_done = done_.contains({change.trial(), change.attempt()});
   if (change.step() == v1::TRIAL_EVENT_KIND_DONE) done_.insert({change.trial(), change.attempt()});
   if (is_end(change.step())) {
-    end(event, row);
+    end(event, was_done, row);
   } else if (change.step() == v1::TRIAL_EVENT_KIND_UNDONE) {
     undo(row);
-  } else if (row.outcome.empty()) {
+  } else if (!was_done) {
     begin(event, row);
   }
 }

@@ -39,7 +39,7 @@ class TrialCollector {
   std::optional<std::size_t> raw_;
   Place newest_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt. Empty outcome: the trial has not ended.
-  std::set<std::pair<std::uint32_t, std::uint32_t>> done_;  ///< Trial and attempt, also if they were redone or rejected later.
+  std::set<std::pair<std::uint32_t, std::uint32_t>> done_;            ///< Trial and attempt, also if they were redone or rejected later.
   std::map<std::string, ResultRow> session_results_;
 };
 

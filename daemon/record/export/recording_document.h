@@ -21,7 +21,7 @@ class TrialTable {
   void add(const RecordedScans& scans) noexcept;
   /// Thread: the events' thread.
   void add(const TimedEvent& event) { trials_.add(RecordedItem(event)); }
-  /// Returns the trials as CSV; empty if there was none. Call it after the last `add`.
+  /// Returns the trials as CSV, each with the measures of its result; empty if there was none. Call it after the last `add`.
   [[nodiscard]] std::string text();
 
  private:

@@ -129,29 +129,36 @@ TEST_F(ProtocolFiles, EveryKey_ReachesItsField) {
   insert("name = \"x\"\n", "title = \"Standing\"\n");
   insert("label = \"Arm length\"\n", "unit = \"cm\"\nhelp = \"From the acromion\"\n");
   insert("name = \"a\"\n", "title = \"Eyes open\"\n");
-  EXPECT_EQ(
-      read_protocol(write("x.toml", every), problems_),
-      (session::Protocol{
-          .name = "x",
-          .title = "Standing",
-          .sentence = "Stand still",
-          .rig_kind = "chair",
-          .fields = {{.name = "arm_length_cm", .label = "Arm length", .unit = "cm", .help = "From the acromion", .is_required = true, .minimum = 30, .maximum = 110},
-                     {.name = "max_reach_cm", .label = "Reach", .minimum = 1, .maximum = 200},
-                     {.name = "side", .label = "Side", .choices = {"left", "right"}}},
-          .trials = session::TrialPlan{.conditions = {{.name = "a", .title = "Eyes open", .labels = {{"eyes", "open"}, {"feet", "two"}}, .target_percent = 80.0},
-                                                      {.name = "b", .title = "b", .is_maximum_reach = true}},
-                                       .trials_per_block = 3,
-                                       .blocks = 2,
-                                       .order = session::TrialOrder::Randomised,
-                                       .starts_by_itself = true,
-                                       .cue_delay_min_s = 1.0,
-                                       .cue_delay_max_s = 2.0,
-                                       .settle_s = 5.0,
-                                       .duration_s = 20.0,
-                                       .rest_s = 3.0,
-                                       .block_rest_s = 60.0},
-          .definition = every}));
+  EXPECT_EQ(read_protocol(write("x.toml", every), problems_),
+            (session::Protocol{.name = "x",
+                               .title = "Standing",
+                               .sentence = "Stand still",
+                               .rig_kind = "chair",
+                               .fields = {{.name = "arm_length_cm",
+                                           .label = "Arm length",
+                                           .unit = "cm",
+                                           .help = "From the acromion",
+                                           .is_required = true,
+                                           .minimum = 30,
+                                           .maximum = 110},
+                                          {.name = "max_reach_cm", .label = "Reach", .minimum = 1, .maximum = 200},
+                                          {.name = "side", .label = "Side", .choices = {"left", "right"}}},
+                               .trials = session::TrialPlan{.conditions = {{.name = "a",
+                                                                            .title = "Eyes open",
+                                                                            .labels = {{"eyes", "open"}, {"feet", "two"}},
+                                                                            .target_percent = 80.0},
+                                                                           {.name = "b", .title = "b", .is_maximum_reach = true}},
+                                                            .trials_per_block = 3,
+                                                            .blocks = 2,
+                                                            .order = session::TrialOrder::Randomised,
+                                                            .starts_by_itself = true,
+                                                            .cue_delay_min_s = 1.0,
+                                                            .cue_delay_max_s = 2.0,
+                                                            .settle_s = 5.0,
+                                                            .duration_s = 20.0,
+                                                            .rest_s = 3.0,
+                                                            .block_rest_s = 60.0},
+                               .definition = every}));
   const auto text = [this](const std::string& definition) { return read_protocol_text(definition, "p", problems_); };
   EXPECT_EQ(text(kSession), (session::Protocol{.name = "x", .title = "x", .settle_s = 1.0, .duration_s = 2.0, .definition = kSession}));
   const std::string least = "name = \"x\"\n";
@@ -204,7 +211,8 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
     return repeated(count, [](int k) { return "l" + std::to_string(k) + " = \"a\", "; }) + "eyes = \"open\" }";
   };
   const auto fields = [&repeated](int count) {
-    return repeated(count, [](int k) { return "[[field]]\nname = \"f" + std::to_string(k) + "\"\nlabel = \"F\"\nminimum = 0\nmaximum = 0\n"; });
+    return repeated(count,
+                    [](int k) { return "[[field]]\nname = \"f" + std::to_string(k) + "\"\nlabel = \"F\"\nminimum = 0\nmaximum = 0\n"; });
   };
   const auto conditions = [&repeated](int count) {
     return repeated(count, [](int k) { return "[[trials.condition]]\nname = \"c" + std::to_string(k) + "\"\n"; });
@@ -227,11 +235,13 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
           {"sentence", "sentence = \"" + std::string(201, 's') + "\"", "p:2:12: sentence must be one line of at most 200 bytes"},
           {"sentence", "title = \"" + std::string(65, 's') + "\"", "p:2:9: title must be one line of at most 64 bytes"},
           {"label", "", "p:4:1: [[field]] label is missing"},
-          {"label", "label = \"" + std::string(64, 's') + "\"\nunit = \"" + std::string(16, 's') + "\"\nhelp = \"" + std::string(200, 's') + "\"", ""},
+          {"label",
+           "label = \"" + std::string(64, 's') + "\"\nunit = \"" + std::string(16, 's') + "\"\nhelp = \"" + std::string(200, 's') + "\"",
+           ""},
           {"label", "label = \"" + std::string(65, 's') + "\"", "p:6:9: label must be one line of at most 64 bytes"},
           {"label", "label = \"L\"\nunit = \"" + std::string(17, 's') + "\"", "p:7:8: unit must be one line of at most 16 bytes"},
           {"label", "label = \"L\"\nhelp = \"a\\tb\"", "p:7:8: help must be one line of at most 200 bytes"},
-          {"label", "sentence = \"L\"", "p:6:1: unknown key 'sentence' in [[field]]\np:4:1: [[field]] label is missing"},
+          {"label", "sentence = \"L\"", "p:4:1: [[field]] label is missing\np:6:1: unknown key 'sentence' in [[field]]"},
           {"rig_kind", "rig_kind = \"bed\"", "p:3:12: rig_kind = \"bed\" is not known; known: \"floor\", \"chair\""},
           {"rig_kind", "rig_kin = \"floor\"", "p:3:1: unknown key 'rig_kin'"},
           {"rig_kind", "settle_s = 1", "p:3:12: settle_s is set for each trial in this protocol: write it below [trials]"},

@@ -128,11 +128,17 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"trial {}", error("INVALID_ARGUMENT"), "local trial invalid_argument"},
       {"trial { action: TRIAL_ACTION_NEXT }", error("WRONG_STATE"), "local trial_next wrong_state"},
       {"start_session { rig: 'chair' }", error("NOT_FOUND"), "local start_session not_found"},
+      {"start_session { rig: 'floor' }",
+       error("INVALID_ARGUMENT") +
+           " what: \"a session needs a protocol, and none is given\" hint: \"add --protocol NAME, one of: free, stand\"",
+       "local start_session [floor] invalid_argument"},
       {"start_session { rig: 'floor' subject: 'Jane Doe' }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
       {"start_session { rig: 'floor' duration_s: -1 }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
       {"start_session { rig: 'floor' settle_s: -1 }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
-      {"start_session { rig: 'floor' " + fields(65) + "}", error("LIMIT_EXCEEDED"), "local start_session [floor] limit_exceeded"},
-      {"start_session { rig: 'floor' " + fields(64) + "}", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
+      {"start_session { rig: 'floor' protocol: 'free' " + fields(65) + "}", error("LIMIT_EXCEEDED"),
+       "local start_session [floor] limit_exceeded"},
+      {"start_session { rig: 'floor' protocol: 'free' " + fields(64) + "}", error("INVALID_ARGUMENT"),
+       "local start_session [floor] invalid_argument"},
       {start, started, "local start_session [ID] ok"},
   });
   ASSERT_TRUE(is_in(session::SessionState::Running));
@@ -146,6 +152,8 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"trial { action: TRIAL_ACTION_REDO }", trial + "MEASURING trial: 1 attempt: 2", "local trial_redo [ID] ok"},
       {"trial { action: TRIAL_ACTION_NEXT rig: 'floor' }", trial + "WAITING trial: 1 attempt: 2", "local trial_next [ID] ok"},
       {"trial { action: TRIAL_ACTION_REJECT }", trial + "WAITING trial: 1", "local trial_reject [ID] ok"},
+      {"trial { action: TRIAL_ACTION_UNDO }", trial + "WAITING trial: 1", "local trial_undo [ID] ok"},
+      {"trial { action: TRIAL_ACTION_UNDO }", error("WRONG_STATE"), "local trial_undo [ID] wrong_state"},
       {"stop_session { is_abort: true reason: 'tired' }",
        "session { session_id: \"ID\" rig: \"floor\" state: SESSION_STATE_IDLE protocol: \"stand\" subject: \"P7\"",
        "local abort_session [ID] ok"},

@@ -3,7 +3,6 @@ import { create } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 
 import { SessionInfoSchema } from '../../generated/dts/v1/control_pb';
-import type { SessionInfo } from '../../generated/dts/v1/control_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { Quality, SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Block } from '../../link/types';

@@ -149,6 +149,9 @@ core::Result<Corrections> read_corrections(const std::string& file) {
 }
 
 core::Result<Corrections> corrections_beside(const std::string& recording, const SessionFacts& facts) {
+  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+  const bool is_ours = !facts.session_id.empty() && facts.session_id.find_first_not_of(kLetters) == std::string::npos;
+  if (!is_ours) return Corrections{};  // a recording of another program, or a forged ID that would be a path
   const std::string file = corrections_file(recording, facts.session_id);
   auto read = read_corrections(file);
   if (!read && read.error().code == ErrorCode::NotFound) return Corrections{.session_id = facts.session_id};

@@ -42,8 +42,9 @@ std::vector<Fact> facts_of(const SessionData& session) {
   for (const auto& [name, value] : about.fields) {
     if (facts.size() < 16) facts.push_back({.name = name, .value = value});
   }
-  const std::string label = with_recorded(session, record::CorrectedField::Label, about.label);
-  if (!label.empty()) facts.push_back({.name = "Label", .value = about.label.empty() ? "none" + label : label});
+  if (!about.label.empty()) {
+    facts.push_back({.name = "Label", .value = with_recorded(session, record::CorrectedField::Label, about.label)});
+  }
   const std::string* const notes = session.corrections.value(record::CorrectedField::Notes);
   if (notes != nullptr && !notes->empty()) facts.push_back({.name = "Notes", .value = *notes});
   return facts;

@@ -37,7 +37,7 @@ std::vector<Fact> facts_of(const SessionData& session, const TrialData& trial) {
         {.name = "Filter",
          .value = "profile " + std::string(posturography::name(trial.analysis->profile)) + ": " + filter_text(*trial.analysis)});
   }
-  if (session.facts && !session.facts->label.empty()) facts.push_back({.name = "Note", .value = session.facts->label});
+  if (session.facts && !session.facts->label.empty()) facts.push_back({.name = "Label", .value = session.facts->label});
   return facts;
 }
 

@@ -122,6 +122,20 @@ const std::string* Corrections::outcome(std::uint32_t part, std::uint32_t trial,
   return newest == all.rend() ? nullptr : &newest->new_value;
 }
 
+void Corrections::add(Correction correction) {
+  correction.number = static_cast<std::uint32_t>(all.size() + 1);
+  all.push_back(std::move(correction));
+  const Correction& added = all.back();
+  const bool is_text = added.field == CorrectedField::Label || added.field == CorrectedField::Notes;
+  if (!is_text || !added.new_value.empty()) return;
+  for (Correction& one : all) {
+    if (one.field != added.field) continue;
+    for (std::string* value : {&one.old_value, &one.new_value}) {
+      if (!value->empty()) *value = kRemovedText;
+    }
+  }
+}
+
 std::string corrections_file(const std::string& recording, const std::string& session_id) {
   return (std::filesystem::path(recording).parent_path() / (session_id + std::string(kCorrectionsEnding))).string();
 }

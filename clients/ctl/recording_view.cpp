@@ -127,7 +127,7 @@ std::string disk_line(const v1::DiskStatus& disk) {
 }
 
 cli::Cell state_cell(const std::string& word) {
-  if (word == "complete") return {word, cli::Style::Good};
+  if (word == "complete" || word.starts_with("complete, ")) return {word, cli::Style::Good};
   return {word, word == "running" || word == "recording" ? cli::Style::Plain : cli::Style::Bad};
 }
 

@@ -140,6 +140,7 @@ int run_session_list(const Arguments& arguments, cli::Console& console) {
   request.set_subject(arguments.session.subject);
   request.set_protocol(arguments.session.protocol);
   request.set_limit(arguments.session.limit);
+  request.set_deleted(arguments.session.is_deleted);
   const auto ask = [&](ControlClient& dts) -> Result<v1::ListSessionsResponse> {
     auto sessions = dts.list_sessions(request);
     if (!sessions || sessions->sessions_size() > 0 || arguments.rig.empty()) return sessions;

@@ -31,7 +31,17 @@ std::string state_word(v1::PartState state) { return enumerator_word(*v1::PartSt
 /// Returns the session's state and, in brackets, the losses of its recordings: "complete (10560 scans lost in 1 gap)".
 std::string state_text(const v1::SessionRecord& session) {
   const std::string lost = loss_text(sum_of(session));
-  return or_dash(session.state()) + (lost.empty() ? "" : " (" + lost + ")");
+  std::string text = or_dash(session.state()) + (lost.empty() ? "" : " (" + lost + ")");
+  const auto is_value = [](const v1::Correction& correction) { return correction.field() != "deleted"; };
+  if (std::ranges::any_of(session.corrections(), is_value)) text += ", corrected";
+  return text + (session.is_deleted() ? ", deleted" : "");
+}
+
+void print_corrections(cli::Console& console, const v1::SessionRecord& session) {
+  if (session.corrections_size() > 0) console.out << "\ncorrections (the recording stays as it is):\n";
+  for (const v1::Correction& correction : session.corrections()) {
+    console.out << "  " << cli::wrapped_at(console, 2, cli::printable(correction_text(correction))) << '\n';
+  }
 }
 
 double recorded_s(const v1::SessionRecord& session) {
@@ -99,12 +109,19 @@ std::string place_text(const v1::TrialRecord& trial) {
 }
 
 /// Returns the outcome, and for a trial that was done but does not count, why.
-cli::Cell outcome_cell(const v1::TrialRecord& trial) {
+cli::Cell recorded_cell(const v1::TrialRecord& trial) {
   if (trial.outcome() != "done") return {trial.outcome(), cli::Style::Warning};
   if (trial.fault() != v1::TRIAL_FAULT_UNSPECIFIED) return {"done, not valid: " + fault_words(trial.fault()), cli::Style::Warning};
   const v1::Sway& sway = trial.sway();
   if ((sway.flags() & v1::SWAY_FLAG_CUT_AT_GAP) != 0) return {"done, cut short by a gap", cli::Style::Warning};
   return {"done", cli::Style::Good};
+}
+
+/// Returns the outcome; for a corrected one, with the recorded one.
+cli::Cell outcome_cell(const v1::TrialRecord& trial) {
+  cli::Cell cell = recorded_cell(trial);
+  if (!trial.recorded_outcome().empty()) cell.text += " (corrected; recorded: " + trial.recorded_outcome() + ")";
+  return cell;
 }
 
 /// Prints trials of quiet standing.
@@ -229,6 +246,7 @@ void print_session(cli::Console& console, const v1::SessionRecord& session, std:
     print_field(console, name, value);
   }
   print_field(console, "label", session.label());
+  print_field(console, "notes", session.notes());
   print_field(console, "started", utc_text(session.started_utc_ns()) + " UTC");
   if (session.ended_utc_ns() != 0) print_field(console, "ended", utc_text(session.ended_utc_ns()) + " UTC");
   if (elapsed_s) {
@@ -241,6 +259,18 @@ void print_session(cli::Console& console, const v1::SessionRecord& session, std:
   print_parts(console, session);
   print_trials(console, session);
   print_results(console, session);
+  print_corrections(console, session);
+}
+
+std::string correction_text(const v1::Correction& correction) {
+  std::string what = correction.field() == "subject" ? "subject ID" : correction.field();
+  if (correction.field() == "outcome") {
+    what += " of trial " + std::to_string(correction.trial()) + ", attempt " + std::to_string(correction.attempt());
+    if (correction.part() > 1) what += ", part " + std::to_string(correction.part());
+  }
+  const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
+  return what + ": " + value(correction.old_value()) + " -> " + value(correction.new_value()) + ", " + utc_text(correction.utc_ns()) +
+         " UTC, " + correction.who() + (correction.reason().empty() ? "" : ": " + correction.reason());
 }
 
 void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& protocols) {

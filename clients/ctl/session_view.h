@@ -17,4 +17,7 @@ void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& pro
 void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol);
 void print_audit(cli::Console& console, const v1::GetAuditResponse& audit);
 
+/// Returns one line, such as "subject ID: P071 -> P017, 2026-11-21 14:45:25 UTC, local: typing error".
+[[nodiscard]] std::string correction_text(const v1::Correction& correction);
+
 }  // namespace dts::ctl

@@ -79,8 +79,9 @@ std::string invalid_text(const TrialData& trial) {
 
 std::string outcome_text(const TrialData& trial) {
   if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "not ended: not valid";
-  if (trial.recorded.outcome != "done") return trial.recorded.outcome + ": not valid";
-  return "done" + invalid_text(trial);
+  const std::string text =
+      trial.recorded.outcome == "done" ? "done" + invalid_text(trial) : trial.recorded.outcome + ": not valid";
+  return text + (trial.recorded_outcome.empty() ? "" : " (corrected; recorded: " + trial.recorded_outcome + ")");
 }
 
 std::string stance_text(const std::string& stance) {

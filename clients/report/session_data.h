@@ -10,6 +10,7 @@
 #include "posturography/analysis.h"
 #include "posturography/prepare.h"
 #include "posturography/spectrum.h"
+#include "record/catalogue/corrections.h"
 #include "record/session_facts.h"
 #include "report/report.h"
 #include "report/stabilogram.h"
@@ -30,6 +31,7 @@ struct PartData {
 /// A trial and its new analysis.
 struct TrialData {
   session::StandingTrial recorded;
+  std::string recorded_outcome{};             ///< If the outcome was corrected: as recorded.
   std::size_t part = 0;                       ///< Index into `SessionData::parts`.
   std::optional<std::int64_t> begins_utc_ns;  ///< Start of the part that counts.
   std::optional<posturography::Prepared> prepared;
@@ -50,7 +52,8 @@ struct TrialData {
 /// All data of a session that a report shows.
 struct SessionData {
   std::string software;
-  std::optional<record::SessionFacts> facts;  ///< Of the first part; absent: a file of another program.
+  std::optional<record::SessionFacts> facts;  ///< Of the first part, with corrected values; absent: a file of another program.
+  record::Corrections corrections;            ///< Of the session.
   std::vector<PartData> parts;
   std::vector<TrialData> trials;  ///< In the order of the recording.
   std::vector<session::SessionFigure> summary;

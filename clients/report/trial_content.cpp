@@ -36,7 +36,7 @@ std::vector<Fact> facts_of(const SessionData& session, const TrialData& trial) {
     facts.push_back(
         {.name = "Filter", .value = filter_text(*trial.analysis) + " (" + std::string(posturography::name(trial.analysis->profile)) + ")"});
   }
-  if (session.facts && !session.facts->label.empty()) facts.push_back({.name = "Note", .value = session.facts->label});
+  if (session.facts && !session.facts->label.empty()) facts.push_back({.name = "Label", .value = session.facts->label});
   return facts;
 }
 

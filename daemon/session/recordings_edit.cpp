@@ -30,9 +30,8 @@ core::Status Recordings::correct(const record::SessionRow& session, std::vector<
   if (session.parts.empty()) return core::fail(core::ErrorCode::NotFound, "session " + session.id + " has no recording");
   const bool has_outcome = std::ranges::find(corrections, record::CorrectedField::Outcome, &record::Correction::field) != corrections.end();
   for (record::Correction& correction : corrections) {
-    correction.number = static_cast<std::uint32_t>(all.all.size() + 1);
     correction.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();
-    all.all.push_back(std::move(correction));
+    all.add(std::move(correction));
   }
   const std::string file = record::corrections_file(session.parts.front().file, session.id);
   DTS_TRY(record::write_corrections(file, all));

@@ -73,6 +73,9 @@ Result<std::vector<RecordedFile>> find_recordings(const Arguments& arguments) {
   }
   DTS_TRY_ASSIGN(auto dts, connect(arguments));
   DTS_TRY_ASSIGN(const auto session, dts.show_session(argument));
+  if (session.is_deleted()) {
+    return client::fail(ErrorCode::WrongState, "session '" + argument + "' is deleted", "restore it: dtsctl session restore " + argument);
+  }
   if (session.parts_size() == 0) return client::fail(ErrorCode::NotFound, "session '" + argument + "' has no recording");
   std::vector<RecordedFile> files;
   for (const v1::SessionPart& part : session.parts()) {

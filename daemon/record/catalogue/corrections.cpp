@@ -122,6 +122,20 @@ const std::string* Corrections::outcome(std::uint32_t part, std::uint32_t trial,
   return newest == all.rend() ? nullptr : &newest->new_value;
 }
 
+void Corrections::add(Correction correction) {
+  correction.number = static_cast<std::uint32_t>(all.size() + 1);
+  all.push_back(std::move(correction));
+  const Correction& added = all.back();
+  const bool is_text = added.field == CorrectedField::Label || added.field == CorrectedField::Notes;
+  if (!is_text || !added.new_value.empty()) return;
+  for (Correction& one : all) {
+    if (one.field != added.field) continue;
+    for (std::string* value : {&one.old_value, &one.new_value}) {
+      if (!value->empty()) *value = kRemovedText;
+    }
+  }
+}
+
 std::string corrections_file(const std::string& recording, const std::string& session_id) {
   return (std::filesystem::path(recording).parent_path() / (session_id + std::string(kCorrectionsEnding))).string();
 }
@@ -149,6 +163,9 @@ core::Result<Corrections> read_corrections(const std::string& file) {
 }
 
 core::Result<Corrections> corrections_beside(const std::string& recording, const SessionFacts& facts) {
+  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+  const bool is_ours = !facts.session_id.empty() && facts.session_id.find_first_not_of(kLetters) == std::string::npos;
+  if (!is_ours) return Corrections{};  // a recording of another program, or a forged ID that would be a path
   const std::string file = corrections_file(recording, facts.session_id);
   auto read = read_corrections(file);
   if (!read && read.error().code == ErrorCode::NotFound) return Corrections{.session_id = facts.session_id};

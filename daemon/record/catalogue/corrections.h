@@ -16,6 +16,9 @@ enum class CorrectedField : std::uint8_t { Subject = 1, Label, Notes, Outcome, D
 /// Returns "subject", "label", "notes", "outcome" or "deleted".
 [[nodiscard]] std::string_view name(CorrectedField field) noexcept;
 
+/// Stands for a label or notes that a person has removed: perhaps they had a name. Only the recording still has such a label.
+inline constexpr std::string_view kRemovedText = "[removed]";
+
 /// A change of a closed session by a person. The recording stays as it is.
 struct Correction {
   std::uint32_t number = 1;  ///< Counts from 1 without missing numbers.
@@ -44,6 +47,9 @@ struct Corrections {
   [[nodiscard]] const std::string* value(CorrectedField field) const;
   /// Returns the newest outcome of an attempt; nullptr if it was not corrected.
   [[nodiscard]] const std::string* outcome(std::uint32_t part, std::uint32_t trial, std::uint32_t attempt) const;
+
+  /// Adds a correction with the next number. If it removes a label or notes, their earlier values become `kRemovedText`.
+  void add(Correction correction);
 
   friend bool operator==(const Corrections&, const Corrections&) = default;
 };

@@ -17,7 +17,26 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json session_json(const SessionFacts& facts, bool has_label) {
+Json correction_json(const Correction& correction, bool has_texts) {
+  Json json{{"utc", core::utc_text(correction.utc_ns)}, {"field", name(correction.field)}};
+  if (correction.field == CorrectedField::Outcome) {
+    json["part"] = correction.part;
+    json["trial"] = correction.trial;
+    json["attempt"] = correction.attempt;
+  }
+  const bool is_text = correction.field == CorrectedField::Label || correction.field == CorrectedField::Notes;
+  if (has_texts || !is_text) {
+    json["old_value"] = correction.old_value;
+    json["new_value"] = correction.new_value;
+  }
+  if (!has_texts) return json;
+  json["who"] = correction.who;
+  json["reason"] = correction.reason;
+  return json;
+}
+
+Json session_json(const SessionFacts& recorded, const Corrections& corrections, bool has_texts) {
+  const SessionFacts facts = corrected(recorded, corrections);
   Json json{{"session_id", facts.session_id}, {"part", facts.part}};
   const auto put = [&json](const char* key, const std::string& text) {
     if (!text.empty()) json[key] = text;
@@ -26,7 +45,11 @@ Json session_json(const SessionFacts& facts, bool has_label) {
   put("kind", facts.kind);
   put("protocol", facts.protocol);
   put("subject", facts.subject);
-  if (has_label) put("label", facts.label);
+  if (facts.subject != recorded.subject) json["recorded_subject"] = recorded.subject;
+  if (has_texts) put("label", facts.label);
+  if (has_texts && !facts.label.empty() && facts.label != recorded.label) json["recorded_label"] = recorded.label;
+  if (const std::string* notes = corrections.value(CorrectedField::Notes); has_texts && notes != nullptr) put("notes", *notes);
+  for (const Correction& correction : corrections.all) json["corrections"].push_back(correction_json(correction, has_texts));
   for (const auto& [name, value] : facts.fields) json["subject_fields"][name] = value;
   if (facts.started_utc_ns > 0) json["started_utc"] = core::utc_text(facts.started_utc_ns);
   put("software", facts.software);
@@ -86,8 +109,8 @@ ResultCells cells_of(const TrialRow& trial) {
 
 }  // namespace
 
-std::string recording_document(const Recording& recording, bool has_label) {
-  Json json = session_json(recording.session().value_or(SessionFacts{}), has_label);
+std::string recording_document(const Recording& recording, const Corrections& corrections, bool has_texts) {
+  Json json = session_json(recording.session().value_or(SessionFacts{}), corrections, has_texts);
   const core::LossCount lost = recording.losses().total();
   json["duration_s"] = recording.duration_s();
   json["lost_scans"] = lost.scans;
@@ -104,13 +127,13 @@ void TrialTable::add(const RecordedScans& scans) noexcept {
   newest_.first_scan = {scans.first_scan.value + (scans.count - 1)};
 }
 
-std::string TrialTable::text() {
+std::string TrialTable::text(const Corrections& corrections) {
   if (raw_) {
     newest_.stream = *raw_;
     newest_.count = 1;
     trials_.add(RecordedItem(newest_));
   }
-  const std::vector<TrialRow> rows = trials_.rows();
+  std::vector<TrialRow> rows = trials_.rows();
   if (rows.empty()) return {};
   std::vector<std::string> columns;  // of the results, as any trial has them
   for (const TrialRow& trial : rows) {
@@ -118,20 +141,24 @@ std::string TrialTable::text() {
       if (std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
     }
   }
-  std::string text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan";
+  std::string text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,recorded_outcome";
   for (const std::string& name : columns) text += "," + csv_cell(name);
-  text += '\n';
-  for (const TrialRow& trial : rows) {
+  text += '
+';
+  for (TrialRow& trial : rows) {
+    const std::string recorded = trial.outcome;
+    if (const std::string* outcome = corrections.outcome(part_, trial.trial, trial.attempt)) trial.outcome = *outcome;
     text += std::to_string(trial.trial) + "," + std::to_string(trial.attempt) + "," + std::to_string(trial.block) + "," +
             csv_cell(trial.condition) + "," + trial.outcome + "," + (is_valid(trial) ? "1" : "0") + "," + std::to_string(trial.segment) +
             "," + std::to_string(trial.first_scan) + "," + std::to_string(std::max(trial.segment, trial.last_segment)) + "," +
-            std::to_string(trial.last_scan);
+            std::to_string(trial.last_scan) + "," + recorded;
     const ResultCells cells = cells_of(trial);
     for (const std::string& name : columns) {
       const auto found = std::ranges::find(cells, name, &ResultCells::value_type::first);
       text += "," + (found == cells.end() ? std::string() : csv_cell(found->second));
     }
-    text += '\n';
+    text += '
+';
   }
   return text;
 }

@@ -21,6 +21,7 @@ _MAX_TEXTS = 1000
 _MAX_SESSIONS = 10_000
 _MAX_PARTS = 1000
 _MAX_TRIALS = 10_000
+_MAX_CORRECTIONS = 10_000
 _LONGEST_NAME = 64
 _MAX_RATE_TERM = 10**12
 _MAX_SCAN = 2**62  # scan indices are signed 64 bits in NumPy
@@ -150,6 +151,7 @@ def _check_record(session: sessions_pb2.SessionRecord) -> None:
         raise _damaged("a session has no ID")
     _check_count(session.parts, _MAX_PARTS, "parts")
     _check_count(session.trials, _MAX_TRIALS, "trials")
+    _check_count(session.corrections, _MAX_CORRECTIONS, "corrections")
     for part in session.parts:
         _check_part(part)
 
@@ -157,6 +159,13 @@ def _check_record(session: sessions_pb2.SessionRecord) -> None:
 def _check_sessions(sessions: sessions_pb2.ListSessionsResponse) -> None:
     _check_count(sessions.sessions, _MAX_SESSIONS, "sessions")
     for session in sessions.sessions:
+        _check_record(session)
+
+
+def _check_subject(subject: sessions_pb2.SubjectRecord) -> None:
+    _check_count(subject.sessions, _MAX_SESSIONS, "sessions")
+    _check_count(subject.mentioning_sessions, _MAX_SESSIONS, "sessions")
+    for session in subject.sessions:
         _check_record(session)
 
 
@@ -194,6 +203,9 @@ _CHECKS: dict[str, Callable[[Any], None]] = {
     "device_test": _check_device_test,
     "sessions": _check_sessions,
     "session_record": _check_record,
+    "subjects": lambda subjects: _check_count(subjects.subjects, _MAX_SESSIONS, "subjects"),
+    "subject": _check_subject,
+    "erased": lambda erased: _check_count(erased.left, _MAX_SESSIONS, "notes"),
     "protocols": _check_protocols,
     "trial": _check_trial,
     "audit": lambda audit: _check_count(audit.entries, _MAX_SESSIONS, "entries"),

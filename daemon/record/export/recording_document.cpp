@@ -143,8 +143,7 @@ std::string TrialTable::text(const Corrections& corrections) {
   }
   std::string text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,recorded_outcome";
   for (const std::string& name : columns) text += "," + csv_cell(name);
-  text += '
-';
+  text += '\n';
   for (TrialRow& trial : rows) {
     const std::string recorded = trial.outcome;
     if (const std::string* outcome = corrections.outcome(part_, trial.trial, trial.attempt)) trial.outcome = *outcome;
@@ -157,8 +156,7 @@ std::string TrialTable::text(const Corrections& corrections) {
       const auto found = std::ranges::find(cells, name, &ResultCells::value_type::first);
       text += "," + (found == cells.end() ? std::string() : csv_cell(found->second));
     }
-    text += '
-';
+    text += '\n';
   }
   return text;
 }

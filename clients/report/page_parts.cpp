@@ -30,8 +30,7 @@ std::string invalid_text(const TrialData& trial) {
 
 std::string outcome_text(const TrialData& trial) {
   if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "not ended: not valid";
-  const std::string text =
-      trial.recorded.outcome == "done" ? "done" + invalid_text(trial) : trial.recorded.outcome + ": not valid";
+  const std::string text = trial.recorded.outcome == "done" ? "done" + invalid_text(trial) : trial.recorded.outcome + ": not valid";
   return text + (trial.recorded_outcome.empty() ? "" : " (corrected; recorded: " + trial.recorded_outcome + ")");
 }
 
@@ -64,8 +63,8 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   if (!about.device_serial.empty()) device += ", serial " + about.device_serial;
   if (!about.firmware.empty()) device += ", firmware " + about.firmware;
   facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
-  facts.push_back({.name = "Calibration",
-                   .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
+  facts.push_back(
+      {.name = "Calibration", .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
   facts.push_back({.name = "Stages", .value = about.stages.empty() ? "-" : core::join(about.stages, "; ")});
   return facts;
 }

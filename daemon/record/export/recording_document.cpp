@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/export/recording_document.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/utc_text.h"
@@ -92,17 +93,20 @@ std::string TrialTable::text(const Corrections& corrections) {
     newest_.count = 1;
     trials_.add(RecordedItem(newest_));
   }
+  // Only a session with corrected outcomes has the column: the same recording without corrections gives the same bytes for ever.
+  const bool is_corrected = std::ranges::find(corrections.all, CorrectedField::Outcome, &Correction::field) != corrections.all.end();
   std::string text;
   for (TrialRow trial : trials_.rows()) {
     if (text.empty()) {
-      text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,recorded_outcome\n";
+      text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan";
+      text += is_corrected ? ",recorded_outcome\n" : "\n";
     }
     const std::string recorded = trial.outcome;
     if (const std::string* outcome = corrections.outcome(part_, trial.trial, trial.attempt)) trial.outcome = *outcome;
     text += std::to_string(trial.trial) + "," + std::to_string(trial.attempt) + "," + std::to_string(trial.block) + "," +
             csv_cell(trial.condition) + "," + trial.outcome + "," + (is_valid(trial) ? "1" : "0") + "," + std::to_string(trial.segment) +
             "," + std::to_string(trial.first_scan) + "," + std::to_string(std::max(trial.segment, trial.last_segment)) + "," +
-            std::to_string(trial.last_scan) + "," + recorded + "\n";
+            std::to_string(trial.last_scan) + (is_corrected ? "," + recorded : "") + "\n";
   }
   return text;
 }

@@ -333,10 +333,10 @@ TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
   for (const std::string good : {"", "eyes closed", "Baseline 2", "T1 OP", "cough",
                                  "m\xC3\xBC"
                                  "de",
-                                 "P017", "trial 3: start", "50%", "2026-11-26", "left/right"})
+                                 "P017", "trial 3: start", "50%", "2026-11-26", "left/right", "comma, and \"quotes\""})
     EXPECT_TRUE(check_label(rule, "label", good)) << good;
   for (const std::string bad : {"Anna Schmidt, born 1950", "Anna Schmidt", "Frau M\xC3\xBCller", "=cmd|x", "+1", "-1", "@x", "<b>x</b>",
-                                "a, b", " a", "a ", "a  b", "\xD7\xA9\xD7\x9C", "a\nb",
+                                "a\tb", " a", "a ", "a  b", "\xD7\xA9\xD7\x9C", "a\nb",
                                 "\xE2\x80\xAE"
                                 "abc"}) {
     const auto checked = check_label(rule, "label", bad);

@@ -139,9 +139,10 @@ Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& reque
   if (v1::Request echo; !echo.ParseFromString(bytes)) return fail(ErrorCode::InvalidArgument, "the text is not valid UTF-8");
   // The daemon ends the connection for a longer one, so such a request would never be answered either.
   if (bytes.size() > kLongestRequestBytes) {
-    return fail(ErrorCode::InvalidArgument, "the command has " + std::to_string(bytes.size()) + " bytes, and the daemon accepts " +
-                                                std::to_string(kLongestRequestBytes),
-                "shorten its texts");
+    return fail(
+        ErrorCode::InvalidArgument,
+        "the command has " + std::to_string(bytes.size()) + " bytes, and the daemon accepts " + std::to_string(kLongestRequestBytes),
+        "shorten its texts");
   }
   const milliseconds timeout = timeout_of(request);
   const std::uint64_t ignored_before = ignored_replies_;
@@ -298,7 +299,9 @@ Result<v1::SessionRecord> ControlClient::correct_session(const v1::CorrectSessio
   return call<v1::SessionRecord>(command);
 }
 
-Result<v1::SessionRecord> ControlClient::delete_session(const v1::DeleteSessionRequest& command) { return call<v1::SessionRecord>(command); }
+Result<v1::SessionRecord> ControlClient::delete_session(const v1::DeleteSessionRequest& command) {
+  return call<v1::SessionRecord>(command);
+}
 
 Result<v1::ListSubjectsResponse> ControlClient::list_subjects() { return call<v1::ListSubjectsResponse>(v1::ListSubjectsRequest()); }
 

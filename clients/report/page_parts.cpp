@@ -79,8 +79,7 @@ std::string invalid_text(const TrialData& trial) {
 
 std::string outcome_text(const TrialData& trial) {
   if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "not ended: not valid";
-  const std::string text =
-      trial.recorded.outcome == "done" ? "done" + invalid_text(trial) : trial.recorded.outcome + ": not valid";
+  const std::string text = trial.recorded.outcome == "done" ? "done" + invalid_text(trial) : trial.recorded.outcome + ": not valid";
   return text + (trial.recorded_outcome.empty() ? "" : " (corrected; recorded: " + trial.recorded_outcome + ")");
 }
 

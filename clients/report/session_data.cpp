@@ -94,7 +94,8 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
   for (session::StandingTrial& trial : standing->trials) {
     const auto host_ns = recording.host_time_ns(trial.segment, trial.first_scan, standing->raw_rate_hz);
     TrialData added;
-    if (const std::string* outcome = session.corrections.outcome(number, trial.trial, trial.attempt); outcome && *outcome != trial.outcome) {
+    if (const std::string* outcome = session.corrections.outcome(number, trial.trial, trial.attempt);
+        outcome && *outcome != trial.outcome) {
       added.recorded_outcome = std::exchange(trial.outcome, *outcome);
     }
     added.begins_utc_ns = utc_of(host_ns, recording.session());

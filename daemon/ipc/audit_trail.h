@@ -9,8 +9,8 @@
 
 namespace dts::ipc {
 
-/// Returns "local", or "local:anna" for a user of a gateway: both, because only the gateway vouches for the user's name. `sender` is "local"
-/// or "key:NAME".
+/// Returns "local", or "local:anna" for a user of a gateway: both, because only the gateway vouches for the user's name. `sender` is
+/// "local" or "key:NAME".
 [[nodiscard]] std::string author_of(const std::string& sender, const dts::v1::Request& request);
 
 /// Returns true if the audit trail records this command: the command has a name in the trail, and it is a change or it failed.

@@ -227,7 +227,8 @@ dts::v1::SessionRecord listed_session(const record::SessionRow& row, std::uint32
   auto& corrections = *out.mutable_corrections();
   if (corrections.size() > kListed) corrections.DeleteSubrange(0, corrections.size() - kListed);
   for (dts::v1::Correction& correction : corrections) {
-    for (std::string* text : {correction.mutable_who(), correction.mutable_old_value(), correction.mutable_new_value(), correction.mutable_reason()})
+    for (std::string* text :
+         {correction.mutable_who(), correction.mutable_old_value(), correction.mutable_new_value(), correction.mutable_reason()})
       text->clear();
   }
   return out;

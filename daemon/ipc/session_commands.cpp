@@ -105,9 +105,11 @@ dts::v1::Response CommandHandler::list_protocols() {
 
 dts::v1::Response CommandHandler::list_sessions(const dts::v1::ListSessionsRequest& request) {
   session::Recordings& recordings = supervisor_.recordings();
-  const auto rows = recordings.catalogue().sessions(
-      {.rig = request.rig(), .subject = request.subject(), .protocol = request.protocol(), .limit = limit_of(request.limit()),
-       .shown = request.deleted() ? record::Shown::Deleted : record::Shown::Kept});
+  const auto rows = recordings.catalogue().sessions({.rig = request.rig(),
+                                                     .subject = request.subject(),
+                                                     .protocol = request.protocol(),
+                                                     .limit = limit_of(request.limit()),
+                                                     .shown = request.deleted() ? record::Shown::Deleted : record::Shown::Kept});
   if (!rows) return error_response(rows.error());
   dts::v1::Response response;
   auto& out = *response.mutable_sessions();

@@ -8,7 +8,7 @@
 
 namespace dts::session {
 
-/// Returns true if some trial of the session has a computed result. Such a session's trials cannot be done without one.
+/// Returns true if some trial of the session has a computed result. In such a session, a trial without a result cannot be done.
 [[nodiscard]] bool has_trial_results(const record::SessionRow& session);
 
 /// Computes the results of a session from the results of those trials that are done after corrections, for each part, as at the session's

@@ -2,8 +2,6 @@
 #include "session/correction_request.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 
 #include "session/corrected_results.h"
 #include "session/session.h"
@@ -15,13 +13,13 @@ using core::ErrorCode;
 using record::CorrectedField;
 using record::Correction;
 
-constexpr std::size_t kLongestReason = 200;
+constexpr std::size_t kLongestWhy = 200;
 constexpr std::size_t kLongestNotes = 1000;
-constexpr std::array<std::string_view, 4> kOutcomes{"done", "redone", "rejected", "aborted"};
 
 void add_if_changed(std::vector<Correction>& corrections, CorrectedField field, const std::string& before,
                     const std::optional<std::string>& wanted) {
-  if (wanted && *wanted != before) corrections.push_back({.who = {}, .field = field, .old_value = before, .new_value = *wanted, .reason = {}});
+  if (wanted && *wanted != before)
+    corrections.push_back({.who = {}, .field = field, .old_value = before, .new_value = *wanted, .reason = {}});
 }
 
 /// Returns the attempt that the request means.
@@ -61,7 +59,7 @@ core::Status add_outcome(const record::SessionRow& session, const CorrectionRequ
     return core::fail(ErrorCode::InvalidArgument, "a corrected outcome needs both a trial and an outcome",
                       "dtsctl session edit " + session.id + " --trial 3 --outcome rejected --reason TEXT");
   }
-  if (std::ranges::find(kOutcomes, request.outcome) == kOutcomes.end()) {
+  if (std::ranges::find(record::kTrialOutcomes, request.outcome) == record::kTrialOutcomes.end()) {
     return core::fail(ErrorCode::InvalidArgument, "the outcome is not known", "use done, redone, rejected or aborted");
   }
   DTS_TRY_ASSIGN(const auto trial, find_trial(session, request));
@@ -84,7 +82,7 @@ core::Status check_reason(const std::string& reason) {
   if (reason.empty()) {
     return core::fail(ErrorCode::InvalidArgument, "the reason is missing", "say why, in a few words and without names: --reason TEXT");
   }
-  return check_plain_text("reason", reason, kLongestReason);
+  return check_plain_text("reason", reason, kLongestWhy);
 }
 
 core::Result<std::vector<Correction>> corrections_for(const record::SessionRow& session, const CorrectionRequest& request,

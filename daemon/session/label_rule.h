@@ -20,8 +20,8 @@ struct LabelRule {
 /// short code of capitals. So "eyes closed", "Baseline 2" and "T1 OP" are allowed, and "Anna Schmidt, born 1950" is not. No rule can know
 /// all names: it stops the usual sentence with a name.
 inline constexpr std::string_view kDefaultLabelPattern =
-    "[A-Za-z\u00C0-\u00FF0-9][A-Za-z\u00C0-\u00FF0-9._+%/:\\-]*"
-    "( ([a-z\u00DF-\u00FF0-9._+%/:\\-][A-Za-z\u00C0-\u00FF0-9._+%/:\\-]*|[A-Z0-9]{1,5}))*";
+    "[A-Za-z\u00C0-\u00FF0-9(][A-Za-z\u00C0-\u00FF0-9._+%/:,;!?()\"#\\-]*"
+    "( ([a-z\u00DF-\u00FF0-9._+%/:,;!?()\"#\\-][A-Za-z\u00C0-\u00FF0-9._+%/:,;!?()\"#\\-]*|[A-Z0-9]{1,5}))*";
 inline constexpr std::string_view kDefaultLabelHint =
     "Use words and numbers such as \"eyes closed\" or \"Baseline 2\". Labels go into files: do not enter names or birth dates";
 /// The hint of a clinic that has set a rule and no hint.

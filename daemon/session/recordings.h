@@ -83,9 +83,9 @@ class Recordings {
   /// Returns a session of the catalogue that nobody writes to. Fails with NotFound, with WrongState while it runs or its recording is being
   /// closed, and with Failed while the catalogue rejects entries.
   [[nodiscard]] core::Result<record::SessionRow> closed_session(const std::string& id) const;
-  /// Adds corrections to a session that `closed_session` has returned: to the file beside its recordings, then to the catalogue. Sets number
-  /// and time. If an outcome is among them, computes the session's results again. Fails with LimitExceeded above `kMostCorrections`; then
-  /// nothing was changed, as after every other error.
+  /// Adds corrections to a session that `closed_session` has returned: to the file beside its recordings, then to the catalogue. Sets
+  /// number and time. If an outcome is among them, computes the session's results again. Fails with LimitExceeded above `kMostCorrections`;
+  /// then nothing was changed, as after every other error.
   [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
 
   // recordings_erase.cpp

@@ -49,7 +49,8 @@ core::Result<std::vector<std::string>> Recordings::sessions_mentioning(const std
   for (const record::SessionRow& session : sessions) {
     if (session.subject == subject) continue;
     const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject);
-    const bool is_corrected = std::ranges::any_of(session.corrections, [&](record::Correction one) { return remove_mention(one, subject); });
+    const bool is_corrected =
+        std::ranges::any_of(session.corrections, [&](record::Correction one) { return remove_mention(one, subject); });
     if (is_recorded || is_corrected) ids.push_back(session.id);
   }
   std::ranges::sort(ids);
@@ -125,8 +126,7 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
     return core::fail(ErrorCode::WrongState, "an earlier erasure is not complete", "see the log of dtsd, then restart it");
   }
   if (!erasure_) {
-    DTS_TRY_ASSIGN(const auto sessions,
-                   catalogue_->sessions({.subject = subject, .limit = kMostSessions, .shown = record::Shown::Both}));
+    DTS_TRY_ASSIGN(const auto sessions, catalogue_->sessions({.subject = subject, .limit = kMostSessions, .shown = record::Shown::Both}));
     DTS_TRY_ASSIGN(const auto mentioning, sessions_mentioning(subject));
     if (subject.empty() || (sessions.empty() && mentioning.empty())) {
       return core::fail(ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list");
@@ -189,8 +189,8 @@ void Recordings::finish_erasure(core::Result<record::Erased> erased) {
   add_left(*erased);
   const auto entries = catalogue_->audit(kEntriesToSearch);
   const bool is_entered = entries && std::ranges::any_of(*entries, [this](const record::AuditEntry& entry) {
-    return entry.what == "erase_subject" && entry.utc_ns == erasure_->utc_ns && entry.result == "ok";
-  });
+                            return entry.what == "erase_subject" && entry.utc_ns == erasure_->utc_ns && entry.result == "ok";
+                          });
   const std::string count = std::to_string(erased->sessions) + (erased->sessions == 1 ? " session" : " sessions");
   if (!is_entered) {
     enter_audit({.utc_ns = erasure_->utc_ns, .who = erasure_->who, .what = "erase_subject", .target = count, .result = "ok"});
@@ -208,9 +208,8 @@ void Recordings::continue_erasure() {
   if (!found) return complain(tl::make_unexpected(found.error()));
   if (!*found) return;
   erasure_ = std::move(**found);
-  auto removed = erase_rows(*erasure_).and_then([this] {
-    return record::remove_session_files(sessions_directory(config_), erasure_->sessions, [] { return true; });
-  });
+  auto removed = erase_rows(*erasure_).and_then(
+      [this] { return record::remove_session_files(sessions_directory(config_), erasure_->sessions, [] { return true; }); });
   finish_erasure(std::move(removed));
   erased_.reset();  // nobody waits for it
 }

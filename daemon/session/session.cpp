@@ -11,6 +11,7 @@ constexpr double kStartTimeoutS = 10.0;
 constexpr double kLongestDurationS = 7.0 * 86400.0;
 constexpr double kLongestSettleS = 3600.0;
 constexpr std::size_t kLongestSubject = 64;
+constexpr std::size_t kLongestText = 200;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
 
@@ -38,6 +39,7 @@ core::Status check(const SessionRequest& request) {
     return core::fail(ErrorCode::InvalidArgument, "the subject ID must have at most 64 letters, digits, '_', '.' or '-'",
                       "use the clinic's subject ID, never a name");
   }
+  if (request.label.size() > kLongestText) return core::fail(ErrorCode::InvalidArgument, "label is longer than 200 bytes");
   if (!std::isfinite(request.duration_s) || request.duration_s < 0 || request.duration_s > kLongestDurationS) {
     return core::fail(ErrorCode::InvalidArgument, "duration_s must be 0 (until stopped) or up to 604800 s");
   }

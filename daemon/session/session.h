@@ -21,7 +21,7 @@ enum class SessionState : std::uint8_t { Idle = 1, Starting, Settling, Running, 
 struct SessionRequest {
   std::string protocol = "free";
   std::string subject;      ///< Subject ID assigned by the clinic: [A-Za-z0-9_.-], at most 64 characters; optional.
-  std::string label;        ///< Checked by `check_label`.
+  std::string label;        ///< At most 200 bytes; `check_label` checks a new one.
   double duration_s = 0.0;  ///< 0: until stopped; at most 7 days, counted after settling.
   double settle_s = 0.0;    ///< 0..3600.
   std::vector<std::pair<std::string, std::string>> fields{};  ///< The protocol's fields about the subject.

@@ -154,7 +154,8 @@ core::Result<TrialEvent> trial_of(const v1::Event& event) {
 core::Result<ReachTrialResult> reach_result_of(const v1::Event& event) {
   const v1::TrialResult& message = event.trial_result();
   if (!event.has_trial_result()) return tl::make_unexpected(events::damaged(event, "trial_result"));
-  ReachTrialResult result{.trial = message.trial(), .attempt = message.attempt(), .condition = message.condition(), .segment = event.segment()};
+  ReachTrialResult result{
+      .trial = message.trial(), .attempt = message.attempt(), .condition = message.condition(), .segment = event.segment()};
   if (message.has_target_cm() && std::isfinite(message.target_cm())) result.target_cm = message.target_cm();
   if (message.has_expected_class()) {
     if (message.expected_class() < 0 || message.expected_class() > 3) return tl::make_unexpected(events::damaged(event, "expected_class"));

@@ -18,7 +18,7 @@ namespace dts::session {
 namespace {
 
 constexpr std::int64_t kRateWindowNs = 2'000'000'000;
-constexpr std::size_t kLongestName = 200;
+constexpr std::size_t kLongestMark = 200;
 constexpr std::chrono::seconds kCloseLimit{10};  // if the disk hangs longer, the next start recovers the recordings
 
 }  // namespace
@@ -85,7 +85,7 @@ core::Result<Supervisor::Entry*> Supervisor::find(const std::string& name) {
   if (const auto found = entries_.find(name); found != entries_.end()) return &found->second;
   std::vector<std::string> known;
   for (const auto& [rig_name, entry] : entries_) known.push_back(rig_name);
-  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestName) + "'", core::known_words_hint(name, known));
+  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", core::known_words_hint(name, known));
 }
 
 std::string Supervisor::new_session_id(const std::string& rig) {
@@ -192,7 +192,9 @@ void Supervisor::finish_recordings() {
 }
 
 core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark(const std::string& rig, const std::string& text) {
-  if (text.empty()) return core::fail(core::ErrorCode::InvalidArgument, "the marker has no text", "dtsctl mark \"eyes closed\"");
+  if (text.empty() || text.size() > kLongestMark) {
+    return core::fail(core::ErrorCode::InvalidArgument, "a marker's text has 1..200 bytes, this one " + std::to_string(text.size()));
+  }
   DTS_TRY(check_label(services_.label_rule, "marker", text));
   std::vector<std::string> chosen;
   if (rig.empty()) {

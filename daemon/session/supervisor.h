@@ -88,7 +88,8 @@ class Supervisor {
   /// Corrects a closed session and returns it. `who`: for the correction, as in the audit trail. Fails like `corrections_for` and
   /// `Recordings::closed_session`, and with WrongState for a deleted session.
   [[nodiscard]] core::Result<record::SessionRow> correct_session(const CorrectionRequest& request, const std::string& who);
-  /// Deletes a closed session (hides it from lists), or restores it, and returns it. Fails with WrongState if it is deleted already, or not.
+  /// Deletes a closed session (hides it from lists), or restores it, and returns it. Fails with WrongState if it is deleted already, or
+  /// not.
   [[nodiscard]] core::Result<record::SessionRow> delete_session(const std::string& id, const std::string& reason, bool is_restore,
                                                                 const std::string& who);
   /// Begins to erase a subject: see `Recordings::begin_erasure`.

@@ -41,6 +41,29 @@ class Sessions(WithDaemon):
         self.assertEqual((recording.session.session_id, recording.session.subject), (session.id, "P017"))
         self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P017")], [session.id])
 
+    def test_SessionIsCorrectedDeletedAndErased(self) -> None:
+        with self.daemon.start_session("floor", subject="P071", label="first") as session:
+            session.mark("hello")
+
+        corrected = self.daemon.correct_session(session.id, "typing error", subject="P072", label="")
+        self.assertEqual((corrected.subject, corrected.label), ("P072", ""))
+        self.assertEqual([(one.field, one.new_value) for one in corrected.corrections], [("subject", "P072"), ("label", "")])
+        with self.assertRaises(dts.InvalidArgument):
+            self.daemon.correct_session(session.id, "typing error", subject="Anna Schmidt")
+        self.assertTrue(self.daemon.delete_session(session.id, "a test").is_deleted)
+        self.assertEqual(self.daemon.sessions(subject="P072"), [])
+        self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P072", deleted=True)], [session.id])
+        self.assertFalse(self.daemon.restore_session(session.id).is_deleted)
+        self.assertIn("P072", [subject.subject for subject in self.daemon.subjects()])
+        self.assertEqual(self.daemon.subject("P072").about.sessions, 1)
+        erased = self.daemon.erase_subject("P072")
+        self.assertEqual((erased.sessions, erased.files), (1, 3))
+        self.assertIn("backup", erased.backups)
+        with self.assertRaises(dts.NotFound):
+            self.daemon.session(session.id)
+        with self.assertRaises(dts.NotFound):
+            self.daemon.subject("P072")
+
     def test_ExceptionAbortsTheSession(self) -> None:
         with self.assertRaises(ZeroDivisionError), self.daemon.start_session("floor", "free") as session:
             1 / 0

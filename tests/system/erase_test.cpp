@@ -15,8 +15,8 @@
 namespace dts::test {
 namespace {
 
-using ::testing::HasSubstr;
 using nlohmann::json;
+using ::testing::HasSubstr;
 
 class EraseTest : public ::testing::Test {
  protected:

@@ -10,8 +10,8 @@
 
 namespace dts::gateway {
 
-/// Returns the files of a finished session, part by part. Fails with WrongState while it runs or if it is deleted, NotFound if nothing was recorded,
-/// DataDamaged for a missing part, NotAllowed or Failed for a file that the gateway cannot read.
+/// Returns the files of a finished session, part by part. Fails with WrongState while it runs or if it is deleted, NotFound if nothing was
+/// recorded, DataDamaged for a missing part, NotAllowed or Failed for a file that the gateway cannot read.
 [[nodiscard]] client::Result<std::vector<std::string>> files_of(const v1::SessionRecord& session);
 /// The same for one part; the session may still be running, but not that part.
 [[nodiscard]] client::Result<std::string> file_of(const v1::SessionRecord& session, std::uint32_t part);

@@ -23,7 +23,6 @@ using core::ErrorCode;
 constexpr std::size_t kLongestId = 128;
 constexpr std::size_t kMostSessions = 10'000;
 constexpr std::array<std::string_view, 4> kEndStates{"complete", "incomplete", "interrupted", "aborted"};
-constexpr std::array<std::string_view, 4> kOutcomes{"done", "redone", "rejected", "aborted"};
 
 tl::unexpected<core::Error> no_session(const std::string& id) {
   return core::fail(ErrorCode::NotFound, "no session " + id.substr(0, kLongestId), "see dtsctl session list");
@@ -204,7 +203,7 @@ core::Status Catalogue::end_session(const std::string& id, const std::string& st
 }
 
 core::Status Catalogue::put_trial(const TrialRow& trial) try {
-  if (std::ranges::find(kOutcomes, trial.outcome) == kOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
+  if (std::ranges::find(kTrialOutcomes, trial.outcome) == kTrialOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
     return core::fail(ErrorCode::InvalidArgument,
                       "a trial has a number, an attempt and one of the outcomes done, redone, rejected, aborted");
   }
@@ -285,14 +284,13 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
 }
 
 core::Result<std::vector<SessionRow>> Catalogue::sessions(const SessionFilter& filter) const try {
-  auto found = rows_of(implementation_->database.query(
-                           std::string(kSessionColumns) +
-                               "WHERE (?1 = '' OR sessions.rig = ?1) AND"
-                               " (?2 = '' OR COALESCE(sessions.corrected_subject, subjects.pseudonym, '') = ?2) AND"
-                               " (?3 = '' OR protocols.name = ?3) AND sessions.is_deleted BETWEEN ?5 AND ?6"
-                               " ORDER BY sessions.started_utc_ns DESC, sessions.id DESC LIMIT ?4",
-                           filter.rig, filter.subject, filter.protocol, std::min(filter.limit, kMostSessions),
-                           filter.shown == Shown::Deleted ? 1 : 0, filter.shown == Shown::Kept ? 0 : 1),
+  auto found = rows_of(implementation_->database.query(std::string(kSessionColumns) +
+                                                           "WHERE (?1 = '' OR sessions.rig = ?1) AND"
+                                                           " (?2 = '' OR shown_subject = ?2) AND"
+                                                           " (?3 = '' OR protocols.name = ?3) AND sessions.is_deleted BETWEEN ?5 AND ?6"
+                                                           " ORDER BY sessions.started_utc_ns DESC, sessions.id DESC LIMIT ?4",
+                                                       filter.rig, filter.subject, filter.protocol, std::min(filter.limit, kMostSessions),
+                                                       filter.shown == Shown::Deleted ? 1 : 0, filter.shown == Shown::Kept ? 0 : 1),
                        read_session);
   for (SessionRow& session : found) {
     session.parts = implementation_->parts_of(session.id);

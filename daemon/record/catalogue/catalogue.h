@@ -201,8 +201,9 @@ class Catalogue {
   [[nodiscard]] core::Result<std::vector<SubjectRow>> subjects() const;  ///< Sorted.
   /// Returns the sessions that have corrections.
   [[nodiscard]] core::Result<std::vector<Corrections>> corrections() const;
-  [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(const SessionFilter& filter) const;  ///< With parts and corrections, without trials.
-  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;                      ///< With all rows. Fails with NotFound.
+  [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(
+      const SessionFilter& filter) const;                                       ///< With parts and corrections, without trials.
+  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;  ///< With all rows. Fails with NotFound.
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;
@@ -229,11 +230,11 @@ class Catalogue {
 [[nodiscard]] std::string reason_of(const Verification& verified, const std::string& file);
 
 struct Rebuilt {
-  std::size_t added = 0;                ///< Parts that the catalogue did not know.
-  std::size_t missing = 0;              ///< Parts whose file does not exist any more.
-  std::vector<std::string> unreadable;  ///< "file: why"
-  std::size_t read_again = 0;           ///< Parts whose losses the catalogue did not know.
-  std::size_t found_again = 0;          ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
+  std::size_t added = 0;                 ///< Parts that the catalogue did not know.
+  std::size_t missing = 0;               ///< Parts whose file does not exist any more.
+  std::vector<std::string> unreadable;   ///< "file: why"
+  std::size_t read_again = 0;            ///< Parts whose losses the catalogue did not know.
+  std::size_t found_again = 0;           ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
   std::vector<std::string> corrected{};  ///< Sessions with corrections that were read from their files, or whose recordings were read.
 };
 /// Adds every recording (*.xdf, *.xdf.part) in `folder` and its subfolders that the catalogue does not know, with its trials. Marks parts

@@ -19,7 +19,7 @@ template <class Read>
 }
 
 inline constexpr const char* kSessionColumns =
-    "SELECT sessions.id, sessions.rig, protocols.name, COALESCE(sessions.corrected_subject, subjects.pseudonym, ''),"
+    "SELECT sessions.id, sessions.rig, protocols.name, COALESCE(sessions.corrected_subject, subjects.pseudonym, '') AS shown_subject,"
     " COALESCE(sessions.corrected_label, sessions.label), sessions.state, sessions.message, sessions.started_utc_ns,"
     " sessions.ended_utc_ns, protocols.definition, COALESCE(subjects.pseudonym, ''), sessions.label, sessions.notes, sessions.is_deleted"
     " FROM sessions JOIN protocols ON protocols.id = sessions.protocol_id"
@@ -39,6 +39,6 @@ inline constexpr const char* kCorrectionColumns =
 [[nodiscard]] TrialRow read_trial(Statement& row);
 [[nodiscard]] Correction read_correction(Statement& row);
 [[nodiscard]] SubjectRow read_subject(Statement& row);  ///< subject, sessions, deleted ones, first and last start, bytes
-[[nodiscard]] ResultRow read_result(Statement& row);  ///< session_id, name, value, unit, details
+[[nodiscard]] ResultRow read_result(Statement& row);    ///< session_id, name, value, unit, details
 
 }  // namespace dts::record

@@ -18,25 +18,24 @@ namespace {
 using core::ErrorCode;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kLongestFile = 4U << 20U;
-constexpr std::size_t kLongestText = 4096;
-constexpr std::array kFields{CorrectedField::Subject, CorrectedField::Label, CorrectedField::Notes, CorrectedField::Outcome,
-                             CorrectedField::Deleted};
-constexpr std::array<std::string_view, 4> kOutcomes{"done", "redone", "rejected", "aborted"};
+constexpr std::uintmax_t kLongestCorrections = 4U << 20U;
+constexpr std::size_t kLongestValue = 4096;
+constexpr std::array kCorrectedFields{CorrectedField::Subject, CorrectedField::Label, CorrectedField::Notes, CorrectedField::Outcome,
+                                      CorrectedField::Deleted};
 
-tl::unexpected<core::Error> damaged(const std::string& file, const std::string& why) {
+tl::unexpected<core::Error> damaged_corrections(const std::string& file, const std::string& why) {
   return core::fail(ErrorCode::DataDamaged, "the corrections in '" + file + "' cannot be read: " + why,
                     "restore the file from a backup; the recording beside it is not affected");
 }
 
 /// Reads members of one object. Keeps the first problem.
-class Reader {
+class CorrectionReader {
  public:
-  explicit Reader(const Json& object) : object_(object) {}
+  explicit CorrectionReader(const Json& object) : object_(object) {}
 
   [[nodiscard]] std::string text(const char* key) {
     const auto found = object_.find(key);
-    const bool is_good = found != object_.end() && found->is_string() && found->get_ref<const std::string&>().size() <= kLongestText;
+    const bool is_good = found != object_.end() && found->is_string() && found->get_ref<const std::string&>().size() <= kLongestValue;
     if (!is_good) return note(key), "";
     return found->get<std::string>();
   }
@@ -59,8 +58,8 @@ class Reader {
 };
 
 core::Result<Correction> read_correction(const Json& object, const std::string& file, std::uint32_t number) {
-  if (!object.is_object()) return damaged(file, "a correction is not an object");
-  Reader reader(object);
+  if (!object.is_object()) return damaged_corrections(file, "a correction is not an object");
+  CorrectionReader reader(object);
   Correction read{.number = number,
                   .utc_ns = reader.integer("utc_ns", 0, std::numeric_limits<std::int64_t>::max()),
                   .who = reader.text("who"),
@@ -68,8 +67,8 @@ core::Result<Correction> read_correction(const Json& object, const std::string& 
                   .new_value = reader.text("new_value"),
                   .reason = reader.text("reason")};
   const std::string field = reader.text("field");
-  const auto* const known = std::ranges::find(kFields, field, [](CorrectedField one) { return name(one); });
-  if (known == kFields.end()) {
+  const auto* const known = std::ranges::find(kCorrectedFields, field, [](CorrectedField one) { return name(one); });
+  if (known == kCorrectedFields.end()) {
     reader.note("field");
   } else {
     read.field = *known;
@@ -78,9 +77,9 @@ core::Result<Correction> read_correction(const Json& object, const std::string& 
     read.part = reader.count("part");
     read.trial = reader.count("trial");
     read.attempt = reader.count("attempt");
-    if (std::ranges::find(kOutcomes, read.new_value) == kOutcomes.end()) reader.note("new_value");
+    if (std::ranges::find(kTrialOutcomes, read.new_value) == kTrialOutcomes.end()) reader.note("new_value");
   }
-  if (!reader.problem().empty()) return damaged(file, "correction " + std::to_string(number) + ": " + reader.problem());
+  if (!reader.problem().empty()) return damaged_corrections(file, "correction " + std::to_string(number) + ": " + reader.problem());
   return read;
 }
 
@@ -144,17 +143,18 @@ core::Result<Corrections> read_corrections(const std::string& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) return core::fail(ErrorCode::NotFound, "no file '" + file + "'");
-  if (!std::filesystem::is_regular_file(status)) return damaged(file, "it is not a file");
-  if (std::filesystem::file_size(file, error) > kLongestFile || error) return damaged(file, "it is larger than 4 MiB");
+  if (!std::filesystem::is_regular_file(status)) return damaged_corrections(file, "it is not a file");
+  if (std::filesystem::file_size(file, error) > kLongestCorrections || error) return damaged_corrections(file, "it is larger than 4 MiB");
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.good() && !stream.eof()) return damaged(file, "reading failed");
+  if (!stream.good() && !stream.eof()) return damaged_corrections(file, "reading failed");
   const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("corrections") || !json["corrections"].is_array()) return damaged(file, "it has no corrections");
-  Reader reader(json);
+  if (!json.is_object() || !json.contains("corrections") || !json["corrections"].is_array())
+    return damaged_corrections(file, "it has no corrections");
+  CorrectionReader reader(json);
   Corrections read{.session_id = reader.text("session_id")};
-  if (read.session_id.empty()) return damaged(file, "it names no session");
-  if (json["corrections"].size() > kMostCorrections) return damaged(file, "it has more than 1000 corrections");
+  if (read.session_id.empty()) return damaged_corrections(file, "it names no session");
+  if (json["corrections"].size() > kMostCorrections) return damaged_corrections(file, "it has more than 1000 corrections");
   for (const Json& object : json["corrections"]) {
     DTS_TRY_ASSIGN(auto correction, read_correction(object, file, static_cast<std::uint32_t>(read.all.size() + 1)));
     read.all.push_back(std::move(correction));
@@ -169,7 +169,7 @@ core::Result<Corrections> corrections_beside(const std::string& recording, const
   const std::string file = corrections_file(recording, facts.session_id);
   auto read = read_corrections(file);
   if (!read && read.error().code == ErrorCode::NotFound) return Corrections{.session_id = facts.session_id};
-  if (read && read->session_id != facts.session_id) return damaged(file, "it names another session");
+  if (read && read->session_id != facts.session_id) return damaged_corrections(file, "it names another session");
   return read;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -15,6 +16,9 @@ namespace dts::record {
 enum class CorrectedField : std::uint8_t { Subject = 1, Label, Notes, Outcome, Deleted };
 /// Returns "subject", "label", "notes", "outcome" or "deleted".
 [[nodiscard]] std::string_view name(CorrectedField field) noexcept;
+
+/// How an attempt of a trial can have ended.
+inline constexpr std::array<std::string_view, 4> kTrialOutcomes{"done", "redone", "rejected", "aborted"};
 
 /// Stands for a label or notes that a person has removed: perhaps they had a name. Only the recording still has such a label.
 inline constexpr std::string_view kRemovedText = "[removed]";

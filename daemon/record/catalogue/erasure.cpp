@@ -24,7 +24,8 @@ namespace {
 using core::ErrorCode;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kHint = "check the permissions of the state folder and whether its disk is full or read-only, then restart dtsd";
+constexpr const char* kErasureHint =
+    "check the permissions of the state folder and whether its disk is full or read-only, then restart dtsd";
 constexpr int kDeepest = 32;
 constexpr std::string_view kErased = "[erased]";
 
@@ -73,12 +74,12 @@ core::Status Remover::remove_in(int folder, const std::string& path, int depth) 
   DIR* const stream = ::fdopendir(folder);
   if (stream == nullptr) {
     ::close(folder);
-    return core::fail_errno(errno, "cannot look for recordings in '" + path + "'", kHint);
+    return core::fail_errno(errno, "cannot look for recordings in '" + path + "'", kErasureHint);
   }
   const std::unique_ptr<DIR, int (*)(DIR*)> closes(stream, ::closedir);
   std::vector<std::string> names;  // read first: removing entries while reading may skip others
   for (errno = 0; const dirent* entry = ::readdir(stream);) names.emplace_back(entry->d_name);
-  if (errno != 0) return core::fail_errno(errno, "cannot look for recordings in '" + path + "'", kHint);
+  if (errno != 0) return core::fail_errno(errno, "cannot look for recordings in '" + path + "'", kErasureHint);
   std::ranges::sort(names);
   for (const std::string& name : names) {
     if (name == "." || name == "..") continue;
@@ -91,6 +92,7 @@ core::Status Remover::remove_in(int folder, const std::string& path, int depth) 
 
 core::Status Remover::remove_entry(int folder, const std::string& path, const std::string& name, int depth) {
   struct stat facts {};
+  struct stat index_facts {};
   if (::fstatat(folder, name.c_str(), &facts, AT_SYMLINK_NOFOLLOW) != 0) return {};  // it is gone
   if (S_ISDIR(facts.st_mode)) {
     Descriptor inner(::openat(folder, name.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
@@ -102,6 +104,12 @@ core::Status Remover::remove_entry(int folder, const std::string& path, const st
   }
   if (S_ISREG(facts.st_mode) && (is_named(name) || is_recording_of(folder, name))) {
     if (facts.st_nlink > 1) erased_.left.push_back("'" + path + "/" + name + "' has another name (a hard link), which may be elsewhere");
+    if (!is_named(name)) {  // its index has the same other name
+      const std::string index = name.substr(0, name.size() - (name.ends_with(".part") ? 5 : 0)) + ".idx";
+      if (::fstatat(folder, index.c_str(), &index_facts, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(index_facts.st_mode)) {
+        DTS_TRY(unlink(folder, path, index, static_cast<std::uint64_t>(index_facts.st_size)));
+      }
+    }
     return unlink(folder, path, name, static_cast<std::uint64_t>(facts.st_size));
   }
   if (S_ISLNK(facts.st_mode) && is_named(name)) {
@@ -113,7 +121,7 @@ core::Status Remover::remove_entry(int folder, const std::string& path, const st
 
 core::Status Remover::unlink(int folder, const std::string& path, const std::string& name, std::uint64_t bytes) {
   if (::unlinkat(folder, name.c_str(), 0) != 0 && errno != ENOENT) {
-    return core::fail_errno(errno, "cannot remove '" + path + "/" + name + "'", kHint);
+    return core::fail_errno(errno, "cannot remove '" + path + "/" + name + "'", kErasureHint);
   }
   ++erased_.files;
   erased_.bytes += bytes;
@@ -155,7 +163,7 @@ core::Status write_erasure(const std::string& state_folder, const Erasure& erasu
 
 core::Status remove_erasure(const std::string& state_folder) {
   const std::string file = journal_of(state_folder);
-  if (::unlink(file.c_str()) != 0 && errno != ENOENT) return core::fail_errno(errno, "cannot remove '" + file + "'", kHint);
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) return core::fail_errno(errno, "cannot remove '" + file + "'", kErasureHint);
   synchronise_folder(state_folder);
   return {};
 }
@@ -163,7 +171,7 @@ core::Status remove_erasure(const std::string& state_folder) {
 core::Result<Erased> remove_session_files(const std::string& folder, const std::vector<std::string>& sessions,
                                           const std::function<bool()>& is_wanted) {
   const int root = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (root < 0) return core::fail_errno(errno, "cannot look for recordings in '" + folder + "'", kHint);
+  if (root < 0) return core::fail_errno(errno, "cannot look for recordings in '" + folder + "'", kErasureHint);
   Remover remover(sessions, is_wanted);
   DTS_TRY(remover.remove_in(root, folder, 0));
   return remover.take_result();

@@ -199,7 +199,8 @@ core::Status BidsSink::write_documents() {
   }
   // Our facts that BIDS does not define: BIDS validators ignore the folder sourcedata.
   return files_
-      .put("sourcedata/" + names_.subject() + "/" + file_stem(recording_) + "_recording.json", recording_document(recording_, corrections_, false))
+      .put("sourcedata/" + names_.subject() + "/" + file_stem(recording_) + "_recording.json",
+           recording_document(recording_, corrections_, false))
       .and_then([&] { return add_participant(); })
       .and_then([&] { return add_scans(); });
 }

@@ -144,7 +144,8 @@ core::Status CsvSink::write(const TimedEvent& timed) {
 core::Status CsvSink::write_documents() {
   const std::string stem = file_stem(recording_);
   const std::string trials = trials_.text(corrections_);
-  if (auto put = files_.put(stem + "_recording.json", recording_document(recording_, corrections_, true)); !put || trials.empty()) return put;
+  if (auto put = files_.put(stem + "_recording.json", recording_document(recording_, corrections_, true)); !put || trials.empty())
+    return put;
   return files_.put(stem + "_trials.csv", trials);
 }
 

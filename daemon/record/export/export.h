@@ -17,7 +17,8 @@ struct Exported {
   std::uint64_t bytes = 0;
 };
 
-// `corrections`: of the recording's session, see `corrections_beside`. Exports have the corrected values, and beside them the recorded ones.
+// `corrections`: of the recording's session, see `corrections_beside`. Exports have the corrected values, and beside them the recorded
+// ones.
 
 /// Writes one CSV file per stream, `<session>_<stream>.csv` (a second part: `<session>.2_<stream>.csv`), with the header
 /// `t_s,segment,scan,<channels>`. Every channel name ends with its unit; undefined values are empty cells. Also writes

@@ -133,6 +133,8 @@ std::string TrialTable::text(const Corrections& corrections) {
     newest_.count = 1;
     trials_.add(RecordedItem(newest_));
   }
+  // Only a session with corrected outcomes has the column: the same recording without corrections gives the same bytes for ever.
+  const bool is_corrected = std::ranges::find(corrections.all, CorrectedField::Outcome, &Correction::field) != corrections.all.end();
   std::vector<TrialRow> rows = trials_.rows();
   if (rows.empty()) return {};
   std::vector<std::string> columns;  // of the results, as any trial has them
@@ -141,7 +143,8 @@ std::string TrialTable::text(const Corrections& corrections) {
       if (std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
     }
   }
-  std::string text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,recorded_outcome";
+  std::string text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan";
+  if (is_corrected) text += ",recorded_outcome";
   for (const std::string& name : columns) text += "," + csv_cell(name);
   text += '\n';
   for (TrialRow& trial : rows) {
@@ -150,7 +153,8 @@ std::string TrialTable::text(const Corrections& corrections) {
     text += std::to_string(trial.trial) + "," + std::to_string(trial.attempt) + "," + std::to_string(trial.block) + "," +
             csv_cell(trial.condition) + "," + trial.outcome + "," + (is_valid(trial) ? "1" : "0") + "," + std::to_string(trial.segment) +
             "," + std::to_string(trial.first_scan) + "," + std::to_string(std::max(trial.segment, trial.last_segment)) + "," +
-            std::to_string(trial.last_scan) + "," + recorded;
+            std::to_string(trial.last_scan);
+    if (is_corrected) text += "," + recorded;
     const ResultCells cells = cells_of(trial);
     for (const std::string& name : columns) {
       const auto found = std::ranges::find(cells, name, &ResultCells::value_type::first);

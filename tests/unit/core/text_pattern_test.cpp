@@ -29,7 +29,11 @@ TEST(TextPattern, KnowsClassesGroupsAndCounts) {
   const std::vector<std::tuple<std::string, std::vector<std::string>, std::vector<std::string>>> cases{
       {"[a-c_-]+", {"a", "cab_-"}, {"", "d", "A"}},
       {"[^a-c]", {"d", "\xC3\xA4"}, {"a", "", "dd"}},
-      {"a.c", {"abc", "a\xE4\xB8\x96" "c"}, {"ac", "abbc"}},
+      {"a.c",
+       {"abc",
+        "a\xE4\xB8\x96"
+        "c"},
+       {"ac", "abbc"}},
       {"a\\.c", {"a.c"}, {"abc"}},
       {"(pre|post)-[0-9]{1,2}", {"pre-1", "post-12"}, {"pre-", "post-123", "pre"}},
       {"a?b*", {"", "a", "b", "abbb"}, {"aa", "ba"}},

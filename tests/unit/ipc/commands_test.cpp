@@ -193,8 +193,9 @@ TEST_F(CommandsTest, OnARigThatStreams) {
   static_cast<void>(record(10, {.subject = "P55"}));
   ASSERT_TRUE(stop());
   static_cast<void>(new_entries());
-  expect({{"erase_subject { subject: 'P55' } on_behalf_of: 'ina'", "erased { sessions: 1 files: 2 ", "local:ina erase_subject [1 session] ok"},
-          {"show_subject { subject: 'P55' }", error("NOT_FOUND")}});
+  expect(
+      {{"erase_subject { subject: 'P55' } on_behalf_of: 'ina'", "erased { sessions: 1 files: 2 ", "local:ina erase_subject [1 session] ok"},
+       {"show_subject { subject: 'P55' }", error("NOT_FOUND")}});
   EXPECT_EQ(message_of<v1::Response>(ask("status {}")).status().erasures_total(), 1U);
   const auto listed = [&](const std::string& filter) {
     return message_of<v1::Response>(ask("list_sessions { " + filter + " }")).sessions().sessions_size();

@@ -249,14 +249,11 @@ std::vector<Command> commands() {
          return text_of(dts.correct_session(from_text<v1::CorrectSessionRequest>("session_id: 's7' label: '' reason: 'r'")));
        }},
       {"delete_session { session_id: \"s8\" is_restore: true }", "session_record { session_id: \"s8\" }",
-       [](Client& dts) {
-         return text_of(dts.delete_session(from_text<v1::DeleteSessionRequest>("session_id: 's8' is_restore: true")));
-       }},
+       [](Client& dts) { return text_of(dts.delete_session(from_text<v1::DeleteSessionRequest>("session_id: 's8' is_restore: true"))); }},
       {"list_subjects { }", "subjects { subjects { subject: \"P017\" } }", [](Client& dts) { return text_of(dts.list_subjects()); }},
       {"show_subject { subject: \"P017\" }", "subject { about { subject: \"P017\" } }",
        [](Client& dts) { return text_of(dts.show_subject("P017")); }},
-      {"erase_subject { subject: \"P017\" }", "erased { sessions: 2 }",
-       [](Client& dts) { return text_of(dts.erase_subject("P017")); }},
+      {"erase_subject { subject: \"P017\" }", "erased { sessions: 2 }", [](Client& dts) { return text_of(dts.erase_subject("P017")); }},
       {"note_login { user: \"a\" }", "note_login { }", {}}};
 }
 

@@ -38,7 +38,8 @@ class EditTest : public SupervisorTest {
   }
   [[nodiscard]] std::map<std::string, double> results(const std::string& id) {
     std::map<std::string, double> values;
-    for (const record::ResultRow& result : recordings_->catalogue().results(id).value()) values[result.name] = result.value;
+    const auto rows = recordings_->catalogue().results(id).value();
+    for (const record::ResultRow& result : rows) values[result.name] = result.value;
     return values;
   }
   [[nodiscard]] std::string corrections_file(const std::string& id) const {
@@ -61,7 +62,8 @@ class EditTest : public SupervisorTest {
   }
   [[nodiscard]] std::vector<std::string> listed() {
     std::vector<std::string> ids;
-    for (const record::SessionRow& session : recordings_->catalogue().sessions({.shown = record::Shown::Both}).value()) ids.push_back(session.id);
+    const auto sessions = recordings_->catalogue().sessions({.shown = record::Shown::Both}).value();
+    for (const record::SessionRow& session : sessions) ids.push_back(session.id);
     return ids;
   }
   /// Starts the daemon again with the files as they are.
@@ -110,8 +112,8 @@ TEST_F(EditTest, ResultsFollowTheOutcomesOfTheTrials) {
 TEST_F(EditTest, CorrectionsSurviveTheLossOfTheCatalogue) {
   start({Protocol{}, standing()});
   const std::string id = stand();
-  ASSERT_TRUE(supervisor_->correct_session(
-      {.session_id = id, .subject = "P017", .trial = 2, .outcome = "rejected", .reason = "talked"}, kAnna));
+  ASSERT_TRUE(
+      supervisor_->correct_session({.session_id = id, .subject = "P017", .trial = 2, .outcome = "rejected", .reason = "talked"}, kAnna));
   const auto before = row(id);
   const auto figures = results(id);
   end();
@@ -159,7 +161,10 @@ TEST_F(EditTest, ValuesThatAreNotAllowed_AreRejected) {
   EXPECT_THAT(why({.notes = std::string(10'000, 'x'), .reason = "r"}, InvalidArgument), HasSubstr("10000 bytes, more than 1000"));
   EXPECT_THAT(why({.label = std::string(10'000, 'x'), .reason = "r"}, InvalidArgument), HasSubstr("more than 200"));
   EXPECT_THAT(why({.subject = "P1", .reason = std::string(10'000, 'x')}, InvalidArgument), HasSubstr("more than 200"));
-  for (const std::string bad : {"a\nb", "a\x1b[31m", "\xE2\x80\xAE" "abc", "\xFF", "a\x7f"}) {
+  for (const std::string bad : {"a\nb", "a\x1b[31m",
+                                "\xE2\x80\xAE"
+                                "abc",
+                                "\xFF", "a\x7f"}) {
     EXPECT_THAT(why({.notes = bad, .reason = "r"}, InvalidArgument), HasSubstr("not visible"));
     EXPECT_THAT(why({.label = bad, .reason = "r"}, InvalidArgument), HasSubstr("not visible"));
     EXPECT_THAT(why({.subject = "P1", .reason = bad}, InvalidArgument), HasSubstr("not visible"));
@@ -208,12 +213,14 @@ TEST_F(EditTest, OnlyClosedSessionsAreCorrected) {
 TEST_F(EditTest, ADeletedSessionIsHidden_AndRestored) {
   start({Protocol{}, standing()});
   const std::string id = brief("P017");
-  EXPECT_EQ(why_refused(supervisor_->delete_session(id, "", false, kAnna), core::ErrorCode::InvalidArgument).substr(0, 21), "the reason is missing");
+  EXPECT_EQ(why_refused(supervisor_->delete_session(id, "", false, kAnna), core::ErrorCode::InvalidArgument).substr(0, 21),
+            "the reason is missing");
   ASSERT_TRUE(supervisor_->delete_session(id, "a test", false, kAnna));
   EXPECT_TRUE(recordings_->catalogue().sessions({})->empty());
   EXPECT_TRUE(std::filesystem::exists(row(id).parts.at(0).file));
   EXPECT_THAT(why_refused(supervisor_->delete_session(id, "again", false, kAnna)), HasSubstr("is deleted already"));
-  EXPECT_THAT(why_refused(supervisor_->correct_session({.session_id = id, .subject = "P1", .reason = "r"}, kAnna)), HasSubstr("restore it first"));
+  EXPECT_THAT(why_refused(supervisor_->correct_session({.session_id = id, .subject = "P1", .reason = "r"}, kAnna)),
+              HasSubstr("restore it first"));
   EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("is deleted"));
   restart();
   EXPECT_TRUE(row(id).is_deleted);
@@ -267,7 +274,8 @@ TEST_F(EditTest, AnErasureThatACrashInterrupted_IsCompletedAtTheStart_Once) {
   EXPECT_THAT(files(), ElementsAre(other + ".xdf", other + ".xdf.idx"));
   const auto count = [this] {
     std::size_t entries = 0;
-    for (const record::AuditEntry& entry : recordings_->catalogue().audit(1000).value())
+    const auto trail = recordings_->catalogue().audit(1000).value();
+    for (const record::AuditEntry& entry : trail)
       entries += entry.what == "erase_subject" && entry.who == kAnna && entry.target == "1 session" ? 1 : 0;
     return entries;
   };
@@ -322,10 +330,15 @@ TEST_F(EditTest, ARecordingOfAnotherSubjectStays_AndIsReported) {
 
 TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
   const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
-  for (const std::string good : {"", "eyes closed", "Baseline 2", "T1 OP", "cough", "m\xC3\xBC" "de", "P017", "trial 3: start", "50%", "2026-11-26", "left/right"})
+  for (const std::string good : {"", "eyes closed", "Baseline 2", "T1 OP", "cough",
+                                 "m\xC3\xBC"
+                                 "de",
+                                 "P017", "trial 3: start", "50%", "2026-11-26", "left/right", "comma, and \"quotes\""})
     EXPECT_TRUE(check_label(rule, "label", good)) << good;
-  for (const std::string bad : {"Anna Schmidt, born 1950", "Anna Schmidt", "Frau M\xC3\xBCller", "=cmd|x", "+1", "-1", "@x", "<b>x</b>", "a, b", " a", "a ", "a  b",
-                                "\xD7\xA9\xD7\x9C", "a\nb", "\xE2\x80\xAE" "abc"}) {
+  for (const std::string bad : {"Anna Schmidt, born 1950", "Anna Schmidt", "Frau M\xC3\xBCller", "=cmd|x", "+1", "-1", "@x", "<b>x</b>",
+                                "a\tb", " a", "a ", "a  b", "\xD7\xA9\xD7\x9C", "a\nb",
+                                "\xE2\x80\xAE"
+                                "abc"}) {
     const auto checked = check_label(rule, "label", bad);
     ASSERT_FALSE(checked) << bad;
     EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);

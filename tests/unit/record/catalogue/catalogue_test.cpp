@@ -37,6 +37,8 @@ TEST_F(CatalogueSessions, BeginPart_EntersTheSessionWithAll) {
   SessionRow expected{.id = session.session_id, .rig = "floor", .protocol = "free", .subject = "P017", .label = session.label};
   expected.state = "running";
   expected.started_utc_ns = 1000;
+  expected.recorded_subject = expected.subject;
+  expected.recorded_label = expected.label;
   expected.parts = {{.session_id = session.session_id, .file = "/data/a.xdf.part", .started_utc_ns = 1000}};
   EXPECT_EQ(*found, expected);
 }

@@ -39,17 +39,18 @@ class CorrectionsTest : public catalogue_test::CatalogueFixture {
   void add_session(const std::string& id = "s1") {
     ASSERT_TRUE(catalogue().begin_part(facts(id), path(id + ".xdf")));
     std::uint32_t number = 0;
-    for (const std::string& how : {"done", "rejected", "done"}) {
+    for (const std::string how : {"done", "rejected", "done"}) {
       ASSERT_TRUE(catalogue().put_trial({.session_id = id, .part = 1, .trial = ++number, .outcome = how}));
     }
     ASSERT_TRUE(catalogue().end_session(id, "complete", "", 2000));
   }
   std::string outcomes(const std::string& id = "s1") {
     std::string text;
-    for (const TrialRow& trial : catalogue().session(id).value().trials) {
+    const SessionRow session = catalogue().session(id).value();
+    for (const TrialRow& trial : session.trials) {
       text += trial.outcome + (trial.recorded_outcome.empty() ? "" : " (" + trial.recorded_outcome + ")") + ", ";
     }
-    return text + std::to_string(catalogue().session(id).value().parts.at(0).valid_trials) + " valid";
+    return text + std::to_string(session.parts.at(0).valid_trials) + " valid";
   }
   std::string write(const std::string& text) {
     std::ofstream(path("s1.corrections.json")) << text;
@@ -75,8 +76,8 @@ TEST_F(CorrectionsTest, AFileKeepsThem) {
 }
 
 TEST_F(CorrectionsTest, TextsThatAreRemovedAreNotRepeated) {
-  const Corrections all = corrections({correction(CorrectedField::Label, "Anna Schmidt", "Anna S"), correction(CorrectedField::Notes, "", "n"),
-                                       correction(CorrectedField::Label, "Anna S", "")});
+  const Corrections all = corrections({correction(CorrectedField::Label, "Anna Schmidt", "Anna S"),
+                                       correction(CorrectedField::Notes, "", "n"), correction(CorrectedField::Label, "Anna S", "")});
   for (const Correction& one : all.all) {
     EXPECT_EQ(one.old_value.find("Anna"), std::string::npos);
     EXPECT_EQ(one.new_value.find("Anna"), std::string::npos);
@@ -87,7 +88,8 @@ TEST_F(CorrectionsTest, TextsThatAreRemovedAreNotRepeated) {
 
 TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
   const std::string head = "{\"session_id\": \"s1\", \"corrections\": ";
-  const std::string one = "{\"utc_ns\": 1, \"who\": \"local\", \"field\": \"label\", \"old_value\": \"\", \"new_value\": \"x\", \"reason\": \"r\"}";
+  const std::string one =
+      "{\"utc_ns\": 1, \"who\": \"local\", \"field\": \"label\", \"old_value\": \"\", \"new_value\": \"x\", \"reason\": \"r\"}";
   EXPECT_TRUE(read_corrections(write(head + "[" + one + "]}")));
   const auto changed = [&](const std::string& from, const std::string& to) {
     std::string text = one;
@@ -95,10 +97,10 @@ TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
   };
   std::string many;
   for (std::size_t count = 0; count <= kMostCorrections; ++count) many += (count == 0 ? "" : ",") + one;
-  for (const std::string& text :
-       {std::string(), std::string("[]"), std::string("{}"), head + "3}", head + "[3]}", "{\"corrections\": []}", head + "[" + many + "]}",
-        std::string(100'000, '['), changed("\"label\"", "\"name\""), changed("\"local\"", "3"), changed("1,", "-1,"), changed("1,", "1e99,"),
-        changed("\"label\"", "\"outcome\""), changed("\"x\"", "\"" + std::string(5000, 'x') + "\"")}) {
+  for (const std::string& text : std::vector<std::string>{
+           "", "[]", "{}", head + "3}", head + "[3]}", "{\"corrections\": []}", head + "[" + many + "]}", std::string(100'000, '['),
+           changed("\"label\"", "\"name\""), changed("\"local\"", "3"), changed("1,", "-1,"), changed("1,", "1e99,"),
+           changed("\"label\"", "\"outcome\""), changed("\"x\"", "\"" + std::string(5000, 'x') + "\"")}) {
     const auto read = read_corrections(write(text));
     EXPECT_EQ(code(read), core::ErrorCode::DataDamaged) << text.substr(0, 200);
     EXPECT_NE(what(read).find("s1.corrections.json"), std::string::npos);
@@ -117,10 +119,9 @@ TEST_F(CorrectionsTest, AForgedSessionIdIsNoPath) {
 
 TEST_F(CorrectionsTest, TheCatalogueShowsCorrectedAndRecordedValues) {
   add_session();
-  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Subject, "P017", "P018"),
-                                                       correction(CorrectedField::Label, "", "eyes closed"),
-                                                       correction(CorrectedField::Notes, "", "new shoes"), outcome(1, "done", "rejected"),
-                                                       outcome(2, "rejected", "done")})));
+  ASSERT_TRUE(catalogue().set_corrections(
+      corrections({correction(CorrectedField::Subject, "P017", "P018"), correction(CorrectedField::Label, "", "eyes closed"),
+                   correction(CorrectedField::Notes, "", "new shoes"), outcome(1, "done", "rejected"), outcome(2, "rejected", "done")})));
   SessionRow row = catalogue().session("s1").value();
   EXPECT_EQ(row.subject + "/" + row.recorded_subject, "P018/P017");
   EXPECT_EQ(row.label + "/" + row.recorded_label + "/" + row.notes, "eyes closed//new shoes");
@@ -141,7 +142,8 @@ TEST_F(CorrectionsTest, DeletedSessionsAreInNoListButTheirOwn) {
   ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Deleted, "no", "yes")})));
   const auto ids = [this](Shown shown) {
     std::string text;
-    for (const SessionRow& row : catalogue().sessions({.shown = shown}).value()) text += row.id + " ";
+    const auto rows = catalogue().sessions({.shown = shown}).value();
+    for (const SessionRow& row : rows) text += row.id + " ";
     return text;
   };
   EXPECT_EQ(ids(Shown::Kept), "s2 ");

@@ -34,7 +34,8 @@ Result<void> add_fields(const std::vector<std::string>& fields, v1::StartSession
 /// Prints the ID, which scripts use; for people, a sentence with the ID and the next commands.
 void print_begun(cli::Console& console, const v1::SessionInfo& session) {
   const std::string& id = session.session_id();
-  const std::string sentence = "session " + id + " has started on rig '" + session.rig() + "', protocol " + session.protocol();
+  const std::string sentence = "session " + id + " has started on rig '" + session.rig() + "'" +
+                               (session.protocol().empty() ? "" : ", protocol " + session.protocol());
   console.out << cli::printable(console.is_out_terminal ? sentence : id) << '\n';
   if (session.has_trial()) cli::print_hint(console, "first trial: dtsctl session trial next --rig " + session.rig());
   cli::print_hint(console, "stop: dtsctl session stop --rig " + session.rig() + "   watch: dtsctl watch " + session.rig() + "/");
@@ -60,12 +61,10 @@ v1::TrialAction action_of(const std::string& word) {
   return word == "redo" ? v1::TRIAL_ACTION_REDO : v1::TRIAL_ACTION_REJECT;
 }
 
-/// Returns what the command did, before the state of the trials: "trial 2 is rejected. ".
+/// Returns what the command did, if the state of the trials does not show it: "repeated: ".
 std::string done_words(const std::string& action, const v1::TrialStatus& trial) {
-  const std::string last = "trial " + std::to_string(trial.last_trial());
   if (action == "undo") return "the redo or reject is taken back: ";
-  if (action == "reject") return last + " is rejected; now ";
-  if (action == "redo") return last + " is repeated: ";
+  if (action == "redo") return "repeated: ";
   if (trial.is_next_wanted()) return "the first trial starts by itself as soon as the session runs; now ";
   return "";
 }

@@ -194,7 +194,8 @@ TEST_F(CatalogueSessions, ValidTrials_AreThoseDoneWhoseResultCounts) {
   ASSERT_TRUE(put(1, 3, "done", R"({"event":"sway","segment":0,"scan":0,"problem":"only 3 s without a gap"})"));
   ASSERT_TRUE(put(1, 4, "rejected", R"({"event":"sway","segment":0,"scan":0,"is_valid":true})"));
   ASSERT_TRUE(put(2, 5, "done", ""));
-  ASSERT_TRUE(put(2, 6, "done", R"({"event":"result","segment":0,"scan":0,"class":2})"));
+  ASSERT_TRUE(put(2, 6, "done", R"({"event":"result","segment":0,"scan":0,"number":7,"flags":0,"class":2})"));
+  ASSERT_TRUE(put(2, 7, "done", R"({"trial_result":{"trial":7}})")) << "no reach was found";
 
   EXPECT_EQ(catalogue().session("s1")->parts[0].valid_trials, 1U);
   EXPECT_EQ(catalogue().session("s1")->parts[1].valid_trials, 2U);

@@ -2,7 +2,7 @@
 // The form that starts a session: protocol, subject ID, and the fields that the protocol asks for.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
-import { useEffect, useRef } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 
 import type { ProtocolField, ProtocolInfo } from '../generated/dts/v1/sessions_pb';
 import type { Link } from '../link/types';
@@ -147,8 +147,8 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
   const fitting = protocols.value.filter(({ rigKind }) => rigKind === '' || rigKind === kind);
   const chosen = fitting.find(({ name }) => name === (typed.value ?? lastUsed.value));
   const fields = chosen?.fields ?? [];
+  useLayoutEffect(() => first.current?.focus(), []);
   useEffect(() => {
-    first.current?.focus();
     void askLastProtocol(link, rig).then((name) => (lastUsed.value = name));
   }, [link, rig]);
   useKeys({ Escape: form.close });

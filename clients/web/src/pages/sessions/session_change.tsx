@@ -2,7 +2,7 @@
 // Correct, delete and restore a closed session.
 import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
-import { useEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 
 import type { SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
@@ -22,7 +22,7 @@ const longestNotes = 1000;
 /** A form that opens focused and closes with Esc. */
 const OpenForm = (props: { title: string; hint: string; testId: string; submit: string; onSubmit: () => void; onClose: () => void; children: ComponentChildren }): JSX.Element => {
   const form = useRef<HTMLFormElement>(null);
-  useEffect(() => form.current?.querySelector<HTMLElement>('input, select, textarea')?.focus(), []);
+  useLayoutEffect(() => form.current?.querySelector<HTMLElement>('input, select, textarea')?.focus(), []);
   useKeys({ Escape: props.onClose });
   return (
     <Panel title={props.title} testId={props.testId} onClose={props.onClose}>

@@ -2,7 +2,7 @@
 // Everything about one subject: the sessions, and the erasure.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
-import { useEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 
 import { Role } from '../../generated/dts/v1/options_pb';
 import type { EraseSubjectResponse, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
@@ -36,7 +36,7 @@ const Erase = ({ link, subject, record, onErased, onClose }: EraseProps): JSX.El
   const typed = useSignal('');
   const wrong = useSignal('');
   const input = useRef<HTMLInputElement>(null);
-  useEffect(() => input.current?.focus(), []);
+  useLayoutEffect(() => input.current?.focus(), []);
   useKeys({ Escape: onClose });
   const erase = async (event: Event): Promise<void> => {
     event.preventDefault();

@@ -228,7 +228,7 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
           )}
         </Field>
         <TextInput name="subject" hint={words.subjectHint} value={valueOf('subject')} error={wrong.value['subject']} onInput={set('subject')} />
-        {fields.filter(({ isRequired }) => isRequired).map(input)}
+        <div class="form-grid">{fields.filter(({ isRequired }) => isRequired).map(input)}</div>
         <CommandNotice commands={commands} testId="start-error" />
         <button type="submit" class="button button-main" data-testid="start-submit" disabled={commands.isBusy.value}>
           {commands.isBusy.value ? strings.common.busy : words.submit}
@@ -262,7 +262,7 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
               )}
             </Field>
           )}
-          {fields.filter(({ isRequired }) => !isRequired).map(input)}
+          <div class="form-grid">{fields.filter(({ isRequired }) => !isRequired).map(input)}</div>
         </fieldset>
       </form>
     </Panel>

@@ -16,7 +16,7 @@ import { useSinceS } from './since';
 
 const words = strings.common.undo;
 
-export interface UndoLineProps {
+interface UndoLineProps {
   link: Link;
   rig: string;
   trial: TrialStatus | undefined;

@@ -48,8 +48,8 @@ export const floor = {
   // By how the trial ended; the title is strings.common.trialEnded.
   ended: {
     done: 'Accept (A), redo (R) or reject (X).',
-    rejected: 'Not in the results. Start the next trial (A).',
-    redone: 'Not in the results. Start it again (A).',
+    rejected: 'Not in the results. Continue (A).',
+    redone: 'Not in the results. Start again (A).',
     aborted: 'Not in the results.',
     steppedOff: 'Not valid. Redo (R) or reject (X).',
     feetMoved: 'Not valid. Redo (R) or reject (X).',

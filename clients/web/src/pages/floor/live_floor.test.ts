@@ -81,6 +81,20 @@ test('LiveFloor.Ellipse has the area of the tile and the scans of its window; wi
   expect(floor.ellipse.value).toBeUndefined();
 });
 
+test('LiveFloor.ResultFromTheCatalogue is not shown when the next trial has begun', () => {
+  const { fake, floor } = openFloor();
+  const begin = (trial: number): void => fake.event('floor/trial', { body: { case: 'trial', value: { step: TrialEventKind.READY, trial, attempt: 1 } } });
+  const result = create(SwaySchema, { trial: 1, attempt: 1 });
+
+  begin(1);
+  floor.recall(result);
+  const shown = floor.sway.value?.sway.trial;
+  begin(2);
+  floor.recall(result);
+
+  expect([shown, floor.sway.value]).toEqual([1, undefined]);
+});
+
 test.each<[MessageInitShape<typeof SwaySchema>, string]>([
   [{ isPreliminary: true, window: SwayWindow.LATEST, windowS: 30 }, 'last 30 s'],
   [{ isPreliminary: true, trial: 2, window: SwayWindow.TRIAL }, 'trial 2 so far'],

@@ -3,7 +3,7 @@
 import { batch, signal } from '@preact/signals';
 
 import { Quality, SessionState, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
-import type { Gap, Sway } from '../../generated/dts/v1/stream_pb';
+import type { Gap, Sway, TrialChange } from '../../generated/dts/v1/stream_pb';
 import type { Block, Link, LiveEvent } from '../../link/types';
 import { isActive } from '../../parts/active';
 import { whole } from '../../parts/numbers';
@@ -66,6 +66,8 @@ export class LiveFloor {
 
   /** The measurement of the trial that this tab saw last. */
   #trialSpan = { fromMs: NaN, toMs: NaN };
+  /** The attempt that the newest event of a trial was about; the status may be a second behind it. */
+  #present: { readonly trial: number; readonly attempt: number } | undefined;
   #rateHz = 0;
   #loadN = NaN;
   #updatedMs = 0;
@@ -89,8 +91,9 @@ export class LiveFloor {
     for (const stop of this.#stops) stop();
   }
 
-  /** Shows a final result from the catalogue as if it had just arrived. */
+  /** Shows a final result from the catalogue as if it had just arrived, unless another trial has begun meanwhile. */
   recall(sway: Sway): void {
+    if (this.#present !== undefined && (this.#present.trial !== sway.trial || this.#present.attempt !== sway.attempt)) return;
     this.#addSway(sway, undefined);
   }
 
@@ -130,14 +133,17 @@ export class LiveFloor {
         if (this.markers.length > 50) this.markers.shift();
         return;
       case 'trial':
-        return this.#addTrial(body.value.step, timeMs);
+        return this.#addTrial(body.value, timeMs);
       case 'session':
-        if (body.value.state === SessionState.STARTING) this.#showSway(undefined);
+        if (body.value.state !== SessionState.STARTING) return;
+        this.#present = undefined;
+        this.#showSway(undefined);
         return;
     }
   }
 
-  #addTrial(kind: TrialEventKind, timeMs: number): void {
+  #addTrial({ step: kind, trial, attempt }: TrialChange, timeMs: number): void {
+    if (trial > 0) this.#present = { trial, attempt }; // the end of the plan names none
     if (kind === TrialEventKind.MEASURE) this.#trialSpan = { fromMs: timeMs, toMs: Infinity };
     else if (kind === TrialEventKind.DONE) this.#trialSpan = { ...this.#trialSpan, toMs: timeMs };
     if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.#showSway(undefined);

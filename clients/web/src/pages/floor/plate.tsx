@@ -21,7 +21,7 @@ import type { View } from './view';
 import { nextView } from './view';
 
 const words = strings.floor.picture;
-const insetPx = 150;
+const mostInsetPx = 150;
 const marginFactor = 1.08;
 
 const describe = ({ mlMm, apMm, loadKg }: Now): string => {
@@ -65,7 +65,10 @@ const openPicture = (canvases: Canvases, link: Link, rig: RigInfo, floor: LiveFl
   const ground = openSurface(canvases.ground, () => (groundShows = ''));
   const top = openSurface(canvases.top, () => paint());
   const mainFrame = (): Frame => ({ left: 0, top: 0, width: top.width, height: top.height, view });
-  const insetFrame = (): Frame => ({ left: top.width - insetPx - 12, top: 12, width: insetPx, height: insetPx, view: whole });
+  const insetFrame = (): Frame => {
+    const side = Math.min(mostInsetPx, top.width / 4);
+    return { left: top.width - side - 12, top: 12, width: side, height: side, view: whole };
+  };
   const paintGround = (ellipseName: string, present: Colours): void => {
     const wanted = [view.x, view.y, view.spanMm, ellipseName, present.paper, floor.sensorQuality.join()].join(' ');
     if (wanted === groundShows || ground.width === 0) return;

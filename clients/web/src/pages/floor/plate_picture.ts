@@ -203,5 +203,6 @@ export const drawLabels = (context: CanvasRenderingContext2D, frame: Frame, elli
   context.fillStyle = colours.ink;
   context.fillRect(frame.left + 16, bottom - 20, barPixels, 5);
   label(context, words.scale(whole(barMm)), frame.left + 16, bottom - 28, 'left', colours);
-  if (ellipseName !== '') label(context, ellipseName, frame.left + 16, frame.top + 22, 'left', colours);
+  const below = frame.width < 600 ? 22 : 0; // on a phone "front" is in the same place
+  if (ellipseName !== '') label(context, ellipseName, frame.left + 16, frame.top + 22 + below, 'left', colours);
 };

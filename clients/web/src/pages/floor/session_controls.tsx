@@ -16,7 +16,6 @@ import { LastSession } from '../../parts/last_session';
 import { whole } from '../../parts/numbers';
 import { lastOutcome } from '../../parts/outcomes';
 import { StopButton, useSessionStop } from '../../parts/stop_button';
-import type { UndoLineProps } from '../../parts/undo_line';
 import { UndoLine } from '../../parts/undo_line';
 import { strings } from '../../strings';
 
@@ -26,37 +25,30 @@ interface MarkingProps {
   rig: string;
   commands: Commands;
   whyNot: string;
-  undo: Omit<UndoLineProps, 'children'>;
+  onMarked: (text: string) => void;
 }
 
-const Marking = ({ rig, commands, whyNot, undo }: MarkingProps): JSX.Element => {
+const Marking = ({ rig, commands, whyNot, onMarked }: MarkingProps): JSX.Element => {
   const text = useSignal<string>(words.markDefault);
-  const done = useSignal('');
   const mark = async (): Promise<void> => {
     if (whyNot !== '') return;
     const marked = text.value.trim() || words.markDefault;
     const answer = await commands.run({ case: 'mark', value: { text: marked, rig } });
-    if (answer?.case === 'mark') done.value = words.marked(marked, whole(answer.value.marks[0]?.scan));
+    if (answer?.case === 'mark') onMarked(words.marked(marked, whole(answer.value.marks[0]?.scan)));
   };
   useKeys({ ' ': () => void mark() });
   return (
-    <>
-      <div class="marking">
-        <input
-          aria-label={words.markText}
-          data-testid="mark-text"
-          maxLength={50}
-          value={text.value}
-          onInput={(event) => (text.value = event.currentTarget.value)}
-        />
-        <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby />
-      </div>
-      <UndoLine {...undo}>
-        <span role="status" class="marked" data-testid="marked">
-          {done.value || strings.common.markHint}
-        </span>
-      </UndoLine>
-    </>
+    <div class="marking">
+      <input
+        aria-label={words.markText}
+        title={strings.common.markHint}
+        data-testid="mark-text"
+        maxLength={50}
+        value={text.value}
+        onInput={(event) => (text.value = event.currentTarget.value)}
+      />
+      <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby />
+    </div>
   );
 };
 
@@ -103,6 +95,7 @@ interface DuringProps {
 
 const DuringSession = ({ link, rig, session, commands, marking }: DuringProps): JSX.Element => {
   const whyNot = whyNotOperate(link);
+  const marked = useSignal('');
   const stopping = useCommands(link); // its own, so that a stop never waits for another command
   const stop = useSessionStop(link, rig, session.sessionId, stopping);
   const { trial } = session;
@@ -116,8 +109,13 @@ const DuringSession = ({ link, rig, session, commands, marking }: DuringProps): 
         {trial !== undefined && <TrialButtons trial={trial} whyNot={whyNot} act={act} />}
         <StopButton stop={stop} label={words.stop} whyNot={whyNot} />
       </div>
-      <p class="why-not why-not-line">{reason}</p>
-      <Marking rig={rig} commands={marking} whyNot={whyNot} undo={{ link, rig, trial, stop, commands }} />
+      <UndoLine link={link} rig={rig} trial={trial} stop={stop} commands={commands}>
+        <span class="why-not">{reason}</span>
+        <span role="status" class="marked" data-testid="marked">
+          {marked.value || (reason === '' ? strings.common.markHint : '')}
+        </span>
+      </UndoLine>
+      <Marking rig={rig} commands={marking} whyNot={whyNot} onMarked={(text) => (marked.value = text)} />
       <CommandNotice commands={stopping} testId="stop-error" />
     </>
   );

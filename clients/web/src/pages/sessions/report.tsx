@@ -30,7 +30,7 @@ const pageName = (page: string): string => {
 /** Makes the frame as high as its page, so that only the page around it scrolls. */
 const fitHeight = (frame: HTMLIFrameElement): void => {
   const page = frame.contentDocument?.documentElement as HTMLElement | null | undefined; // null while another page is loaded
-  if (page) frame.style.height = `${page.scrollHeight}px`;
+  if (page) frame.style.height = `${page.scrollHeight + frame.offsetHeight - frame.clientHeight}px`; // with the border
 };
 
 /** A page of the report, without scripts. Same origin, because linked pages need the cookie of the login, and for its height. */

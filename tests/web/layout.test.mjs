@@ -97,6 +97,8 @@ describe('layout', () => {
     await by(page, 'stop-session').waitFor();
     await waitForText(page, 'sway-note', /final, trial 1/);
     await check('floor in a session', false);
+    const [inside, shown] = await page.locator('.floor-side').evaluate((side) => [side.scrollHeight, side.clientHeight]);
+    assert.ok(inside <= shown, `the numbers and buttons need ${inside} px and have ${shown} px`);
   });
 
   test('floor, between sessions and with the start form', async () => {

@@ -17,7 +17,7 @@ const sixTrials = {
 const subject = { age_years: '52', weight_kg: '70', height_cm: '175', arm_length_cm: '68', max_reach_cm: '125' };
 const classes = ['none', 'minor', 'moderate', 'maximum'];
 
-const titles = { 120: '120 % of arm length', 150: '150 % of arm length', max: 'Maximum reach' };
+const titles = { 120: '120 %', 150: '150 %', max: 'Maximum reach' };
 const shapes = { done: '✓', redone: '↻', rejected: '✕' };
 
 /** Returns the expected row of the page's table for a trial of `dtsctl session show`. Reasons for "uncertain" are not compared. */

@@ -3,10 +3,10 @@ import { create } from '@bufbuild/protobuf';
 import { beforeEach, expect, test, vi } from 'vitest';
 
 import { ProtocolInfoSchema, SessionRecordSchema } from '../generated/dts/v1/sessions_pb';
-import { asSentence, conditionName, isLabel, labelRule, protocolName, protocols, sessionTitle } from './names';
+import { asSentence, conditionName, isLabel, labelRule, protocolName, protocols, sessionTitle, targetName } from './names';
 
 beforeEach(() => {
-  protocols.value = [create(ProtocolInfoSchema, { name: 'romberg', title: "Romberg's test", conditionList: [{ name: 'eyes-open', title: 'Eyes open, two feet' }] })];
+  protocols.value = [create(ProtocolInfoSchema, { name: 'romberg', title: "Romberg's test", conditionList: [{ name: 'eyes-open', title: 'Eyes open, two feet' }, { name: '150', title: '150 % of arm length', targetPercent: 150 }] })];
 });
 
 test.each([
@@ -23,6 +23,13 @@ test.each([
   ['gone', 'eyes-open', 'Eyes open'],
 ])('conditionName.Of %j: %j is %j', (protocol, condition, expected) => {
   expect(conditionName(protocol, condition)).toBe(expected);
+});
+
+test.each([
+  ['150', '150 %'],
+  ['eyes-open', 'Eyes open, two feet'],
+])('targetName.%j is %j', (condition, expected) => {
+  expect(targetName('romberg', condition)).toBe(expected);
 });
 
 const started = (year: number): bigint => BigInt(new Date(year, 10, 23, 12).getTime()) * 1_000_000n;

@@ -6,7 +6,7 @@ import { useEffect } from 'preact/hooks';
 import type { ProtocolInfo, SessionRecord } from '../generated/dts/v1/sessions_pb';
 import type { Link } from '../link/types';
 import { strings } from '../strings';
-import { day } from './numbers';
+import { day, whole } from './numbers';
 
 /** The daemon's protocols; empty until it has answered. */
 export const protocols = signal<readonly ProtocolInfo[]>([]);
@@ -58,6 +58,12 @@ export const protocolName = (name: string): string => protocolOf(name)?.title ||
 /** "Eyes open" for the condition "eyes-open" of a protocol: its title. Reads a signal. */
 export const conditionName = (protocol: string, condition: string): string =>
   protocolOf(protocol)?.conditionList.find((one) => one.name === condition)?.title || capitalised(spoken(condition));
+
+/** "150 %" of the arm's length for a target of the reaching task, in a table of targets; else the condition's title. Reads a signal. */
+export const targetName = (protocol: string, condition: string): string => {
+  const percent = protocolOf(protocol)?.conditionList.find((one) => one.name === condition)?.targetPercent;
+  return percent === undefined ? conditionName(protocol, condition) : `${whole(percent)} %`;
+};
 
 /** "P017, Romberg's test, 23 Nov": what a person calls a session. The session ID is shown beside it. */
 export const sessionTitle = ({ subject, protocol, startedUtcNs }: Pick<SessionRecord, 'subject' | 'protocol' | 'startedUtcNs'>): string =>

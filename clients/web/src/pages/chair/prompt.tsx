@@ -41,7 +41,7 @@ const TargetLine = ({ examination, session }: { examination: Examination; sessio
     <div class="chair-target">
       <span class="chair-label">{isNext ? nextTarget : target}</span>
       <span class="chair-target-value" data-testid="target">
-        {isNamed && condition !== '' && <span>{conditionName(session?.protocol ?? '', condition)}</span>}
+        {isNamed && condition !== '' && <span class="chair-target-name">{conditionName(session?.protocol ?? '', condition)}</span>}
         {share !== undefined && (
           <span>
             {whole(Math.round(share))}

@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
-import { conditionName } from '../../parts/names';
+import { targetName } from '../../parts/names';
 import type { TrialResult, TrunkMovement } from '../../generated/dts/v1/stream_pb';
 import { fixed, whole } from '../../parts/numbers';
 import { OutcomeMark, outcomeOf } from '../../parts/outcomes';
@@ -22,7 +22,7 @@ const classText = (trial: TrialRecord): string => {
 };
 
 const targetText = (protocol: string, condition: string, cm: number): string => {
-  const name = conditionName(protocol, condition);
+  const name = targetName(protocol, condition);
   return cm > 0 ? strings.chair.table.target(name, fixed(cm, 0)) : name;
 };
 

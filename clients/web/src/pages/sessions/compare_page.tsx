@@ -61,7 +61,7 @@ const ResultRow = ({ result, pair, columns }: { result: ComparedResult; pair: Pa
           {resultValue({ name: result.name, value })}
         </td>
       ))}
-      <td data-label={heads.unit}>{unitText(result.unit)}</td>
+      <td data-label={heads.unit} class="unit-cell">{unitText(result.unit)}</td>
       <td data-label={heads.change} class="number">
         {signed(change, 3)}
       </td>

@@ -171,7 +171,7 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
             <td data-label={heads.value} class="number" data-testid={`result-${result.name}`}>
               {resultValue(result)}
             </td>
-            <td data-label={heads.unit}>{unitText(result.unit)}</td>
+            <td data-label={heads.unit} class="unit-cell">{unitText(result.unit)}</td>
           </tr>
         ))}
       </tbody>

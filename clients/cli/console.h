@@ -33,6 +33,9 @@ struct Console {
   std::size_t lines = 24;     ///< Its height.
   /// Returns true if the reader of `out` has closed it, without writing to it.
   std::function<bool()> is_out_closed = [] { return false; };
+  /// Returns true if the user pressed q since the last call. For views that are drawn until the user ends them; the first call lets the
+  /// terminal deliver single keys.
+  std::function<bool()> is_quit_asked = [] { return false; };
   /// Reads the terminal's size again into `columns` and `lines`: the user may have resized it.
   std::function<void(Console&)> measure = [](Console& /*console*/) {};
   std::optional<Failure> failure{};  ///< The last error that was printed.

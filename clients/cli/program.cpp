@@ -10,15 +10,20 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <string_view>
 
 #include "cli/exit_status.h"
+#include "cli/key_reader.h"
 
 namespace dts::cli {
 namespace {
 
 /// Ends at once: every line is flushed when it is complete, so no output is lost.
-extern "C" void on_interrupt(int /*signal*/) { ::_exit(kInterrupted); }
+extern "C" void on_interrupt(int /*signal*/) {
+  KeyReader::restore();
+  ::_exit(kInterrupted);
+}
 
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
@@ -45,6 +50,7 @@ Console make_console(const std::string& name) {
   const bool is_capable = console.is_out_terminal && terminal != nullptr && std::string_view(terminal) != "dumb";
   console.can_redraw = is_capable;
   console.has_colours = is_capable && !is_set("NO_COLOR");
+  if (is_capable) console.is_quit_asked = [keys = std::make_shared<KeyReader>(STDIN_FILENO)] { return keys->is_pressed('q'); };
   console.measure = measure_terminal;
   console.measure(console);
   return console;

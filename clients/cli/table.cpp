@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <numeric>
 
 #include "core/utf8.h"
 
@@ -107,28 +108,49 @@ void Table::add(std::vector<Cell> row) {
   rows_.push_back(std::move(row));
 }
 
-std::vector<std::size_t> Table::line_borders(const Console& console) const {
+void Table::may_drop(const std::vector<std::string>& headers) {
+  for (const std::string& header : headers) {
+    const auto found = std::ranges::find(headers_, header, &Cell::text);
+    if (found != headers_.end()) droppable_.push_back(static_cast<std::size_t>(found - headers_.begin()));
+  }
+}
+
+std::vector<std::size_t> Table::shown_columns(const Console& console) const {
+  std::vector<std::size_t> shown(widths_.size());
+  std::iota(shown.begin(), shown.end(), std::size_t{0});
+  const auto is_too_wide = [&] {
+    std::size_t used = 0;
+    for (const std::size_t column : shown) used += widths_[column] + (used > 0 ? kBetween.size() : 0);
+    return console.is_out_terminal && used > console.columns;
+  };
+  for (auto next = droppable_.begin(); next != droppable_.end() && is_too_wide(); ++next) std::erase(shown, *next);
+  return shown;
+}
+
+std::vector<std::size_t> Table::line_borders(const Console& console, std::span<const std::size_t> shown) const {
   std::vector<std::size_t> borders{0};
   std::size_t used = 0;
-  for (std::size_t column = 0; column < widths_.size() && console.is_out_terminal; ++column) {
-    const bool is_first = column == borders.back();
-    if (!is_first && used + kBetween.size() + widths_[column] > console.columns) {
-      borders.push_back(column);
-      used = kFolded.size() + widths_[column];
+  for (std::size_t place = 0; place < shown.size() && console.is_out_terminal; ++place) {
+    const std::size_t width = widths_[shown[place]];
+    const bool is_first = place == borders.back();
+    if (!is_first && used + kBetween.size() + width > console.columns) {
+      borders.push_back(place);
+      used = kFolded.size() + width;
     } else {
-      used += (is_first ? 0 : kBetween.size()) + widths_[column];
+      used += (is_first ? 0 : kBetween.size()) + width;
     }
   }
-  borders.push_back(widths_.size());
+  borders.push_back(shown.size());
   return borders;
 }
 
 void Table::print(Console& console) const {
   if (rows_.empty()) return;
-  const std::vector<std::size_t> borders = line_borders(console);
+  const std::vector<std::size_t> shown = shown_columns(console);
+  const std::vector<std::size_t> borders = line_borders(console, shown);
   const auto print_row = [&](const std::vector<Cell>& cells) {
     for (std::size_t k = 0; k + 1 < borders.size(); ++k) {
-      const std::string text = line(console, cells, borders[k], borders[k + 1]);
+      const std::string text = line(console, cells, std::span(shown).subspan(borders[k], borders[k + 1] - borders[k]));
       if (k == 0) console.out << text << '\n';
       if (k > 0 && !text.empty()) console.out << kFolded << text << '\n';
     }
@@ -137,12 +159,12 @@ void Table::print(Console& console) const {
   for (const auto& row : rows_) print_row(row);
 }
 
-std::string Table::line(const Console& console, const std::vector<Cell>& cells, std::size_t begin, std::size_t end) const {
+std::string Table::line(const Console& console, const std::vector<Cell>& cells, std::span<const std::size_t> columns) const {
   std::string text;
-  for (std::size_t column = begin; column < end; ++column) {
+  for (const std::size_t column : columns) {
     const std::string padding(widths_[column] - width(cells[column].text), ' ');
     const std::string shown = cells[column].text.empty() ? "" : styled(console, cells[column].style, cells[column].text);
-    const bool is_last = column + 1 == end;
+    const bool is_last = column == columns.back();
     if (is_right_[column]) {
       text += padding + shown;
     } else {

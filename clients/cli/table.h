@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,8 +33,8 @@ struct Cell {
   Style style = Style::Plain;
 };
 
-/// Text in columns. A header that starts with '>' makes its column right-aligned. On a terminal that is too narrow, the last columns move
-/// to separate lines below the first ones:
+/// Text in columns. A header that starts with '>' makes its column right-aligned. On a terminal that is too narrow, columns that may be
+/// dropped are dropped; if this is not enough, the last columns move to separate lines below the first ones. Nothing is cut:
 ///
 ///     SESSION                   RIG    STARTED (UTC)
 ///       STATE     LABEL
@@ -42,19 +43,24 @@ struct Cell {
 class Table {
  public:
   explicit Table(std::vector<std::string> headers);
+  /// Names the columns that a narrow terminal drops, the least important first: headers without '>'.
+  void may_drop(const std::vector<std::string>& headers);
   /// Missing cells are empty; more cells than headers are ignored.
   void add(std::vector<Cell> row);
   /// Prints to `console.out`; prints nothing if there are no rows.
   void print(Console& console) const;
 
  private:
-  /// Returns the first column of each line of a row, then the number of columns.
-  [[nodiscard]] std::vector<std::size_t> line_borders(const Console& console) const;
-  [[nodiscard]] std::string line(const Console& console, const std::vector<Cell>& cells, std::size_t begin, std::size_t end) const;
+  /// Returns the columns that are shown.
+  [[nodiscard]] std::vector<std::size_t> shown_columns(const Console& console) const;
+  /// Returns the first of the `shown` columns of each line of a row, then their number.
+  [[nodiscard]] std::vector<std::size_t> line_borders(const Console& console, std::span<const std::size_t> shown) const;
+  [[nodiscard]] std::string line(const Console& console, const std::vector<Cell>& cells, std::span<const std::size_t> columns) const;
 
   std::vector<Cell> headers_;
   std::vector<bool> is_right_;
   std::vector<std::size_t> widths_;
+  std::vector<std::size_t> droppable_;  ///< Columns, the least important first.
   std::vector<std::vector<Cell>> rows_;
 };
 

@@ -37,6 +37,7 @@ struct Arguments {
   bool is_latest = false;
   KeyArguments key;
   SessionArguments session;
+  EditArguments edit;
   CalibrateArguments calibrate;
 };
 

@@ -108,7 +108,7 @@ void add_keys(CommandTree& tree) {
 void add_watch(CommandTree& tree) {
   Arguments& arguments = tree.arguments;
   CLI::App* watch = add(tree, tree.line.app, "watch", "Show live samples and events",
-                        "dtsctl watch | everything, in a live table\n"
+                        "dtsctl watch | everything, in a live table; q ends\n"
                         "dtsctl watch floor/cop | the centre of pressure of the floor platform\n"
                         "dtsctl watch floor/cop --count 200 --jsonl > cop.jsonl | 200 scans for a program\n"
                         "dtsctl watch floor/cop --count 200 --csv > cop.csv | the same for a spreadsheet\n"
@@ -119,7 +119,9 @@ void add_watch(CommandTree& tree) {
       ->add_option("TOPIC-PREFIX", arguments.topics,
                    "Show topics that begin with this: RIG/STREAM, RIG/EVENT or RIG/. Default: everything except dtsd/status")
       ->option_text("...");
-  watch->add_option("--count", arguments.count, "End after N scans; an event counts as one scan. Default: no end")
+  watch
+      ->add_option("--count", arguments.count,
+                   "End after N scans and events together; with --csv after N rows of its stream. Default: no end")
       ->option_text("N")
       ->check(count_from_one());
   CLI::Option* jsonl = watch->add_flag("--jsonl", arguments.is_jsonl, "Print one JSON object per line");
@@ -128,10 +130,11 @@ void add_watch(CommandTree& tree) {
   cli::explain(tree.line, *watch,
                "ml, ap | centre of pressure, mm: positive to the subject's right (ml) and forward (ap)\n"
                "load | force on the plate, N\n"
-               "MVELO | sway: mean velocity of the centre of pressure, mm/s\n"
-               "RDIST | sway: rms distance from the mean position, mm\n"
-               "PEA95_F | sway: area of the 95 % ellipse, mm2\n"
-               "RANGE_AP | sway: range forward and backward, mm\n"
+               "velocity (MVELO) | sway: mean velocity of the centre of pressure, mm/s\n"
+               "distance (RDIST) | sway: rms distance from the mean position, mm\n"
+               "ellipse (PEA95_F) | sway: area of the 95 % ellipse, mm2\n"
+               "range AP (RANGE_AP) | sway: range forward and backward, mm\n"
+               "last 30 s | sway outside a trial: the values cover this time, since the person stands still\n"
                "[words] | reasons to doubt the values\n");
 }
 
@@ -139,7 +142,7 @@ void add_top(CommandTree& tree) {
   Arguments& arguments = tree.arguments;
   CLI::App* top =
       add(tree, tree.line.app, "top", "Show the health of the daemon once per second: rates, losses by cause, queues, latency, recordings",
-          "dtsctl top | updated in place until Ctrl-C\n"
+          "dtsctl top | updated in place; q ends\n"
           "dtsctl top --jsonl --count 60 > health.jsonl | one minute, for a program\n",
           run_top);
   top->add_option("--count", arguments.count, "End after N statuses; the daemon sends one per second. Default: no end")
@@ -155,7 +158,8 @@ void add_top(CommandTree& tree) {
       "QUEUES (%) | highest fill of the queues before processing, sending and recording in the last 30 s\n"
       "US/SCAN | processing time per scan, microseconds\n"
       "P50, P95 (ms) | delay from the newest scan to sending: 50 % and 95 % of the blocks of the last 10 s were sent within this time\n"
-      "SESSION | the running session, or the last one\n");
+      "SESSION | the session under way\n"
+      "(columns) | a narrow terminal shows fewer; --jsonl has all values\n");
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ struct CommandTree {
                          .description = "Command line of dtsd, the distributive tactile sensing daemon",
                          .examples = "dtsctl status | state of daemon, rigs and session\n"
                                      "dtsctl watch floor/cop | see the centre of pressure live\n"
-                                     "dtsctl session start --rig floor | start a session\n"
+                                     "dtsctl session start --rig floor --protocol romberg | start a session\n"
                                      "dtsctl mark \"eyes closed\" | put a note at this moment\n"
                                      "dtsctl session stop | stop the session\n"
                                      "dtsctl session list | list the recorded sessions\n"

@@ -69,7 +69,7 @@ void warn_unrecorded(const v1::StatusSnapshot& status, const v1::MarkResponse& m
   if (marks.empty() || std::ranges::any_of(marks, [&](const v1::MarkResponse::At& at) { return has_session(status, at.rig()); })) return;
   const std::string where = marks.size() == 1 ? " on rig '" + marks[0].rig() + "'" : "";
   cli::print_error(console, "no session is running" + where + ": this marker is not recorded",
-                   "dtsctl session start --rig " + (marks.size() == 1 ? marks[0].rig() : "RIG"));
+                   "dtsctl session start --rig " + (marks.size() == 1 ? marks[0].rig() : "RIG") + " --protocol NAME");
 }
 
 }  // namespace

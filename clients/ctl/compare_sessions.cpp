@@ -127,6 +127,12 @@ Comparison compare(std::vector<v1::SessionRecord> sessions) {
       if (std::isfinite(result.value())) comparison.rows[index].values[s] = result.value();
     }
   }
+  const auto is_common = [](const Row& row) {
+    return std::ranges::count_if(row.values, [](const auto& value) { return value.has_value(); }) > 1;
+  };
+  if (!comparison.rows.empty() && std::ranges::none_of(comparison.rows, is_common)) {
+    warnings.insert("the sessions have no common results: they examined different conditions");
+  }
   comparison.warnings.assign(warnings.begin(), warnings.end());
   return comparison;
 }

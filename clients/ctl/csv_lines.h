@@ -20,6 +20,7 @@ class CsvLines final : public WatchSink {
   void show(const client::Block& block, std::size_t scans, Time now) override;
   void show(const client::Event& /*event*/) override {}
   void show(const client::Status& /*status*/) override {}
+  [[nodiscard]] bool shows(std::string_view topic) const override { return topic == topic_; }
   void forget() override {}
   void refresh(Time /*now*/) override {}
 

@@ -39,6 +39,11 @@ std::string recording_line(const v1::RigStatus& rig) {
   return line;
 }
 
+bool is_under_way(const v1::SessionInfo& session) {
+  return session.state() != v1::SESSION_STATE_UNSPECIFIED && session.state() != v1::SESSION_STATE_IDLE &&
+         session.state() != v1::SESSION_STATE_FAILED;
+}
+
 void add_rig_lines(const v1::RigStatus& rig, std::vector<std::string>& lines) {
   const std::string& name = rig.rig().name();
   if (!rig.device_message().empty()) lines.push_back(name + ": " + rig.device_message());
@@ -78,8 +83,9 @@ std::vector<std::string> HealthView::table(std::size_t columns) const {
               {rig.has_pipeline_us_per_scan() ? cli::decimal(rig.pipeline_us_per_scan(), 1) : "-"},
               {milliseconds_text(latency_ms(rig, kMedian))},
               {milliseconds_text(latency_ms(rig, kNearlyAll))},
-              {session_line(rig.session())}});
+              {is_under_way(rig.session()) ? session_line(rig.session()) : "-"}});
   }
+  rigs.may_drop({"US/SCAN", "P50 (ms)", "QUEUES (%)", "DROPPED", "GAPS", "DEVICE"});
   rigs.print(plain);
   std::vector<std::string> lines;
   std::istringstream all(text.str());

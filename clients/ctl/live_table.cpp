@@ -83,8 +83,14 @@ void LiveTable::draw(Time now) {
 void LiveTable::draw_rows(Time now) {
   std::size_t topic_columns = 5;
   for (const auto& [topic, row] : rows_) topic_columns = std::max(topic_columns, cli::width(topic));
+  constexpr std::size_t kRateColumns = 2 + 9;
+  constexpr std::size_t kAgeColumns = 2 + 9;
+  constexpr std::size_t kLostColumns = 2 + 6;
+  const bool has_rate = topic_columns + kRateColumns + kLostColumns <= console_.columns;
+  const bool has_age = topic_columns + kRateColumns + kAgeColumns + kLostColumns <= console_.columns;
   const auto line = [&](const std::string& topic, const std::string& rate, const std::string& age, const std::string& lost) {
-    return padded(topic, topic_columns, false) + "  " + padded(rate, 9, true) + "  " + padded(age, 9, true) + "  " + padded(lost, 6, true);
+    return padded(topic, topic_columns, false) + (has_rate ? padded(rate, kRateColumns, true) : "") +
+           (has_age ? padded(age, kAgeColumns, true) : "") + padded(lost, kLostColumns, true);
   };
   const std::string headline = line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "  VALUES";
   draw_lines({cli::filled({headline}, "", console_.columns, "").front()}, cli::Style::Faint);

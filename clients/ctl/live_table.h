@@ -18,9 +18,10 @@ namespace dts::ctl {
 ///     12.4 s  floor  marker: eyes closed
 ///     TOPIC      RATE (Hz)     AGE  LOST  VALUES
 ///     floor/cop      100.1  1.2 ms     0  ml 1.2300 mm  ap -4.5600 mm  load 701.20 N
-///     floor/sway: preliminary, 12.5 s: MVELO 8.12 mm/s
+///     floor/sway: preliminary, trial 1, 12.5 s: velocity (MVELO) 8.12 mm/s
 ///
-/// Values that do not fit into the terminal's width move to a second line.
+/// Values that do not fit into the terminal's width move to a second line. A terminal that is too narrow for the columns shows no AGE, then
+/// no RATE. A topic is never cut.
 class LiveTable final : public WatchSink {
  public:
   explicit LiveTable(cli::Console& console) : console_(console) {}

@@ -45,9 +45,10 @@ std::string change_text(const std::string& state, const std::string& subject, co
 }
 
 /// Returns "go, trial 3: 120 at 85.2 cm", "rest for 20.0 s".
-std::string trial_text(const v1::TrialChange& change) {
-  const std::string what = enumerator_word(*v1::TrialEventKind_descriptor(), change.step());
-  if (change.step() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done; end the session: dtsctl session stop";
+std::string trial_text(const v1::TrialChange& change, const std::string& rig) {
+  const bool is_undone = change.step() == v1::TRIAL_EVENT_KIND_UNDONE;
+  const std::string what = is_undone ? "redo or reject taken back" : enumerator_word(*v1::TrialEventKind_descriptor(), change.step());
+  if (change.step() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials have ended; end the session: dtsctl session stop --rig " + rig;
   if (change.step() == v1::TRIAL_EVENT_KIND_REST) return change.rest_s() > 0.0 ? "rest for " + cli::duration(change.rest_s()) : "rest";
   std::string text = what + ", trial " + std::to_string(change.trial());
   if (change.attempt() > 1) text += " attempt " + std::to_string(change.attempt());
@@ -56,7 +57,7 @@ std::string trial_text(const v1::TrialChange& change) {
   return text;
 }
 
-std::string body_text(const v1::Event& event) {
+std::string body_text(const v1::Event& event, const std::string& rig) {
   switch (event.body_case()) {
     case v1::Event::kGap: return gap_text(event);
     case v1::Event::kMarker: return event.marker().text();
@@ -68,7 +69,7 @@ std::string body_text(const v1::Event& event) {
     case v1::Event::kSession:
       return change_text(enumerator_word(*v1::SessionState_descriptor(), event.session().state()), event.session().session_id(),
                          event.session().message());
-    case v1::Event::kTrial: return trial_text(event.trial());
+    case v1::Event::kTrial: return trial_text(event.trial(), rig);
     case v1::Event::kReach: return reach_text(event.reach());
     case v1::Event::kMovement: return movement_text(event.movement());
     case v1::Event::kTrialResult: return trial_result_text(event.trial_result());
@@ -106,6 +107,8 @@ void copy_scan(const client::Block& block, std::size_t scan, std::vector<float>&
   for (std::size_t channel = 0; channel < values.size(); ++channel) values[channel] = block.column(channel)[scan];
 }
 
-std::string event_line(const client::Event& event) { return cli::printable(std::string(event.kind) + ": " + body_text(*event.body)); }
+std::string event_line(const client::Event& event) {
+  return cli::printable(std::string(event.kind) + ": " + body_text(*event.body, std::string(event.rig)));
+}
 
 }  // namespace dts::ctl

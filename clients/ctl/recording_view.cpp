@@ -81,15 +81,33 @@ std::string utc_text(std::int64_t utc_ns) {
          two(clock.seconds().count());
 }
 
+std::string fault_words(v1::TrialFault fault) {
+  switch (fault) {
+    case v1::TRIAL_FAULT_STEPPED_OFF: return "stepped off";
+    case v1::TRIAL_FAULT_FEET_MOVED: return "feet moved";
+    case v1::TRIAL_FAULT_NO_REACH: return "no reach";
+    case v1::TRIAL_FAULT_NO_VALUES: return "no values";
+    default: return "";
+  }
+}
+
+std::string outcome_words(const v1::TrialStatus& trial) {
+  const std::string outcome = enumerator_word(*v1::TrialOutcome_descriptor(), trial.last_outcome());
+  const std::string fault = fault_words(trial.last_fault());
+  return fault.empty() ? outcome : outcome + ", not valid: " + fault;
+}
+
 std::string trial_line(const v1::TrialStatus& trial, const std::string& rig) {
   if (trial.phase() == v1::TRIAL_PHASE_FINISHED) {
-    const std::string trials = trial.of() == 1 ? "the trial is" : "all " + std::to_string(trial.of()) + " trials are";
-    return cli::printable(trials + " done; end the session: dtsctl session stop" + (rig.empty() ? "" : " --rig " + rig));
+    const std::string trials = trial.of() == 1 ? "the trial has" : "all " + std::to_string(trial.of()) + " trials have";
+    return cli::printable(trials + " ended; end the session: dtsctl session stop" + (rig.empty() ? "" : " --rig " + rig));
   }
   const std::string phase = trial.phase() == 0 ? "-" : enumerator_word(*v1::TrialPhase_descriptor(), trial.phase());
   std::string line = trial.trial() == 0 ? "none of the " + std::to_string(trial.of()) + " trials has started"
                                         : "trial " + std::to_string(trial.trial()) + " of " + std::to_string(trial.of());
   if (trial.attempt() > 1) line += ", attempt " + std::to_string(trial.attempt());
+  const bool is_ended = trial.last_trial() == trial.trial() && trial.last_attempt() == trial.attempt();
+  if (trial.trial() > 0 && is_ended) line += ", " + outcome_words(trial);
   line += ", " + phase;
   if (trial.remaining_s() > 0.0) line += ", " + cli::duration(trial.remaining_s()) + " left";
   if (!trial.condition().empty()) line += ": " + trial.condition();
@@ -109,7 +127,7 @@ std::string disk_line(const v1::DiskStatus& disk) {
 }
 
 cli::Cell state_cell(const std::string& word) {
-  if (word == "complete") return {word, cli::Style::Good};
+  if (word == "complete" || word.starts_with("complete, ")) return {word, cli::Style::Good};
   return {word, word == "running" || word == "recording" ? cli::Style::Plain : cli::Style::Bad};
 }
 

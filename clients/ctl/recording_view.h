@@ -33,7 +33,11 @@ struct LossSum {
 [[nodiscard]] std::string losses_text(const v1::SessionPart& part);
 /// Returns "3 of 4 trials valid"; empty if no trial is planned and none is valid.
 [[nodiscard]] std::string trials_text(std::uint64_t valid, std::uint64_t planned);
-/// Returns "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"; when all trials are done, how to end the session of `rig`.
+/// Returns "stepped off"; empty without a fault.
+[[nodiscard]] std::string fault_words(v1::TrialFault fault);
+/// Returns how the newest attempt that ended has ended: "rejected", "done, not valid: stepped off".
+[[nodiscard]] std::string outcome_words(const v1::TrialStatus& trial);
+/// Returns "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"; when all trials have ended, how to end the session of `rig`.
 [[nodiscard]] std::string trial_line(const v1::TrialStatus& trial, const std::string& rig);
 /// Returns "12.3 GB free in /var/lib/dtsd, room for 3 d 2 h"; empty if the daemon reports no disk.
 [[nodiscard]] std::string disk_line(const v1::DiskStatus& disk);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,25 @@ struct SessionArguments {
   std::vector<std::string> fields;  ///< KEY=VALUE
   double duration_s = 0.0;          ///< 0: until stopped.
   double settle_s = 0.0;
-  std::string reason;            ///< For an abort.
-  std::string id;                ///< A session, or a file where a file is allowed.
+  std::string reason;            ///< For an abort, a correction or a deletion.
+  std::string id;                ///< A session, a subject, or a file where a file is allowed.
   std::vector<std::string> ids;  ///< Sessions to compare.
   std::string action;            ///< For a trial: next, redo, reject.
   std::string format;            ///< For an export: csv, bids.
   std::string out;               ///< File or folder; empty: the command's default.
   std::uint32_t limit = 0;       ///< For a list; 0: the daemon's default.
+  bool is_deleted = false;       ///< List the deleted sessions.
+};
+
+/// Options of the commands that correct and erase.
+struct EditArguments {
+  std::optional<std::string> subject;  ///< Absent: stays as it is.
+  std::optional<std::string> label;
+  std::optional<std::string> notes;
+  std::uint32_t trial = 0;
+  std::uint32_t attempt = 0;  ///< 0: the newest.
+  std::string outcome;
+  bool is_confirmed = false;  ///< `--yes`
 };
 
 }  // namespace dts::ctl

@@ -2,9 +2,11 @@
 #include "ctl/session_commands.h"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "cli/suggestion.h"
+#include "cli/table.h"
 #include "cli/try.h"
 #include "ctl/ask.h"
 #include "ctl/recording_view.h"
@@ -29,9 +31,12 @@ Result<void> add_fields(const std::vector<std::string>& fields, v1::StartSession
   return {};
 }
 
-/// Prints the id and, for people, the next commands.
+/// Prints the ID, which scripts use; for people, a sentence with the ID and the next commands.
 void print_begun(cli::Console& console, const v1::SessionInfo& session) {
-  console.out << cli::printable(session.session_id()) << '\n';
+  const std::string& id = session.session_id();
+  const std::string sentence = "session " + id + " has started on rig '" + session.rig() + "'" +
+                               (session.protocol().empty() ? "" : ", protocol " + session.protocol());
+  console.out << cli::printable(console.is_out_terminal ? sentence : id) << '\n';
   if (session.has_trial()) cli::print_hint(console, "first trial: dtsctl session trial next --rig " + session.rig());
   cli::print_hint(console, "stop: dtsctl session stop --rig " + session.rig() + "   watch: dtsctl watch " + session.rig() + "/");
 }
@@ -52,7 +57,16 @@ Result<v1::ProtocolInfo> find_protocol(const v1::ListProtocolsResponse& protocol
 
 v1::TrialAction action_of(const std::string& word) {
   if (word == "next") return v1::TRIAL_ACTION_NEXT;
+  if (word == "undo") return v1::TRIAL_ACTION_UNDO;
   return word == "redo" ? v1::TRIAL_ACTION_REDO : v1::TRIAL_ACTION_REJECT;
+}
+
+/// Returns what the command did, if the state of the trials does not show it: "repeated: ".
+std::string done_words(const std::string& action, const v1::TrialStatus& trial) {
+  if (action == "undo") return "the redo or reject is taken back: ";
+  if (action == "redo") return "repeated: ";
+  if (trial.is_next_wanted()) return "the first trial starts by itself as soon as the session runs; now ";
+  return "";
 }
 
 }  // namespace
@@ -125,6 +139,7 @@ int run_session_list(const Arguments& arguments, cli::Console& console) {
   request.set_subject(arguments.session.subject);
   request.set_protocol(arguments.session.protocol);
   request.set_limit(arguments.session.limit);
+  request.set_deleted(arguments.session.is_deleted);
   const auto ask = [&](ControlClient& dts) -> Result<v1::ListSessionsResponse> {
     auto sessions = dts.list_sessions(request);
     if (!sessions || sessions->sessions_size() > 0 || arguments.rig.empty()) return sessions;
@@ -141,17 +156,27 @@ int run_session_list(const Arguments& arguments, cli::Console& console) {
 }
 
 int run_session_show(const Arguments& arguments, cli::Console& console) {
-  return ask_and_print(
-      arguments, console, [&](ControlClient& dts) { return dts.show_session(arguments.session.id); },
-      [&](const v1::SessionRecord& session) { print_session(console, session); });
+  std::optional<double> elapsed_s;
+  const auto ask = [&](ControlClient& dts) {
+    auto session = dts.show_session(arguments.session.id);
+    if (!session || session->state() != "running") return session;
+    const auto status = dts.status();  // the catalogue does not know how long the session runs
+    if (const auto rig = status ? find_rig(*status, session->rig()) : Result<v1::RigStatus>(v1::RigStatus()); rig) {
+      if (rig->session().session_id() == session->session_id()) elapsed_s = rig->session().elapsed_s();
+    }
+    return session;
+  };
+  return ask_and_print(arguments, console, ask, [&](const v1::SessionRecord& session) { print_session(console, session, elapsed_s); });
 }
 
 int run_session_trial(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
       arguments, console, [&](ControlClient& dts) { return dts.trial(action_of(arguments.session.action), arguments.rig); },
       [&](const v1::TrialStatus& trial) {
-        const bool is_asked_early = arguments.session.action == "next" && trial.phase() == v1::TRIAL_PHASE_WAITING;
-        console.out << (is_asked_early ? "starts when the session runs: " : "") << trial_line(trial, arguments.rig) << '\n';
+        console.out << done_words(arguments.session.action, trial) << trial_line(trial, arguments.rig) << '\n';
+        if (!trial.has_undo_s()) return;
+        const std::string rig = arguments.rig.empty() ? "" : " --rig " + cli::printable(arguments.rig);
+        cli::print_hint(console, "take it back within " + cli::decimal(trial.undo_s(), 0) + " s: dtsctl session trial undo" + rig);
       });
 }
 

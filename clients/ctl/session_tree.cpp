@@ -5,6 +5,7 @@
 
 #include "cli/validators.h"
 #include "ctl/compare_sessions.h"
+#include "ctl/record_commands.h"
 #include "ctl/session_commands.h"
 #include "ctl/sessions/export_command.h"
 #include "ctl/sessions/recover_command.h"
@@ -46,13 +47,15 @@ void add_start(CommandTree& tree, CLI::App& session) {
   SessionArguments& wishes = tree.arguments.session;
   CLI::App* start = add(
       tree, session, "start", "Start a session, record it and print its ID",
-      "dtsctl session start --rig floor | runs until dtsctl session stop\n"
-      "dtsctl session start --rig floor --duration 25 --settle 5 | settle for 5 s, then measure 25 s\n"
-      "dtsctl session start --rig chair --subject P017 --label \"eyes closed\" | with a subject ID and a note\n"
+      "dtsctl session start --rig floor --protocol romberg --subject P017 | with the trials of a protocol\n"
+      "dtsctl session start --rig floor --protocol free | runs until dtsctl session stop; no results\n"
+      "dtsctl session start --rig floor --protocol free --duration 25 --settle 5 | settle for 5 s, then record 25 s\n"
+      "dtsctl session start --rig chair --protocol free --label \"eyes closed\" | with a note\n"
       "dtsctl session start --rig floor --protocol quiet-standing --subject P017 --field weight_kg=71.5 | with the fields of a protocol\n",
       run_session_start);
   start->add_option("--rig", tree.arguments.rig, "Rig to record")->option_text("RIG")->required();
-  start->add_option("--protocol", wishes.protocol, "Protocol to follow. Default: free")->option_text("NAME");
+  start->add_option("--protocol", wishes.protocol, "Protocol to follow, see dtsctl protocol list. Required; there is no default")
+      ->option_text("NAME");
   start->add_option("--subject", wishes.subject, "Subject ID from the clinic, never a name")->option_text("SUBJECT-ID");
   start->add_option("--field", wishes.fields, "Value of a field that the protocol requires; see dtsctl protocol show NAME")
       ->option_text("KEY=VALUE")
@@ -86,15 +89,16 @@ void add_end(CommandTree& tree, CLI::App& session) {
 }
 
 void add_trial(CommandTree& tree, CLI::App& session) {
-  CLI::App* trial = add(tree, session, "trial", "Start the next trial, repeat a trial, or reject one",
+  CLI::App* trial = add(tree, session, "trial", "Start the next trial, repeat a trial, reject one, or take that back",
                         "dtsctl session trial next | start the next trial, or end a trial without a fixed duration\n"
                         "dtsctl session trial redo | discard the present or last trial and repeat it\n"
-                        "dtsctl session trial reject | discard the present or last trial and continue without it\n",
+                        "dtsctl session trial reject | discard the present or last trial and continue without it\n"
+                        "dtsctl session trial undo | take back the last redo or reject, for 5 s\n",
                         run_session_trial);
-  trial->add_option("ACTION", tree.arguments.session.action, "next, redo or reject")
+  trial->add_option("ACTION", tree.arguments.session.action, "next, redo, reject or undo")
       ->required()
       ->option_text(" ")
-      ->check(CLI::IsMember({"next", "redo", "reject"}));
+      ->check(CLI::IsMember({"next", "redo", "reject", "undo"}));
   add_rig(*trial, tree, "Rig of the session. Required if several rigs have a session");
 }
 
@@ -108,15 +112,17 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   list->add_option("--subject", wishes.subject, "Show only sessions with this subject ID")->option_text("SUBJECT-ID");
   list->add_option("--protocol", wishes.protocol, "Show only sessions with this protocol")->option_text("NAME");
   add_limit(*list, tree, "Show at most N sessions. Default: 100");
+  list->add_flag("--deleted", wishes.is_deleted, "Show the deleted sessions instead");
   CLI::App* show = add(tree, session, "show", "Show a session: state, recordings, trials and results",
                        "dtsctl session show 20261121T144525Z-floor-1 | one session\n", run_session_show);
   add_id(*show, tree, "ID", "Id of the session");
   cli::explain(tree.line, *show,
                "FROM .. TO SCAN | first and last scan of the trial in its part; as SEGMENT:SCAN if a gap divides the trial\n"
                "TRUNK, DEG | trunk class, and trunk flexion in degrees\n"
-               "MVELO | mean velocity of the centre of pressure\n"
-               "RDIST | rms distance of the centre of pressure from its mean position\n"
+               "VELOCITY | mean velocity of the centre of pressure (MVELO)\n"
+               "DISTANCE | rms distance of the centre of pressure from its mean position (RDIST)\n"
                "ELLIPSE | area of the 95 % ellipse (PEA95_F)\n"
+               "(columns) | a narrow terminal shows fewer; --json has all values\n"
                "FLAGS | reasons to doubt the values of a trial\n");
   CLI::App* compare =
       add(tree, session, "compare", "Compare the results of several sessions, oldest first",
@@ -126,6 +132,68 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   compare->add_option("ID", wishes.ids, "Session IDs")->option_text("...")->check(text_of(1, 200));
   compare->add_option("--subject", wishes.subject, "Compare the sessions with this subject ID")->option_text("SUBJECT-ID");
   compare->add_option("--protocol", wishes.protocol, "Compare only sessions with this protocol")->option_text("NAME");
+}
+
+void add_reason(CLI::App& command, CommandTree& tree, bool is_required) {
+  command.add_option("--reason", tree.arguments.session.reason, "Why, never a name")
+      ->option_text("TEXT")
+      ->check(text_of(is_required ? 1 : 0, 200))
+      ->required(is_required);
+}
+
+void add_corrections(CommandTree& tree, CLI::App& session) {
+  EditArguments& wishes = tree.arguments.edit;
+  CLI::App* edit =
+      add(tree, session, "edit", "Correct a closed session; the recording stays as it is, and both values are kept",
+          "dtsctl session edit 20261121T144525Z-floor-1 --subject P018 --reason \"wrong subject ID\" | the subject ID\n"
+          "dtsctl session edit 20261121T144525Z-floor-1 --label \"\" --reason \"had a name\" | remove the label\n"
+          "dtsctl session edit 20261121T144525Z-floor-1 --trial 3 --outcome rejected --reason \"subject talked\" | the newest attempt\n"
+          "dtsctl session edit 20261121T144525Z-floor-1 --notes \"new shoes\" --reason \"added later\" | add notes\n",
+          run_session_edit);
+  add_id(*edit, tree, "ID", "Id of the session");
+  edit->add_option("--subject", wishes.subject, "Correct subject ID, never a name; \"\" removes it")->option_text("SUBJECT-ID");
+  edit->add_option("--label", wishes.label, "Correct label; \"\" removes it")->option_text("TEXT")->check(text_of(0, 200));
+  edit->add_option("--notes", wishes.notes, "Notes, which replace earlier ones; \"\" removes them")
+      ->option_text("TEXT")
+      ->check(text_of(0, 1000));
+  CLI::Option* trial = edit->add_option("--trial", wishes.trial, "Trial whose outcome is corrected")
+                           ->option_text("N")
+                           ->check(whole_number_between(1, 1'000'000));
+  edit->add_option("--attempt", wishes.attempt, "Its attempt. Default: the newest")
+      ->option_text("N")
+      ->check(whole_number_between(1, 1'000'000))
+      ->needs(trial);
+  CLI::Option* outcome = edit->add_option("--outcome", wishes.outcome, "Correct outcome: done, redone, rejected or aborted")
+                             ->option_text("NAME")
+                             ->check(CLI::IsMember({"done", "redone", "rejected", "aborted"}))
+                             ->needs(trial);
+  trial->needs(outcome);
+  add_reason(*edit, tree, true);
+  CLI::App* deleted = add(tree, session, "delete", "Hide a closed session from all lists; it can be restored",
+                          "dtsctl session delete 20261121T144525Z-floor-1 --reason \"a test\" | nothing is removed from the disk\n"
+                          "dtsctl session list --deleted | the deleted sessions\n",
+                          run_session_delete);
+  add_id(*deleted, tree, "ID", "Id of the session");
+  add_reason(*deleted, tree, true);
+  CLI::App* restored = add(tree, session, "restore", "Show a deleted session again",
+                           "dtsctl session restore 20261121T144525Z-floor-1 | undo dtsctl session delete\n", run_session_restore);
+  add_id(*restored, tree, "ID", "Id of the session");
+  add_reason(*restored, tree, false);
+}
+
+void add_subjects(CommandTree& tree) {
+  CLI::App* subject = cli::add_group(tree.line.app, "subject", "List, show and erase the subjects",
+                                     "dtsctl subject list | all subject IDs\ndtsctl subject show P017 | what an erasure would remove\n");
+  add(tree, *subject, "list", "List the subject IDs and their sessions", "dtsctl subject list | with deleted sessions\n", run_subject_list);
+  CLI::App* show = add(tree, *subject, "show", "Show everything that has this subject ID", "dtsctl subject show P017 | before an erasure\n",
+                       run_subject_show);
+  add_id(*show, tree, "ID", "Subject ID");
+  CLI::App* erase = add(tree, *subject, "erase", "Erase a subject for ever: recordings, catalogue, corrections and mentions",
+                        "dtsctl subject erase P017 | shows everything and asks first\n"
+                        "dtsctl subject erase P017 --yes | for programs: does not ask\n",
+                        run_subject_erase);
+  add_id(*erase, tree, "ID", "Subject ID");
+  erase->add_flag("--yes", tree.arguments.edit.is_confirmed, "Do not ask");
 }
 
 void add_files(CommandTree& tree, CLI::App& session) {
@@ -187,7 +255,7 @@ void add_protocols_and_audit(CommandTree& tree) {
 
 void add_sessions(CommandTree& tree) {
   CLI::App* session = cli::add_group(tree.line.app, "session", "Start and stop sessions, and manage their recordings",
-                                     "dtsctl session start --rig floor | start; prints the session ID\n"
+                                     "dtsctl session start --rig floor --protocol romberg | start; prints the session ID\n"
                                      "dtsctl session stop | stop the session\n"
                                      "dtsctl session list | list the recorded sessions\n"
                                      "dtsctl session export 20261121T144525Z-floor-1 --format csv | write tables\n");
@@ -195,8 +263,10 @@ void add_sessions(CommandTree& tree) {
   add_end(tree, *session);
   add_trial(tree, *session);
   add_catalogue(tree, *session);
+  add_corrections(tree, *session);
   add_files(tree, *session);
   add_report(tree);
+  add_subjects(tree);
   add_protocols_and_audit(tree);
 }
 

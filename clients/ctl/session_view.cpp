@@ -31,7 +31,17 @@ std::string state_word(v1::PartState state) { return enumerator_word(*v1::PartSt
 /// Returns the session's state and, in brackets, the losses of its recordings: "complete (10560 scans lost in 1 gap)".
 std::string state_text(const v1::SessionRecord& session) {
   const std::string lost = loss_text(sum_of(session));
-  return or_dash(session.state()) + (lost.empty() ? "" : " (" + lost + ")");
+  std::string text = or_dash(session.state()) + (lost.empty() ? "" : " (" + lost + ")");
+  const auto is_value = [](const v1::Correction& correction) { return correction.field() != "deleted"; };
+  if (std::ranges::any_of(session.corrections(), is_value)) text += ", corrected";
+  return text + (session.is_deleted() ? ", deleted" : "");
+}
+
+void print_corrections(cli::Console& console, const v1::SessionRecord& session) {
+  if (session.corrections_size() > 0) console.out << "\ncorrections (the recording stays as it is):\n";
+  for (const v1::Correction& correction : session.corrections()) {
+    console.out << "  " << cli::wrapped_at(console, 2, cli::printable(correction_text(correction))) << '\n';
+  }
 }
 
 double recorded_s(const v1::SessionRecord& session) {
@@ -99,23 +109,25 @@ std::string place_text(const v1::TrialRecord& trial) {
 }
 
 /// Returns the outcome, and for a trial that was done but does not count, why.
-cli::Cell outcome_cell(const v1::TrialRecord& trial) {
+cli::Cell recorded_cell(const v1::TrialRecord& trial) {
   if (trial.outcome() != "done") return {trial.outcome(), cli::Style::Warning};
+  if (trial.fault() != v1::TRIAL_FAULT_UNSPECIFIED) return {"done, not valid: " + fault_words(trial.fault()), cli::Style::Warning};
   const v1::Sway& sway = trial.sway();
-  if (!trial.has_sway()) return {"done", cli::Style::Good};
-  if (!sway.problem().empty()) return {"done, not valid: no values", cli::Style::Warning};
-  if (!sway.is_valid()) {
-    const bool has_stepped_off = (sway.flags() & v1::SWAY_FLAG_STEPPED_OFF) != 0;
-    return {has_stepped_off ? "done, not valid: stepped off" : "done, not valid: feet moved", cli::Style::Warning};
-  }
   if ((sway.flags() & v1::SWAY_FLAG_CUT_AT_GAP) != 0) return {"done, cut short by a gap", cli::Style::Warning};
   return {"done", cli::Style::Good};
 }
 
+/// Returns the outcome; for a corrected one, with the recorded one.
+cli::Cell outcome_cell(const v1::TrialRecord& trial) {
+  cli::Cell cell = recorded_cell(trial);
+  if (!trial.recorded_outcome().empty()) cell.text += " (corrected; recorded: " + trial.recorded_outcome() + ")";
+  return cell;
+}
+
 /// Prints trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
-  cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART",
-                     ">FROM .. TO SCAN"});
+  cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">VELOCITY mm/s", ">DISTANCE mm", ">ELLIPSE mm2", "FLAGS",
+                     ">PART", ">FROM .. TO SCAN"});
   const auto value = [](const v1::Sway& sway, const char* symbol, int decimals) {
     return cli::decimal(measure_value(sway, symbol).value_or(std::numeric_limits<double>::quiet_NaN()), decimals);
   };
@@ -136,6 +148,7 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
                 {place_text(trial)}});
   }
   console.out << '\n';
+  trials.may_drop({"FROM .. TO SCAN", "PART", "ATTEMPT", "LENGTH"});
   trials.print(console);
 }
 
@@ -153,6 +166,7 @@ void print_without_results(cli::Console& console, const v1::SessionRecord& sessi
                 {place_text(trial)}});
   }
   if (session.trials_size() > 0) console.out << '\n';
+  trials.may_drop({"FROM .. TO SCAN", "SEGMENT", "PART", "BLOCK"});
   trials.print(console);
 }
 
@@ -178,7 +192,28 @@ void print_trials(cli::Console& console, const v1::SessionRecord& session) {
                 {place_text(trial)}});
   }
   if (session.trials_size() > 0) console.out << '\n';
+  trials.may_drop({"FROM .. TO SCAN", "SEGMENT", "PART", "p 1 2 3", "BLOCK", "P1 mm", "P2 mm", "P3 mm"});
   trials.print(console);
+}
+
+/// Returns "4 x (5 + 30) s, 2 min 20 s, plus the pauses you decide".
+std::string length_text(const v1::ProtocolInfo& protocol) {
+  if (protocol.condition_list_size() == 0) return protocol.duration_s() > 0.0 ? cli::duration(protocol.length_s()) : "until stopped";
+  const v1::ProtocolCondition& condition = protocol.condition_list(0);
+  const std::string pauses = protocol.starts_by_itself() || protocol.trials() == 1 ? "" : ", plus the pauses you decide";
+  const std::string settling = condition.settle_s() > 0.0 ? shortest(condition.settle_s()) + " s to settle, then " : "";
+  if (!(condition.duration_s() > 0.0)) return counted(protocol.trials(), "trial") + ", each " + settling + "until you end it";
+  const std::string trial = settling.empty() ? shortest(condition.duration_s())
+                                             : "(" + shortest(condition.settle_s()) + " + " + shortest(condition.duration_s()) + ")";
+  const double trials_s = protocol.trials() * (condition.settle_s() + condition.duration_s());
+  const bool has_more = protocol.length_s() > trials_s + 0.5;
+  return std::to_string(protocol.trials()) + " x " + trial + " s, " + cli::duration(protocol.length_s()) +
+         (has_more ? " with cues and rests" : "") + pauses;
+}
+
+std::string target_text(const v1::ProtocolCondition& condition) {
+  if (condition.is_maximum_reach()) return "maximum reach";
+  return condition.target_percent() > 0.0 ? shortest(condition.target_percent()) + " % of arm length" : "-";
 }
 
 }  // namespace
@@ -193,15 +228,16 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
                {or_dash(session.subject())},
                {utc_text(session.started_utc_ns())},
                {session.state() == "running" ? "-" : cli::duration(recorded_s(session))},
-               {or_dash(trials.substr(0, trials.rfind(" trials")))},
+               {or_dash(trials.substr(0, trials.rfind(" trials"))), valid_trials(session) == 0 ? cli::Style::Bad : cli::Style::Plain},
                state_cell(state_text(session)),
                {session.label()}});
   }
   if (sessions.sessions_size() == 0) console.out << "no sessions\n";
+  table.may_drop({"STARTED (UTC)", "RIG", "LENGTH", "LABEL"});
   table.print(console);
 }
 
-void print_session(cli::Console& console, const v1::SessionRecord& session) {
+void print_session(cli::Console& console, const v1::SessionRecord& session, std::optional<double> elapsed_s) {
   print_field(console, "session", session.session_id());
   print_field(console, "rig", session.rig());
   print_field(console, "protocol", session.protocol());
@@ -210,14 +246,31 @@ void print_session(cli::Console& console, const v1::SessionRecord& session) {
     print_field(console, name, value);
   }
   print_field(console, "label", session.label());
+  print_field(console, "notes", session.notes());
   print_field(console, "started", utc_text(session.started_utc_ns()) + " UTC");
   if (session.ended_utc_ns() != 0) print_field(console, "ended", utc_text(session.ended_utc_ns()) + " UTC");
-  print_field(console, "recorded", cli::duration(recorded_s(session)));
+  if (elapsed_s) {
+    print_field(console, "elapsed", cli::duration(*elapsed_s));
+  } else {
+    print_field(console, "recorded", cli::duration(recorded_s(session)));
+  }
   print_field(console, "trials", trials_text(valid_trials(session), session.planned_trials()));
   print_field(console, "state", state_text(session) + (session.message().empty() ? "" : ": " + session.message()));
   print_parts(console, session);
   print_trials(console, session);
   print_results(console, session);
+  print_corrections(console, session);
+}
+
+std::string correction_text(const v1::Correction& correction) {
+  std::string what = correction.field() == "subject" ? "subject ID" : correction.field();
+  if (correction.field() == "outcome") {
+    what += " of trial " + std::to_string(correction.trial()) + ", attempt " + std::to_string(correction.attempt());
+    if (correction.part() > 1) what += ", part " + std::to_string(correction.part());
+  }
+  const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
+  return what + ": " + value(correction.old_value()) + " -> " + value(correction.new_value()) + ", " + utc_text(correction.utc_ns()) +
+         " UTC, " + correction.who() + (correction.reason().empty() ? "" : ": " + correction.reason());
 }
 
 void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& protocols) {
@@ -225,7 +278,7 @@ void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& pro
   for (const v1::ProtocolInfo& protocol : protocols.protocols()) {
     table.add({{protocol.name(), cli::Style::Bold},
                {protocol.trials() > 0 ? std::to_string(protocol.trials()) : "-"},
-               {protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : "-"},
+               {protocol.length_s() > 0.0 ? cli::duration(protocol.length_s()) : "-"},
                {protocol.sentence()}});
   }
   if (protocols.protocols_size() == 0) console.out << "no protocol is configured\n";
@@ -234,16 +287,23 @@ void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& pro
 
 void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
   print_field(console, "protocol", protocol.name());
+  print_field(console, "title", protocol.title());
   print_field(console, "what", protocol.sentence());
   if (protocol.settle_s() > 0.0) print_field(console, "settling", cli::duration(protocol.settle_s()));
-  print_field(console, "length", protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : std::string("until stopped"));
+  print_field(console, "length", length_text(protocol));
   if (protocol.trials() > 0) print_field(console, "trials", std::to_string(protocol.trials()));
-  print_field(console, "conditions", cli::join(protocol.conditions(), " "));
-  cli::Table fields({"FIELD", "NEEDED", "VALUES", "WHAT"});
+  cli::Table conditions({"CONDITION", "NAME", "TARGET"});
+  for (const v1::ProtocolCondition& condition : protocol.condition_list()) {
+    conditions.add({{condition.name(), cli::Style::Bold}, {condition.title()}, {target_text(condition)}});
+  }
+  if (protocol.condition_list_size() > 0) console.out << '\n';
+  conditions.print(console);
+  cli::Table fields({"FIELD", "NAME", "NEEDED", "VALUES", "WHAT"});
   for (const v1::ProtocolField& field : protocol.fields()) {
     std::string values = cli::join(field.choices(), " or ");
     if (values.empty()) values = shortest(field.minimum()) + " .. " + shortest(field.maximum());
-    fields.add({{field.name(), cli::Style::Bold}, {field.is_required() ? "yes" : "no"}, {values}, {field.sentence()}});
+    if (!field.unit().empty()) values += " " + field.unit();
+    fields.add({{field.name(), cli::Style::Bold}, {field.label()}, {field.is_required() ? "yes" : "no"}, {values}, {field.help()}});
   }
   if (protocol.fields_size() > 0) console.out << '\n';
   fields.print(console);

@@ -135,6 +135,7 @@ void print_status(cli::Console& console, const v1::StatusSnapshot& status) {
               {session_line(rig.session())}});
   }
   if (status.rigs_size() == 0) console.out << "no rig is configured\n";
+  rigs.may_drop({"NOMINAL", "DROPPED", "GAPS", "TARE"});
   rigs.print(console);
   print_recordings(console, status);
   print_messages(console, status);

@@ -13,10 +13,12 @@ namespace dts::ctl {
 namespace {
 
 struct Shown {
+  const char* name;
   const char* symbol;
   int decimals;
 };
-constexpr std::array<Shown, 4> kShown{{{"MVELO", 2}, {"RDIST", 2}, {"PEA95_F", 1}, {"RANGE_AP", 1}}};
+constexpr std::array<Shown, 4> kShown{
+    {{"velocity", "MVELO", 2}, {"distance", "RDIST", 2}, {"ellipse", "PEA95_F", 1}, {"range AP", "RANGE_AP", 1}}};
 
 }  // namespace
 
@@ -39,9 +41,10 @@ std::string sway_text(const v1::Sway& sway) {
   for (const Shown& shown : kShown) {
     const auto found = std::ranges::find(sway.measures(), shown.symbol, &v1::SwayMeasure::symbol);
     if (found == sway.measures().end()) continue;
-    values.push_back(found->symbol() + " " + cli::decimal(found->value(), shown.decimals) + " " + found->unit());
+    values.push_back(shown.name + (" (" + found->symbol()) + ") " + cli::decimal(found->value(), shown.decimals) + " " + found->unit());
   }
   if (values.empty()) values.emplace_back(sway.is_preliminary() ? "no values yet" : "no values");
+  if (sway.window() == v1::SWAY_WINDOW_LATEST) text += "last ";
   text += cli::decimal(sway.duration_s(), 1) + " s: " + cli::join(values, "  ");
   const std::string flags = sway_flag_words(sway);
   if (!flags.empty()) text += "  [" + flags + "]";

@@ -13,7 +13,7 @@ namespace dts::ctl {
 [[nodiscard]] std::optional<double> measure_value(const dts::v1::Sway& sway, std::string_view symbol);
 /// Returns the words of the flags: "short_for_quantiles moved".
 [[nodiscard]] std::string sway_flag_words(const dts::v1::Sway& sway);
-/// Returns "preliminary, trial 3, 12.5 s: MVELO 8.1 mm/s  RDIST 5.2 mm  ellipse 223 mm2".
+/// Returns "preliminary, trial 3, 12.5 s: velocity (MVELO) 8.1 mm/s  distance (RDIST) 5.2 mm  ellipse (PEA95_F) 223 mm2".
 [[nodiscard]] std::string sway_text(const dts::v1::Sway& sway);
 
 }  // namespace dts::ctl

@@ -56,7 +56,7 @@ class Top {
 };
 
 int Top::run() {
-  while (remaining_ > 0) {
+  while (remaining_ > 0 && !(is_drawn_ && console_.is_quit_asked())) {
     const auto message = subscriber_.receive(kTurn);
     if (!message) return cli::fail_with(console_, message.error());
     if (*message) {

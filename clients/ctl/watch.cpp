@@ -69,7 +69,7 @@ class Watch {
 };
 
 int Watch::run() {
-  while (remaining_ > 0) {
+  while (remaining_ > 0 && !(console_.can_redraw && console_.is_quit_asked())) {
     const auto message = subscriber_.receive(kLook);
     if (!message) return cli::fail_with(console_, message.error());
     if (*message) handle(**message);
@@ -86,14 +86,14 @@ void Watch::handle(const client::Message& message) {
   if (const auto* block = std::get_if<client::Block>(&message)) {
     const std::size_t scans = std::min<std::uint64_t>(block->scan_count, remaining_);
     sink_->show(*block, scans, now);
-    remaining_ -= scans;
+    if (sink_->shows(block->topic)) remaining_ -= scans;
   } else if (const auto* event = std::get_if<client::Event>(&message)) {
     sink_->show(*event);
-    --remaining_;
+    if (sink_->shows(event->topic)) --remaining_;
   } else if (const auto* status = std::get_if<client::Status>(&message)) {
     if (!wants_status()) return;
     sink_->show(*status);
-    --remaining_;
+    if (sink_->shows("dtsd/status")) --remaining_;
   } else {
     sink_->forget();
     sink_->make_room();
@@ -132,7 +132,7 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
   client::Error error = explain();
   has_reported_ = true;
   has_reported_daemon_ = is_daemon_silent || error.code == client::ErrorCode::Unreachable;
-  error.hint += "; still waiting; Ctrl-C ends";
+  error.hint += console_.can_redraw ? "; still waiting; q ends" : "; still waiting; Ctrl-C ends";
   say(error);
   return std::nullopt;
 }

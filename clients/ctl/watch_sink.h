@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <string_view>
 
 #include "dts/stream.h"
 
@@ -18,6 +19,8 @@ class WatchSink {
   virtual void show(const client::Block& block, std::size_t scans, Time now) = 0;
   virtual void show(const client::Event& event) = 0;
   virtual void show(const client::Status& status) = 0;
+  /// Returns whether the format shows messages of this topic. Messages that it leaves out do not count for `--count`.
+  [[nodiscard]] virtual bool shows(std::string_view /*topic*/) const { return true; }
   /// The daemon was restarted: formats seen so far are invalid.
   virtual void forget() = 0;
   /// Called before other text is written to the terminal.

@@ -25,6 +25,7 @@
 #include "cli/exit_status.h"
 #include "cli/try.h"
 #include "dts/endpoints.h"
+#include "gateway/archive/erasure_watch.h"
 #include "gateway/archive/work_folder.h"
 #include "gateway/bus/hub.h"
 #include "gateway/metrics/metrics.h"
@@ -109,6 +110,7 @@ class Gateway {
   StaticFiles files_;
   std::unique_ptr<AccessControl> access_;
   std::unique_ptr<Archive> archive_;
+  ErasureWatch erasures_;
   std::unique_ptr<Routes> routes_;
   std::counting_semaphore<kMostItemsUnderWay> free_places_{kMostItemsUnderWay};
   std::atomic<bool> is_ending_ = false;  ///< Read by the bus thread, which must not wait for an io thread that has ended.
@@ -124,6 +126,7 @@ void Gateway::pass(BusItem item) {
   asio::post(io_, [this, item = std::move(item)] {
     free_places_.release();
     hub_.handle(item);
+    if (erasures_.has_erased(hub_.status())) archive_->forget();
     access_->report_rest(false);  // called with the daemon's status every second; without a daemon, the next login or the end calls it
   });
 }

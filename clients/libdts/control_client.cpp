@@ -26,6 +26,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kAnswerSocketBytes = 4 * static_cast<std::int64_t>(kMaxAnswerBytes);
 constexpr std::size_t kLongestText = 2000;
+constexpr std::size_t kLongestRequestBytes = 4 * 1024;  // as the daemon's control socket
 constexpr milliseconds kTimeout{3000};
 constexpr milliseconds kLookForStop{50};
 
@@ -136,6 +137,13 @@ Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& reque
   const std::string bytes = bytes_of(request);
   // protobuf serialises invalid UTF-8 without an error, but the daemon cannot parse it, so such a request would never be answered.
   if (v1::Request echo; !echo.ParseFromString(bytes)) return fail(ErrorCode::InvalidArgument, "the text is not valid UTF-8");
+  // The daemon ends the connection for a longer one, so such a request would never be answered either.
+  if (bytes.size() > kLongestRequestBytes) {
+    return fail(
+        ErrorCode::InvalidArgument,
+        "the command has " + std::to_string(bytes.size()) + " bytes, and the daemon accepts " + std::to_string(kLongestRequestBytes),
+        "shorten its texts");
+  }
   const milliseconds timeout = timeout_of(request);
   const std::uint64_t ignored_before = ignored_replies_;
   for (int attempt = 0; attempt < options_.tries; ++attempt) {
@@ -285,6 +293,28 @@ Result<v1::SessionRecord> ControlClient::show_session(const std::string& session
   v1::ShowSessionRequest command;
   command.set_session_id(session_id);
   return call<v1::SessionRecord>(command);
+}
+
+Result<v1::SessionRecord> ControlClient::correct_session(const v1::CorrectSessionRequest& command) {
+  return call<v1::SessionRecord>(command);
+}
+
+Result<v1::SessionRecord> ControlClient::delete_session(const v1::DeleteSessionRequest& command) {
+  return call<v1::SessionRecord>(command);
+}
+
+Result<v1::ListSubjectsResponse> ControlClient::list_subjects() { return call<v1::ListSubjectsResponse>(v1::ListSubjectsRequest()); }
+
+Result<v1::SubjectRecord> ControlClient::show_subject(const std::string& subject) {
+  v1::ShowSubjectRequest command;
+  command.set_subject(subject);
+  return call<v1::SubjectRecord>(command);
+}
+
+Result<v1::EraseSubjectResponse> ControlClient::erase_subject(const std::string& subject) {
+  v1::EraseSubjectRequest command;
+  command.set_subject(subject);
+  return call<v1::EraseSubjectResponse>(command);
 }
 
 Result<v1::ListProtocolsResponse> ControlClient::list_protocols() { return call<v1::ListProtocolsResponse>(v1::ListProtocolsRequest()); }

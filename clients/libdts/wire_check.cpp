@@ -18,6 +18,7 @@ constexpr int kMaxTexts = 1000;
 constexpr int kMaxSessions = 10'000;  ///< Sessions of the catalogue; also entries of the audit trail.
 constexpr int kMaxParts = 1000;
 constexpr int kMaxTrials = 10'000;
+constexpr int kMaxCorrections = 10'000;
 constexpr std::size_t kLongestName = 64;
 constexpr std::int64_t kMaxRateTerm = 1'000'000'000'000;
 
@@ -121,7 +122,10 @@ Result<void> check(const v1::TareResponse& tare) { return check_count(tare.basel
 
 Result<void> check(const v1::TrialStatus& trial) {
   if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("the phase of a trial is unknown");
-  return first_failure(check_amount(trial.next_target_cm(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"));
+  return first_failure(check_amount(trial.next_target_cm(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"),
+                       check_amount(trial.settle_s(), "a trial's settling time"), check_amount(trial.duration_s(), "a trial's duration"),
+                       check_amount(trial.target_cm(), "a trial's target"), check_amount(trial.target_percent(), "a trial's target"),
+                       check_amount(trial.undo_s(), "a trial's time to undo"));
 }
 
 namespace {
@@ -137,10 +141,17 @@ Result<void> check(const v1::SessionPart& part) {
 Result<void> check(const v1::ProtocolInfo& protocol) {
   if (!is_name(protocol.name())) return damaged("a protocol has no valid name");
   const std::string what = "of protocol '" + protocol.name() + "'";
-  auto valid = first_failure(check_count(protocol.conditions_size(), kMaxTexts, ("conditions " + what).c_str()),
-                             check_count(protocol.fields_size(), kMaxTexts, ("fields " + what).c_str()),
-                             check_amount(protocol.settle_s(), "the settling time " + what),
-                             check_amount(protocol.duration_s(), "the duration " + what));
+  auto valid =
+      first_failure(check_count(protocol.condition_list_size(), kMaxTexts, ("conditions " + what).c_str()),
+                    check_count(protocol.fields_size(), kMaxTexts, ("fields " + what).c_str()),
+                    check_amount(protocol.settle_s(), "the settling time " + what),
+                    check_amount(protocol.duration_s(), "the duration " + what), check_amount(protocol.length_s(), "the length " + what));
+  for (const v1::ProtocolCondition& condition : protocol.condition_list()) {
+    if (!valid) break;
+    valid = first_failure(check_amount(condition.settle_s(), "the settling time " + what),
+                          check_amount(condition.duration_s(), "a duration " + what),
+                          check_amount(condition.target_percent(), "a target " + what));
+  }
   for (const v1::ProtocolField& field : protocol.fields()) {
     if (!valid) break;
     const bool is_range = std::isfinite(field.minimum()) && std::isfinite(field.maximum()) && field.minimum() <= field.maximum();
@@ -154,7 +165,8 @@ Result<void> check(const v1::ProtocolInfo& protocol) {
 Result<void> check(const v1::SessionRecord& session) {
   if (session.session_id().empty()) return damaged("a session has no ID");
   auto valid =
-      first_failure(check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"));
+      first_failure(check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"),
+                    check_count(session.corrections_size(), kMaxCorrections, "corrections"));
   for (const v1::SessionPart& part : session.parts()) {
     if (valid) valid = check(part);
   }
@@ -181,6 +193,19 @@ Result<void> check(const v1::GetAuditResponse& audit) { return check_count(audit
 
 Result<void> check(const v1::ListKeysResponse& keys) { return check_count(keys.keys_size(), kMaxSessions, "keys"); }
 
+Result<void> check(const v1::ListSubjectsResponse& subjects) { return check_count(subjects.subjects_size(), kMaxSessions, "subjects"); }
+
+Result<void> check(const v1::SubjectRecord& subject) {
+  auto valid = first_failure(check_count(subject.sessions_size(), kMaxSessions, "sessions"),
+                             check_count(subject.mentioning_sessions_size(), kMaxSessions, "sessions"));
+  for (const v1::SessionRecord& session : subject.sessions()) {
+    if (valid) valid = check(session);
+  }
+  return valid;
+}
+
+Result<void> check(const v1::EraseSubjectResponse& erased) { return check_count(erased.left_size(), kMaxSessions, "notes"); }
+
 Result<void> check(const v1::Response& response) {
   switch (response.result_case()) {
     case v1::Response::kStatus: return check(response.status());
@@ -196,6 +221,9 @@ Result<void> check(const v1::Response& response) {
     case v1::Response::kTrial: return check(response.trial());
     case v1::Response::kAudit: return check(response.audit());
     case v1::Response::kKeys: return check(response.keys());
+    case v1::Response::kSubjects: return check(response.subjects());
+    case v1::Response::kSubject: return check(response.subject());
+    case v1::Response::kErased: return check(response.erased());
     case v1::Response::kNoteLogin:
     case v1::Response::kError:
     case v1::Response::RESULT_NOT_SET: break;

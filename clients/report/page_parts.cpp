@@ -1,10 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/page_parts.h"
 
+#include <algorithm>
+#include <array>
+#include <chrono>
+
 #include "core/join.h"
 #include "report/number_text.h"
 
 namespace dts::report {
+
+namespace {
+
+/// Returns "26 Nov 2026".
+std::string day_text(std::int64_t utc_ns) {
+  constexpr std::array<const char*, 12> kMonths{"Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+  const std::chrono::sys_time<std::chrono::nanoseconds> instant{std::chrono::nanoseconds(utc_ns)};
+  const std::chrono::year_month_day date(std::chrono::floor<std::chrono::days>(instant));
+  return std::to_string(static_cast<unsigned>(date.day())) + " " + kMonths.at(static_cast<unsigned>(date.month()) - 1) + " " +
+         std::to_string(static_cast<int>(date.year()));
+}
+
+std::string protocol_title(const SessionData& session) {
+  return session.protocol.title.empty() ? session.facts->protocol : session.protocol.title;
+}
+
+}  // namespace
+
+std::string session_title(const SessionData& session) {
+  if (!session.facts) return "Quiet standing";
+  std::vector<std::string> parts{session.facts->subject, protocol_title(session)};
+  if (session.facts->started_utc_ns > 0) parts.push_back(day_text(session.facts->started_utc_ns));
+  std::erase(parts, "");
+  return core::join(parts);
+}
+
+std::string protocol_text(const SessionData& session) {
+  if (!session.facts || session.facts->protocol.empty()) return "-";
+  const std::string title = protocol_title(session);
+  return title == session.facts->protocol ? title : title + " (" + session.facts->protocol + ")";
+}
+
+std::string condition_text(const SessionData& session, const std::string& condition) {
+  if (condition.empty()) return "-";
+  if (!session.protocol.trials) return condition;
+  const auto& conditions = session.protocol.trials->conditions;
+  const auto known = std::ranges::find(conditions, condition, &session::Condition::name);
+  return known == conditions.end() || known->title.empty() ? condition : known->title;
+}
+
+Fact field_fact(const SessionData& session, const std::string& name, const std::string& value) {
+  const auto known = std::ranges::find(session.protocol.fields, name, &session::ProtocolField::name);
+  if (known == session.protocol.fields.end() || known->label.empty()) return {.name = name, .value = value};
+  return {.name = known->label, .value = value + (known->unit.empty() ? "" : " " + known->unit)};
+}
 
 std::string labels_text(const TrialData& trial) {
   std::string text;
@@ -30,8 +79,8 @@ std::string invalid_text(const TrialData& trial) {
 
 std::string outcome_text(const TrialData& trial) {
   if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "not ended: not valid";
-  if (trial.recorded.outcome != "done") return trial.recorded.outcome + ": not valid";
-  return "done" + invalid_text(trial);
+  const std::string text = trial.recorded.outcome == "done" ? "done" + invalid_text(trial) : trial.recorded.outcome + ": not valid";
+  return text + (trial.recorded_outcome.empty() ? "" : " (corrected; recorded: " + trial.recorded_outcome + ")");
 }
 
 std::string stance_text(const std::string& stance) {
@@ -63,8 +112,8 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   if (!about.device_serial.empty()) device += ", serial " + about.device_serial;
   if (!about.firmware.empty()) device += ", firmware " + about.firmware;
   facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
-  facts.push_back({.name = "Calibration",
-                   .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
+  facts.push_back(
+      {.name = "Calibration", .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
   facts.push_back({.name = "Stages", .value = about.stages.empty() ? "-" : core::join(about.stages, "; ")});
   return facts;
 }

@@ -9,6 +9,14 @@
 
 namespace dts::report {
 
+/// Returns "P017, Romberg's test, 26 Nov 2026" (UTC), as far as it is known; "Quiet standing" for a file of another program.
+[[nodiscard]] std::string session_title(const SessionData& session);
+/// Returns the protocol's name for people, and its key: "Romberg's test (romberg)".
+[[nodiscard]] std::string protocol_text(const SessionData& session);
+/// Returns the condition's name for people; the key without one; "-" for no condition.
+[[nodiscard]] std::string condition_text(const SessionData& session, const std::string& condition);
+/// Returns a field about the subject with its name and unit: "Body weight", "71.5 kg".
+[[nodiscard]] Fact field_fact(const SessionData& session, const std::string& name, const std::string& value);
 /// "eyes open, feet two".
 [[nodiscard]] std::string labels_text(const TrialData& trial);
 /// Returns "done", or what is wrong: "redone: does not count", "done, not valid: stepped off".

@@ -23,6 +23,11 @@ std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts) {
   return plate;
 }
 
+session::Protocol recorded_protocol(const record::SessionFacts& facts) {
+  files::Problems ignored;
+  return files::read_protocol_text(facts.protocol_definition, "the recorded protocol", ignored);
+}
+
 std::uint32_t planned_trials(const record::SessionFacts& facts) { return files::planned_trials(facts.protocol_definition); }
 
 }  // namespace dts::report

@@ -6,11 +6,15 @@
 
 #include "record/session_facts.h"
 #include "report/stabilogram.h"
+#include "session/protocol.h"
 
 namespace dts::report {
 
 /// Returns the plate of the recorded rig; nothing if the definition is missing or not readable.
 [[nodiscard]] std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts);
+/// Returns the recorded protocol for the names of conditions and fields. What cannot be read, or was written for another version, is left
+/// out: then the keys are shown.
+[[nodiscard]] session::Protocol recorded_protocol(const record::SessionFacts& facts);
 /// Returns the number of trials that the protocol plans; 0: none, or unknown.
 [[nodiscard]] std::uint32_t planned_trials(const record::SessionFacts& facts);
 

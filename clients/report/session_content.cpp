@@ -19,23 +19,34 @@ constexpr double kCellTextMm = 6.5;
 constexpr double kMostHalfMm = 11.8;
 constexpr std::size_t kMostPointsOfCell = 1200;
 
+/// Returns the corrected value with the recorded one.
+std::string with_recorded(const SessionData& session, record::CorrectedField field, const std::string& value) {
+  const auto first = std::ranges::find(session.corrections.all, field, &record::Correction::field);
+  if (first == session.corrections.all.end() || first->old_value == value) return value;
+  return value + " (corrected; recorded: " + (first->old_value.empty() ? "none" : first->old_value) + ")";
+}
+
 std::vector<Fact> facts_of(const SessionData& session) {
   if (!session.facts) return {{.name = "Recording", .value = session.parts.front().file}};
   const record::SessionFacts& about = *session.facts;
   const auto or_dash = [](const std::string& text) { return text.empty() ? std::string("-") : text; };
   std::vector<Fact> facts{{.name = "Session", .value = or_dash(about.session_id)},
-                          {.name = "Subject ID", .value = or_dash(about.subject)},
+                          {.name = "Subject ID", .value = with_recorded(session, record::CorrectedField::Subject, or_dash(about.subject))},
                           {.name = "Rig", .value = or_dash(about.rig)},
-                          {.name = "Protocol", .value = or_dash(about.protocol)},
+                          {.name = "Protocol", .value = protocol_text(session)},
                           {.name = "Started", .value = about.started_utc_ns > 0 ? utc_text(about.started_utc_ns) : "unknown"}};
   const auto kept = std::ranges::count_if(session.trials, [](const TrialData& trial) { return trial.counts(); });
   facts.push_back(
       {.name = "Trials",
        .value = std::to_string(kept) + (session.planned_trials > 0 ? " of " + std::to_string(session.planned_trials) : "") + " valid"});
   for (const auto& [name, value] : about.fields) {
-    if (facts.size() < 16) facts.push_back({.name = name, .value = value});
+    if (facts.size() < 16) facts.push_back(field_fact(session, name, value));
   }
-  if (!about.label.empty()) facts.push_back({.name = "Note", .value = about.label});
+  if (!about.label.empty()) {
+    facts.push_back({.name = "Label", .value = with_recorded(session, record::CorrectedField::Label, about.label)});
+  }
+  const std::string* const notes = session.corrections.value(record::CorrectedField::Notes);
+  if (notes != nullptr && !notes->empty()) facts.push_back({.name = "Notes", .value = *notes});
   return facts;
 }
 
@@ -59,7 +70,7 @@ std::string cut(const std::string& text, double width_mm, double size) {
   return shorter + "...";
 }
 
-void draw_cells(Canvas& canvas, const std::vector<const TrialData*>& trials) {
+void draw_cells(Canvas& canvas, const SessionData& session, const std::vector<const TrialData*>& trials) {
   const double scale = common_scale(trials);
   const double pitch = kFullWidthMm / static_cast<double>(kCellsInRow);
   for (std::size_t index = 0; index < trials.size(); ++index) {
@@ -67,20 +78,21 @@ void draw_cells(Canvas& canvas, const std::vector<const TrialData*>& trials) {
     Canvas cell =
         canvas.group(pitch * static_cast<double>(index % kCellsInRow), (kCellMm + kCellTextMm) * static_cast<double>(index / kCellsInRow));
     cell.text(0.0, 2.2, cut(trial.number() + (trial.counts() ? "" : " (not valid)"), pitch - 2.0, 2.1), {.size = 2.1, .is_bold = true});
-    cell.text(0.0, 4.8, cut(trial.recorded.condition, pitch - 2.0, 1.9), {.size = 1.9, .colour = colour::kDarkGrey});
+    cell.text(0.0, 4.8, cut(condition_text(session, trial.recorded.condition), pitch - 2.0, 1.9),
+              {.size = 1.9, .colour = colour::kDarkGrey});
     const double side = kCellMm - 2.0;
     cell.rect(0.0, 5.6, side, side, colour::kNone, {.colour = colour::kGrey, .width = 0.15});
     draw_path(cell, side / 2.0, 5.6 + side / 2.0, scale, *trial.prepared, kMostPointsOfCell, 0.12);
   }
 }
 
-Figure small_multiples(const std::vector<const TrialData*>& trials) {
+Figure small_multiples(const SessionData& session, const std::vector<const TrialData*>& trials) {
   const double rows = static_cast<double>((trials.size() + kCellsInRow - 1) / kCellsInRow);
   const double side_mm = (kCellMm - 2.0) / common_scale(trials);
   return {.title = "Stabilograms: top = front, right = right. Each frame is " + fixed(side_mm, 1) + " mm wide and high",
           .width_mm = kFullWidthMm,
           .height_mm = rows * (kCellMm + kCellTextMm),
-          .draw = [trials](Canvas& canvas) { draw_cells(canvas, trials); }};
+          .draw = [trials, &session](Canvas& canvas) { draw_cells(canvas, session, trials); }};
 }
 
 Notes left_out(const SessionData& session) {
@@ -118,6 +130,27 @@ Notes left_out(const SessionData& session) {
   return notes;
 }
 
+/// Lists what people corrected. A deletion is not listed: a deleted session has no report.
+Notes corrections_of(const SessionData& session) {
+  Notes notes{.title = "Corrections", .items = {}};
+  const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
+  for (const record::Correction& correction : session.corrections.all) {
+    if (correction.field == record::CorrectedField::Deleted) continue;
+    if (notes.items.size() == 20) {
+      notes.items.emplace_back("More corrections: dtsctl session show ID.");
+      break;
+    }
+    std::string what(record::name(correction.field));
+    if (correction.field == record::CorrectedField::Subject) what = "subject ID";
+    if (correction.field == record::CorrectedField::Outcome) {
+      what += " of trial " + std::to_string(correction.trial) + ", attempt " + std::to_string(correction.attempt);
+    }
+    notes.items.push_back(what + ": " + value(correction.old_value) + " -> " + value(correction.new_value) + ", " +
+                          utc_text(correction.utc_ns) + ", " + correction.who + ": " + correction.reason + ".");
+  }
+  return notes;
+}
+
 Notes differences(const SessionData& session) {
   Notes notes{.title = "Notes", .items = {}};
   std::size_t compared = 0;
@@ -142,8 +175,8 @@ Notes differences(const SessionData& session) {
 
 PageContent session_content(const SessionData& session, const SessionPageLimits& limits) {
   PageContent page{
-      .title = "Quiet standing",
-      .subtitle = "session",
+      .title = session_title(session),
+      .subtitle = "quiet standing",
       .facts = facts_of(session),
       .alerts = session_alerts(session),
       .sections = {},
@@ -156,7 +189,7 @@ PageContent session_content(const SessionData& session, const SessionPageLimits&
     ++drawable;
     if (shown.size() < limits.pictures) shown.push_back(&trial);
   }
-  if (!shown.empty()) page.sections.push_back({.columns = {{small_multiples(shown)}}});
+  if (!shown.empty()) page.sections.push_back({.columns = {{small_multiples(session, shown)}}});
   if (drawable > shown.size()) {
     page.alerts.push_back(std::to_string(drawable - shown.size()) + " more stabilograms are only on the pages of their trials.");
   }
@@ -166,6 +199,7 @@ PageContent session_content(const SessionData& session, const SessionPageLimits&
   Notes provenance{.title = "Source of the data", .items = {}};
   for (const Fact& fact : provenance_of(session, 0, session.parts.size())) provenance.items.push_back(fact.name + ": " + fact.value);
   Section rest{.columns = {{}, {left_out(session), differences(session)}}};
+  if (auto corrections = corrections_of(session); !corrections.items.empty()) rest.columns[1].push_back(std::move(corrections));
   if (auto romberg = romberg_table(session)) rest.columns[0].push_back(std::move(*romberg));
   rest.columns[rest.columns[0].empty() ? 0 : 1].push_back(std::move(provenance));
   page.sections.push_back(std::move(rest));

@@ -76,7 +76,11 @@ std::optional<std::int64_t> utc_of(const std::optional<std::int64_t>& host_ns, c
 core::Status read_part(const std::string& path, Waiting& waiting, const Share& share, SessionData& session) {
   DTS_TRY_ASSIGN(auto opened, record::Recording::open(path));
   const double middle = share.begin + (share.end - share.begin) / 3.0;
-  if (session.parts.empty()) session.facts = opened->session();
+  if (session.parts.empty() && opened->session()) {
+    DTS_TRY_ASSIGN(session.corrections, record::corrections_beside(path, *opened->session()));
+    session.facts = record::corrected(*opened->session(), session.corrections);
+  }
+  const std::uint32_t number = opened->session() ? opened->session()->part : 1;
   if (!opened->find_stream("cop")) {
     return core::fail(core::ErrorCode::NotFound, "'" + path + "' has no centre of pressure: reports exist only for the floor platform",
                       "for a session of the chair, show the results: dtsctl session show ID");
@@ -90,6 +94,10 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
   for (session::StandingTrial& trial : standing->trials) {
     const auto host_ns = recording.host_time_ns(trial.segment, trial.first_scan, standing->raw_rate_hz);
     TrialData added;
+    if (const std::string* outcome = session.corrections.outcome(number, trial.trial, trial.attempt);
+        outcome && *outcome != trial.outcome) {
+      added.recorded_outcome = std::exchange(trial.outcome, *outcome);
+    }
     added.begins_utc_ns = utc_of(host_ns, recording.session());
     added.recorded = std::move(trial);
     added.part = session.parts.size();
@@ -156,7 +164,8 @@ void summarise(SessionData& session) {
   }
   session.summary = session::sway_summary(results);
   session.missing_quotients = session::missing_quotients(all);
-  if (session.parts.size() != 1) return;
+  const auto is_corrected = [](const TrialData& trial) { return !trial.recorded_outcome.empty(); };
+  if (session.parts.size() != 1 || std::ranges::any_of(session.trials, is_corrected)) return;
   for (const session::SessionFigure& result : live) {
     const auto found = std::ranges::find(session.summary, result.name, &session::SessionFigure::name);
     if (found != session.summary.end() && !is_same_value(found->value, result.value)) session.differing_results.push_back(result.name);
@@ -197,6 +206,7 @@ core::Result<SessionData> read_session(const ReportSource& source, const ReportP
   }
   if (session.facts) {
     session.plate = recorded_plate(*session.facts);
+    session.protocol = recorded_protocol(*session.facts);
     session.planned_trials = planned_trials(*session.facts);
     session.foot_length_mm = foot_length_mm(session.facts);
   }

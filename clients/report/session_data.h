@@ -10,9 +10,11 @@
 #include "posturography/analysis.h"
 #include "posturography/prepare.h"
 #include "posturography/spectrum.h"
+#include "record/catalogue/corrections.h"
 #include "record/session_facts.h"
 #include "report/report.h"
 #include "report/stabilogram.h"
+#include "session/protocol.h"
 #include "session/recorded_sway.h"
 
 namespace dts::report {
@@ -29,6 +31,7 @@ struct PartData {
 /// A trial and its new analysis.
 struct TrialData {
   session::StandingTrial recorded;
+  std::string recorded_outcome{};             ///< If the outcome was corrected: as recorded.
   std::size_t part = 0;                       ///< Index into `SessionData::parts`.
   std::optional<std::int64_t> begins_utc_ns;  ///< Start of the part that counts.
   std::optional<posturography::Prepared> prepared;
@@ -49,13 +52,15 @@ struct TrialData {
 /// All data of a session that a report shows.
 struct SessionData {
   std::string software;
-  std::optional<record::SessionFacts> facts;  ///< Of the first part; absent: a file of another program.
+  std::optional<record::SessionFacts> facts;  ///< Of the first part, with corrected values; absent: a file of another program.
+  record::Corrections corrections;            ///< Of the session.
   std::vector<PartData> parts;
   std::vector<TrialData> trials;  ///< In the order of the recording.
   std::vector<session::SessionFigure> summary;
   std::vector<session::MissingQuotient> missing_quotients;
   std::vector<std::string> differing_results;  ///< Names of results that differ from those that the daemon recorded.
   std::optional<PlateSize> plate;
+  session::Protocol protocol{};  ///< As recorded, for names.
   std::uint32_t planned_trials = 0;
   std::optional<double> foot_length_mm;
 

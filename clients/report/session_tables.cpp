@@ -105,7 +105,7 @@ std::vector<Measure> measures_of(const Groups& groups) {
 std::string head_of(const SessionData& session, const std::string& condition) {
   const auto count = std::ranges::count_if(session.trials,
                                            [&](const TrialData& trial) { return trial.counts() && trial.recorded.condition == condition; });
-  return (condition.empty() ? "no condition" : condition) + " (n = " + std::to_string(count) + ")";
+  return (condition.empty() ? "no condition" : condition_text(session, condition)) + " (n = " + std::to_string(count) + ")";
 }
 
 Table means_of(const SessionData& session, const Groups& groups, std::size_t first, std::size_t end) {
@@ -133,7 +133,7 @@ Table trial_table(const SessionData& session, std::size_t most_rows) {
   for (const ShownMeasure& shown : kShown) table.columns.push_back({.head = std::string(shown.head), .share = 1.0, .is_number = true});
   for (const TrialData& trial : session.trials) {
     if (table.rows.size() >= most_rows) break;
-    Row row{.cells = {trial.number(), trial.recorded.condition.empty() ? "-" : trial.recorded.condition, outcome_text(trial)},
+    Row row{.cells = {trial.number(), condition_text(session, trial.recorded.condition), outcome_text(trial)},
             .is_heading = false,
             .link = trial.page};
     row.cells.push_back(trial.analysis ? fixed(trial.analysis->duration_s, 1) : "-");

@@ -24,8 +24,8 @@ std::vector<Fact> facts_of(const SessionData& session, const TrialData& trial) {
   facts.push_back({.name = "Session", .value = or_dash(session.session_id())});
   facts.push_back({.name = "Subject ID", .value = session.facts ? or_dash(session.facts->subject) : "-"});
   facts.push_back({.name = "Rig", .value = session.facts ? or_dash(session.facts->rig) : "-"});
-  facts.push_back({.name = "Protocol", .value = session.facts ? or_dash(session.facts->protocol) : "-"});
-  facts.push_back({.name = "Condition", .value = or_dash(trial.recorded.condition)});
+  facts.push_back({.name = "Protocol", .value = protocol_text(session)});
+  facts.push_back({.name = "Condition", .value = condition_text(session, trial.recorded.condition)});
   facts.push_back({.name = "Labels", .value = or_dash(labels_text(trial))});
   facts.push_back({.name = "Outcome", .value = outcome_text(trial)});
   facts.push_back({.name = "Measured from", .value = trial.begins_utc_ns ? utc_text(*trial.begins_utc_ns) : "unknown"});
@@ -34,10 +34,9 @@ std::vector<Fact> facts_of(const SessionData& session, const TrialData& trial) {
                      .value = fixed(trial.analysis->duration_s, 2) + " s, N = " + std::to_string(trial.analysis->samples) + " at " +
                               significant(trial.analysis->rate_hz) + " Hz"});
     facts.push_back(
-        {.name = "Filter",
-         .value = "profile " + std::string(posturography::name(trial.analysis->profile)) + ": " + filter_text(*trial.analysis)});
+        {.name = "Filter", .value = filter_text(*trial.analysis) + " (" + std::string(posturography::name(trial.analysis->profile)) + ")"});
   }
-  if (session.facts && !session.facts->label.empty()) facts.push_back({.name = "Note", .value = session.facts->label});
+  if (session.facts && !session.facts->label.empty()) facts.push_back({.name = "Label", .value = session.facts->label});
   return facts;
 }
 
@@ -70,7 +69,7 @@ Notes quality_notes(const SessionData& session, const TrialData& trial) {
       const std::uint32_t flag = 1U << bit;
       if ((trial.analysis->flags & flag) == 0) continue;
       const auto names = posturography::names_of(flag);
-      notes.items.push_back((names.empty() ? "" : std::string(names.front()) + ": ") + std::string(posturography::sentence_of(flag)));
+      notes.items.push_back(std::string(posturography::sentence_of(flag)) + (names.empty() ? "" : " (" + std::string(names.front()) + ")"));
     }
     if (trial.analysis->flags == 0)
       notes.items.emplace_back("No problem found: the trial is long enough and has no gap, no jump and no doubtful sensor.");
@@ -121,8 +120,8 @@ std::vector<Block> right_pictures(const TrialData& trial) {
 
 PageContent trial_content(const SessionData& session, const TrialData& trial) {
   PageContent page;
-  page.title = trial.recorded.trial == 0 ? "Quiet standing" : "Quiet standing, trial " + trial.number();
-  page.subtitle = trial.recorded.condition;
+  page.title = session_title(session) + (trial.recorded.trial == 0 ? "" : ", trial " + trial.number());
+  page.subtitle = trial.recorded.condition.empty() ? "quiet standing" : condition_text(session, trial.recorded.condition);
   page.facts = facts_of(session, trial);
   page.alerts = alerts_of(session, trial);
   Section pictures{.columns = {left_pictures(session, trial), right_pictures(trial)}};

@@ -49,6 +49,24 @@ session::StorageConfig read_storage(files::TomlReader reader) {
   return storage;
 }
 
+/// Reads [privacy]. A clinic that sets a rule of its own also says what it allows; else the general sentence is the hint.
+session::LabelRule read_privacy(files::TomlReader reader) {
+  session::LabelRule rule;
+  auto pattern = core::TextPattern::compile(reader.text("label_pattern", session::kDefaultLabelPattern));
+  if (pattern) {
+    rule.pattern = std::move(*pattern);
+  } else {
+    reader.report("label_pattern", pattern.error().what);
+  }
+  const bool is_default = !reader.has("label_pattern");
+  rule.hint = reader.text("label_hint", is_default ? session::kDefaultLabelHint : session::kGeneralLabelHint);
+  if (auto plain = session::check_plain_text("label_hint", rule.hint, files::kLongestText); !plain) {
+    reader.report("label_hint", plain.error().what);
+  }
+  reader.finish();
+  return rule;
+}
+
 /// Reads `[protocols] directory`, relative to the configuration file. The default is the folder "protocols" beside that file; it may be
 /// missing.
 std::vector<session::Protocol> read_protocols(files::TomlReader reader, files::Problems& problems) {
@@ -106,6 +124,7 @@ LoadedConfig load_config(const std::string& file) {
   config.network = settings::read_network(top);
   config.storage = read_storage(top.table("storage"));
   config.key_directory = settings::key_directory(config.storage.directory);
+  config.label_rule = read_privacy(top.table("privacy"));
   config.protocols = read_protocols(top.table("protocols"), loaded.problems);
   for (files::TomlReader& rig : top.tables("rig")) read_rig(rig, config, loaded.problems);
   top.finish();

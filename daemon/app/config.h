@@ -8,6 +8,7 @@
 #include "core/log.h"
 #include "files/toml_reader.h"
 #include "pipeline/rig_config.h"
+#include "session/label_rule.h"
 #include "session/protocol.h"
 #include "session/storage.h"
 #include "settings/shared_settings.h"
@@ -41,6 +42,7 @@ struct DaemonConfig {
   RealtimeConfig realtime;
   session::StorageConfig storage;
   std::vector<session::Protocol> protocols;  ///< "free" is always among them.
+  session::LabelRule label_rule;
   std::vector<ConfiguredRig> rigs;
 };
 

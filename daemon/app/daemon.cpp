@@ -201,6 +201,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
                                  {.recordings = *recordings,
                                   .worker = worker,
                                   .protocols = config.protocols,
+                                  .label_rule = config.label_rule,
                                   .software = "dtsd " + std::string(version()),
                                   .boot_id = boot,
                                   .planned_trials = files::planned_trials});

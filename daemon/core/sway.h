@@ -7,8 +7,11 @@
 
 namespace dts::core {
 
+/// Longest time that the values outside a trial cover.
+inline constexpr double kRecentSwayS = 30.0;
+
 /// Running values of quiet standing: the steadiness measures that can be exact while the trial runs (posturography sheet section
-/// 3, "live"). Computed from the causally filtered centre of pressure since the window began, with the formulas of the final values. mm,
+/// 3, "live"). Computed from the causally filtered centre of pressure of a window, with the formulas of the final values. mm,
 /// mm/s, mm2. With 0 samples no value is valid; the ellipse needs at least three samples.
 struct RunningSway {
   std::uint64_t samples = 0;  ///< Number of samples at the analysis rate.
@@ -35,7 +38,8 @@ struct SwayEvent {
   ScanIndex scan;                 ///< Newest scan in the values, of the rig's raw stream.
   std::int64_t host_time_ns = 0;  ///< Host time of that scan.
   ScanIndex first_scan;           ///< First scan of the window.
-  std::uint32_t trial = 0;  ///< The window is the measuring time of this trial; 0: the window began when a person stepped on the plate.
+  /// The window is the measuring time of this trial so far; 0: the last `kRecentSwayS` at most, since the person stands still.
+  std::uint32_t trial = 0;
   RunningSway values;
 };
 

@@ -23,6 +23,12 @@ std::size_t character_count(std::string_view text) noexcept {
 
 bool is_utf8(std::string_view text) noexcept { return utf8::is_valid(text.begin(), text.end()); }
 
+std::u32string characters_of(std::string_view text) {
+  std::u32string characters;
+  for (const char* at = text.data(); at != text.data() + text.size();) characters += utf8::unchecked::next(at);
+  return characters;
+}
+
 std::string allowed_text(std::string_view text, bool (*is_allowed)(std::uint32_t code), std::string_view instead) {
   std::string allowed;
   allowed.reserve(text.size());

@@ -20,6 +20,9 @@ inline constexpr std::string_view kReplacementCharacter = "\xEF\xBF\xBD";
 /// Overlong forms, surrogates and codes above U+10FFFF are not valid.
 [[nodiscard]] bool is_utf8(std::string_view text) noexcept;
 
+/// Returns the characters of valid UTF-8.
+[[nodiscard]] std::u32string characters_of(std::string_view text);
+
 /// Returns the text with `instead` for each character that `is_allowed` rejects, and U+FFFD for each byte that is not valid UTF-8.
 [[nodiscard]] std::string allowed_text(std::string_view text, bool (*is_allowed)(std::uint32_t code), std::string_view instead);
 

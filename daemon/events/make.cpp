@@ -88,6 +88,8 @@ v1::Sway preliminary(const core::SwayEvent& event) {
   }
   out.set_flags(0);
   out.set_is_valid(true);
+  out.set_window(event.trial > 0 ? v1::SWAY_WINDOW_TRIAL : v1::SWAY_WINDOW_LATEST);
+  if (event.trial == 0) out.set_window_s(core::kRecentSwayS);
   add(event.values, out);
   return out;
 }

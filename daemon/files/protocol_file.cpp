@@ -23,6 +23,8 @@ constexpr std::size_t kMostProtocolBytes = std::size_t{256} << 10U;  // the head
 constexpr std::size_t kMostFiles = 1000;
 constexpr std::size_t kLongestWord = 32;
 constexpr std::size_t kLongestSentence = 200;
+constexpr std::size_t kLongestTitle = 64;  // of a protocol, a condition, the label of a field
+constexpr std::size_t kLongestUnit = 16;
 constexpr std::size_t kMostEntries = 32;  // fields, choices, conditions
 constexpr std::size_t kMostLabels = 8;
 constexpr std::int64_t kMostTrialsPerBlock = 200;
@@ -52,10 +54,12 @@ std::string word(TomlReader& reader, std::string_view key, std::string_view lett
   return given;
 }
 
-std::string sentence(TomlReader& reader) {
-  std::string given = reader.text("sentence", "");
+std::string line(TomlReader& reader, std::string_view key, std::size_t most_bytes, const std::string& fallback = {}) {
+  std::string given = reader.text(key, fallback);
   const bool has_control = std::ranges::any_of(given, [](char letter) { return static_cast<unsigned char>(letter) < ' '; });
-  if (given.size() > kLongestSentence || has_control) reader.report("sentence", "sentence must be one line of at most 200 bytes");
+  if (given.size() > most_bytes || has_control) {
+    reader.report(key, std::string(key) + " must be one line of at most " + std::to_string(most_bytes) + " bytes");
+  }
   return given;
 }
 
@@ -80,7 +84,10 @@ std::vector<std::string> choices(TomlReader& reader) {
 ProtocolField read_field(TomlReader& reader) {
   ProtocolField field;
   field.name = word(reader, "name", kFieldLetters);
-  field.sentence = sentence(reader);
+  reader.require("label");
+  field.label = line(reader, "label", kLongestTitle);
+  field.unit = line(reader, "unit", kLongestUnit);
+  field.help = line(reader, "help", kLongestSentence);
   field.is_required = reader.boolean("required", false);
   if (reader.node("choices") != nullptr) {  // `node` marks the key as known
     field.choices = choices(reader);
@@ -112,6 +119,7 @@ std::vector<std::pair<std::string, std::string>> read_labels(TomlReader reader) 
 Condition read_condition(TomlReader& reader) {
   Condition condition;
   condition.name = word(reader, "name", kNameLetters);
+  condition.title = line(reader, "title", kLongestTitle, condition.name);
   if (reader.node("target_percent") != nullptr) condition.target_percent = reader.number("target_percent", 100.0, 1.0, kMostPercent);
   condition.is_maximum_reach = reader.boolean("maximum_reach", false);
   if (condition.is_maximum_reach && condition.target_percent) {
@@ -219,7 +227,8 @@ Protocol read_protocol_text(const std::string& text, const std::string& name, Pr
   if (!table) return protocol;
   TomlReader reader(&*table, "", name, problems);
   protocol.name = word(reader, "name", kNameLetters);
-  protocol.sentence = sentence(reader);
+  protocol.title = line(reader, "title", kLongestTitle, protocol.name);
+  protocol.sentence = line(reader, "sentence", kLongestSentence);
   if (reader.has("rig_kind")) protocol.rig_kind = reader.choice("rig_kind", {"floor", "chair"});
   read_fields(reader, protocol);
   if (reader.node("trials") != nullptr) {
@@ -249,8 +258,13 @@ Protocol read_protocol(const std::string& file, Problems& problems) {
 std::uint32_t planned_trials(const std::string& definition) {
   if (definition.empty()) return 0;
   Problems problems;
-  const Protocol protocol = read_protocol_text(definition, "the recorded protocol", problems);
-  return problems.empty() && protocol.trials ? session::planned_trials(*protocol.trials) : 0;
+  const std::string name = "the recorded protocol";
+  const auto table = parse_text(definition, name, problems);
+  if (!table) return 0;
+  TomlReader reader(&*table, "", name, problems);
+  if (reader.node("trials") == nullptr) return 0;
+  const TrialPlan plan = read_trials(reader.table("trials"));
+  return problems.empty() ? session::planned_trials(plan) : 0;
 }
 
 std::vector<Protocol> read_protocols(const std::string& folder, Problems& problems) {

@@ -12,10 +12,12 @@ namespace {
 /// Returns the command's name in the trail: a special name for some commands, else its option `audit`.
 std::string audit_name(const dts::v1::Request& request) {
   if (request.has_stop_session() && request.stop_session().is_abort()) return "abort_session";
+  if (request.has_delete_session() && request.delete_session().is_restore()) return "restore_session";
   switch (request.trial().action()) {
     case dts::v1::TRIAL_ACTION_NEXT: return "trial_next";
     case dts::v1::TRIAL_ACTION_REDO: return "trial_redo";
     case dts::v1::TRIAL_ACTION_REJECT: return "trial_reject";
+    case dts::v1::TRIAL_ACTION_UNDO: return "trial_undo";
     default: return wire::rules_of(request).audit();
   }
 }
@@ -42,9 +44,10 @@ std::string known_target(session::Supervisor& supervisor, const std::string& rig
   return target;
 }
 
-/// Returns "local", or "local:anna" for a user of a gateway. The trail shows both, because only the gateway vouches for the user's name.
-std::string who(const std::string& sender, const dts::v1::Request& request) {
-  return access::is_key_name(request.on_behalf_of()) ? sender + ":" + request.on_behalf_of() : sender;
+/// Returns the ID if the catalogue has this session; else nothing.
+std::string known_session(session::Supervisor& supervisor, const std::string& id) {
+  const auto session = supervisor.recordings().catalogue().session(id);
+  return session ? session->id : "";
 }
 
 /// Returns the name of the key that a command adds (with its role) or revokes; empty if the name is invalid; nothing for other commands.
@@ -65,6 +68,8 @@ std::string target_of(session::Supervisor& supervisor, const dts::v1::Request& r
   if (response.has_note_login()) return login_text(request.note_login());
   if (response.has_session()) return response.session().session_id();
   if (const auto key = key_of(request)) return *key;
+  if (request.has_erase_subject()) return "";  // never the subject ID
+  if (request.has_correct_session() || request.has_delete_session()) return known_session(supervisor, asked_target(request));
   return known_target(supervisor, asked_target(request));
 }
 
@@ -75,16 +80,20 @@ std::string result_of(const dts::v1::Request& request, const dts::v1::Response& 
 
 }  // namespace
 
+std::string author_of(const std::string& sender, const dts::v1::Request& request) {
+  return access::is_key_name(request.on_behalf_of()) ? sender + ":" + request.on_behalf_of() : sender;
+}
+
 bool is_audited(const dts::v1::Request& request, const dts::v1::Response& response) {
   const dts::v1::CommandRules& rules = wire::rules_of(request);
-  return !rules.audit().empty() && (rules.is_change() || response.has_error());
+  return !rules.audit().empty() && !response.has_erased() && (rules.is_change() || response.has_error());
 }
 
 void enter_audit(session::Supervisor& supervisor, core::Clock& clock, const std::string& sender, const dts::v1::Request& request,
                  const dts::v1::Response& response) {
   if (!is_audited(request, response)) return;
   supervisor.recordings().enter_audit({.utc_ns = clock.now_ns() + clock.utc_minus_monotonic_ns(),
-                                       .who = who(sender, request),
+                                       .who = author_of(sender, request),
                                        .what = audit_name(request),
                                        .target = target_of(supervisor, request, response),
                                        .result = result_of(request, response)});

@@ -23,13 +23,13 @@ CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clo
                                KeyCommands keys)
     : supervisor_(supervisor), keys_(std::move(keys)), clock_(clock), identity_(std::move(identity)), notices_(std::move(notices)) {}
 
-CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) {
-  Answer answer = run(request);
+CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request, const std::string& author) {
+  Answer answer = run(request, author);
   answer.response.set_request_id(request.request_id());
   return answer;
 }
 
-CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request) {
+CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request, const std::string& author) {
   switch (request.command_case()) {
     case dts::v1::Request::kStatus: return {status_response()};
     case dts::v1::Request::kListRigs: return {list_rigs()};
@@ -49,6 +49,11 @@ CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request) {
     case dts::v1::Request::kAddKey: return {keys_.add(request.add_key())};
     case dts::v1::Request::kRevokeKey: return {keys_.revoke(request.revoke_key())};
     case dts::v1::Request::kNoteLogin: return {note_login(request.note_login())};
+    case dts::v1::Request::kCorrectSession: return {correct_session(request.correct_session(), author)};
+    case dts::v1::Request::kDeleteSession: return {delete_session(request.delete_session(), author)};
+    case dts::v1::Request::kListSubjects: return {list_subjects()};
+    case dts::v1::Request::kShowSubject: return {show_subject(request.show_subject())};
+    case dts::v1::Request::kEraseSubject: return erase_subject(request.erase_subject(), author);
     case dts::v1::Request::COMMAND_NOT_SET: break;
   }
   return {error_response({ErrorCode::InvalidArgument, "the request contains no command that this daemon knows",
@@ -57,6 +62,7 @@ CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request) {
 
 std::optional<dts::v1::Response> CommandHandler::finish(const Pending& pending) {
   if (const auto* stop = std::get_if<PendingStop>(&pending)) return finish_stop(*stop);
+  if (std::holds_alternative<PendingErasure>(pending)) return finish_erasure();
   return finish_tare(std::get<PendingTare>(pending));
 }
 
@@ -64,6 +70,10 @@ dts::v1::Response CommandHandler::give_up(const Pending& pending) {
   if (const auto* stop = std::get_if<PendingStop>(&pending)) {
     return error_response({ErrorCode::Timeout, "the recording of session " + stop->session_id + " is still being closed",
                            "the disk is slow; check again: dtsctl session show " + stop->session_id});
+  }
+  if (std::holds_alternative<PendingErasure>(pending)) {
+    return error_response({ErrorCode::Timeout, "the erasure has begun, and its files are still being removed",
+                           "it continues by itself; check the audit trail in a minute: dtsctl audit"});
   }
   const auto& tare = std::get<PendingTare>(pending);
   supervisor_.cancel_tare(tare.rig, tare.request);
@@ -103,6 +113,7 @@ dts::v1::StatusSnapshot CommandHandler::status() {
   }
   out.set_rejected_requests_total(rejected_total_);
   out.set_has_network(keys_.has_network());
+  out.set_erasures_total(supervisor_.recordings().erasures());
   *out.mutable_disk() = disk_status(supervisor_.recordings().disk());
   return out;
 }

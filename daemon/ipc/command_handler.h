@@ -26,8 +26,11 @@ struct PendingStop {
   std::string session_id;
 };
 
+/// An erasure whose files are being removed.
+struct PendingErasure {};
+
 /// A command without an answer yet.
-using Pending = std::variant<PendingTare, PendingStop>;
+using Pending = std::variant<PendingTare, PendingStop, PendingErasure>;
 
 /// Executes commands: converts requests to calls of the supervisor, and their results to responses. Uses no sockets.
 /// Thread: control.
@@ -40,8 +43,8 @@ class CommandHandler {
     dts::v1::Response response;
     std::optional<Pending> pending{};  ///< If set, `response` is not complete: call `finish` until it returns a response.
   };
-  /// Executes a request. Answers every request, even an invalid one.
-  [[nodiscard]] Answer execute(const dts::v1::Request& request);
+  /// Executes a request. Answers every request, even an invalid one. `author`: who sent it, see `author_of`.
+  [[nodiscard]] Answer execute(const dts::v1::Request& request, const std::string& author = "local");
   /// Returns the answer to a pending command, or nothing if there is none yet.
   [[nodiscard]] std::optional<dts::v1::Response> finish(const Pending& pending);
   /// Returns the answer after a timeout. Cancels a pending tare, which must not run minutes later without a request.
@@ -52,7 +55,7 @@ class CommandHandler {
   void count_rejected() noexcept { ++rejected_total_; }
 
  private:
-  [[nodiscard]] Answer run(const dts::v1::Request& request);
+  [[nodiscard]] Answer run(const dts::v1::Request& request, const std::string& author);
   dts::v1::Response status_response();
   dts::v1::Response list_rigs();
   dts::v1::Response devices();
@@ -71,6 +74,16 @@ class CommandHandler {
   dts::v1::Response list_sessions(const dts::v1::ListSessionsRequest& request);
   dts::v1::Response show_session(const dts::v1::ShowSessionRequest& request);
   dts::v1::Response audit(const dts::v1::GetAuditRequest& request);
+  [[nodiscard]] dts::v1::Response session_answer(const record::SessionRow& row);
+
+  // record_commands.cpp
+  dts::v1::Response correct_session(const dts::v1::CorrectSessionRequest& request, const std::string& author);
+  dts::v1::Response delete_session(const dts::v1::DeleteSessionRequest& request, const std::string& author);
+  dts::v1::Response list_subjects();
+  dts::v1::Response show_subject(const dts::v1::ShowSubjectRequest& request);
+  Answer erase_subject(const dts::v1::EraseSubjectRequest& request, const std::string& author);
+  [[nodiscard]] std::optional<dts::v1::Response> finish_erasure();
+
   /// Only checks the request; the audit trail records the login.
   static dts::v1::Response note_login(const dts::v1::NoteLoginRequest& request);
 

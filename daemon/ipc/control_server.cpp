@@ -76,7 +76,7 @@ void ControlServer::answer(Incoming asked) {
   if (rules.timeout_s() > 0 && waiting_.size() == kMostWaiting) {
     return reject(asked, peer, "too many commands wait for their answers");
   }
-  CommandHandler::Answer result = handler_.execute(request);
+  CommandHandler::Answer result = handler_.execute(request, author_of(peer.who, request));
   if (result.pending) {
     waiting_.push_back({.asked = std::move(asked),
                         .peer = std::move(peer),

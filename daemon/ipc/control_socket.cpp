@@ -9,7 +9,7 @@
 namespace dts::ipc {
 namespace {
 
-constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // our largest request has less than 1 kB
+constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // our largest request has less than 3 kB
 constexpr std::size_t kMostFrames = 4;
 constexpr int kQueueMessages = 100;
 constexpr int kHandshakeMs = 2000;  // then the connection ends

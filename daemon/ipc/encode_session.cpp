@@ -51,6 +51,17 @@ dts::v1::RecordingStatus recording_status(const session::RecordingView& view, st
   return out;
 }
 
+static dts::v1::TrialOutcome trial_outcome(session::TrialEventKind ended) {
+  using enum session::TrialEventKind;
+  switch (ended) {
+    case Done: return dts::v1::TRIAL_OUTCOME_DONE;
+    case Redone: return dts::v1::TRIAL_OUTCOME_REDONE;
+    case Rejected: return dts::v1::TRIAL_OUTCOME_REJECTED;
+    case Aborted: return dts::v1::TRIAL_OUTCOME_ABORTED;
+    default: return dts::v1::TRIAL_OUTCOME_UNSPECIFIED;
+  }
+}
+
 dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   dts::v1::TrialStatus out;
   out.set_phase(static_cast<dts::v1::TrialPhase>(view.phase));
@@ -62,6 +73,18 @@ dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   out.set_next_condition(view.next_condition);
   if (view.next_target_cm) out.set_next_target_cm(*view.next_target_cm);
   if (view.remaining_s > 0.0) out.set_remaining_s(view.remaining_s);
+  out.set_settle_s(view.settle_s);
+  if (view.duration_s > 0.0) out.set_duration_s(view.duration_s);
+  if (view.target_cm) out.set_target_cm(*view.target_cm);
+  if (view.target_percent) out.set_target_percent(*view.target_percent);
+  if (view.last_ended) {
+    out.set_last_outcome(trial_outcome(view.last_ended->outcome));
+    out.set_last_trial(view.last_ended->trial);
+    out.set_last_attempt(view.last_ended->attempt);
+    out.set_last_fault(view.last_ended->fault);
+  }
+  if (view.undo_s > 0.0) out.set_undo_s(view.undo_s);
+  out.set_is_next_wanted(view.is_next_wanted);
   return out;
 }
 
@@ -76,21 +99,40 @@ void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<d
   }
 }
 
+static void add_plan(const session::TrialPlan& plan, dts::v1::ProtocolInfo& out) {
+  out.set_trials(session::planned_trials(plan));
+  out.set_starts_by_itself(plan.starts_by_itself);
+  if (const auto length_s = session::length_s(plan)) out.set_length_s(*length_s);
+  for (const session::Condition& condition : plan.conditions) {
+    auto& described = *out.add_condition_list();
+    described.set_name(condition.name);
+    described.set_title(condition.title);
+    described.set_settle_s(plan.settle_s);
+    if (plan.duration_s > 0.0) described.set_duration_s(plan.duration_s);
+    if (condition.target_percent) described.set_target_percent(*condition.target_percent);
+    described.set_is_maximum_reach(condition.is_maximum_reach);
+  }
+}
+
 dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
   dts::v1::ProtocolInfo out;
   out.set_name(protocol.name);
+  out.set_title(protocol.title);
   out.set_sentence(protocol.sentence);
   out.set_rig_kind(protocol.rig_kind);
   out.set_settle_s(protocol.settle_s);
   if (protocol.duration_s > 0.0) out.set_duration_s(protocol.duration_s);
   if (protocol.trials) {
-    out.set_trials(protocol.trials->trials_per_block * protocol.trials->blocks);
-    for (const session::Condition& condition : protocol.trials->conditions) out.add_conditions(condition.name);
+    add_plan(*protocol.trials, out);
+  } else if (protocol.duration_s > 0.0) {
+    out.set_length_s(protocol.settle_s + protocol.duration_s);
   }
   for (const session::ProtocolField& field : protocol.fields) {
     auto& described = *out.add_fields();
     described.set_name(field.name);
-    described.set_sentence(field.sentence);
+    described.set_label(field.label);
+    described.set_unit(field.unit);
+    described.set_help(field.help);
     described.set_is_required(field.is_required);
     if (field.choices.empty()) {
       described.set_minimum(field.minimum);
@@ -129,8 +171,10 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_first_scan(trial.first_scan);
   out.set_last_scan(trial.last_scan);
   out.set_last_segment(trial.last_segment);
+  out.set_recorded_outcome(clean_text(trial.recorded_outcome));
   if (trial.result.empty()) return;
   auto event = record::event_of_text(trial.result);
+  if (event && trial.outcome == "done") out.set_fault(record::fault_of(*event));
   if (event && event->has_trial_result()) {
     *out.mutable_result() = std::move(*event->mutable_trial_result());
     out.mutable_result()->set_session_id(trial.session_id);  // dtsd 0.1 did not store it
@@ -139,6 +183,19 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
     *out.mutable_sway() = std::move(*event->mutable_sway());
     out.mutable_sway()->set_session_id(trial.session_id);
   }
+}
+
+void fill(dts::v1::Correction& out, const record::Correction& correction) {
+  out.set_number(correction.number);
+  out.set_utc_ns(correction.utc_ns);
+  out.set_who(clean_text(correction.who));
+  out.set_field(std::string(record::name(correction.field)));
+  out.set_part(correction.part);
+  out.set_trial(correction.trial);
+  out.set_attempt(correction.attempt);
+  out.set_old_value(clean_text(correction.old_value));
+  out.set_new_value(clean_text(correction.new_value));
+  out.set_reason(clean_text(correction.reason));
 }
 
 }  // namespace
@@ -157,6 +214,34 @@ dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32
   if (row.ended_utc_ns != 0) out.set_ended_utc_ns(row.ended_utc_ns);
   for (const record::PartRow& part : row.parts) fill(*out.add_parts(), part);
   for (const record::TrialRow& trial : row.trials) fill(*out.add_trials(), trial);
+  for (const record::Correction& correction : row.corrections) fill(*out.add_corrections(), correction);
+  out.set_notes(clean_text(row.notes));
+  out.set_is_deleted(row.is_deleted);
+  return out;
+}
+
+dts::v1::SessionRecord listed_session(const record::SessionRow& row, std::uint32_t planned_trials) {
+  constexpr int kListed = 5;
+  dts::v1::SessionRecord out = session_record(row, planned_trials);
+  out.clear_notes();
+  auto& corrections = *out.mutable_corrections();
+  if (corrections.size() > kListed) corrections.DeleteSubrange(0, corrections.size() - kListed);
+  for (dts::v1::Correction& correction : corrections) {
+    for (std::string* text :
+         {correction.mutable_who(), correction.mutable_old_value(), correction.mutable_new_value(), correction.mutable_reason()})
+      text->clear();
+  }
+  return out;
+}
+
+dts::v1::SubjectInfo subject_info(const record::SubjectRow& row) {
+  dts::v1::SubjectInfo out;
+  out.set_subject(clean_text(row.subject));
+  out.set_sessions(row.sessions);
+  out.set_deleted_sessions(row.deleted_sessions);
+  out.set_first_utc_ns(row.first_utc_ns);
+  out.set_last_utc_ns(row.last_utc_ns);
+  out.set_bytes(row.bytes);
   return out;
 }
 

@@ -19,6 +19,9 @@ void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<d
 [[nodiscard]] dts::v1::TrialStatus trial_status(const session::TrialView& view);
 [[nodiscard]] dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol);
 [[nodiscard]] dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32_t planned_trials = 0);
+/// Returns the session for a list: without the texts of its corrections, so that an answer stays small.
+[[nodiscard]] dts::v1::SessionRecord listed_session(const record::SessionRow& row, std::uint32_t planned_trials);
+[[nodiscard]] dts::v1::SubjectInfo subject_info(const record::SubjectRow& row);
 [[nodiscard]] dts::v1::SessionResult session_result(const record::ResultRow& row);
 [[nodiscard]] dts::v1::AuditEntry audit_entry(const record::AuditEntry& entry);
 [[nodiscard]] dts::v1::DiskStatus disk_status(const session::DiskView& view);

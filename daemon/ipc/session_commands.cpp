@@ -33,7 +33,7 @@ void add_fields(const record::SessionRow& row, dts::v1::SessionRecord& out) {
 }  // namespace
 
 dts::v1::Response CommandHandler::start_session(const dts::v1::StartSessionRequest& request) {
-  session::SessionRequest asked{.protocol = request.protocol().empty() ? "free" : request.protocol(),
+  session::SessionRequest asked{.protocol = request.protocol(),
                                 .subject = request.subject(),
                                 .label = request.label(),
                                 .duration_s = request.duration_s(),
@@ -83,7 +83,8 @@ dts::v1::Response CommandHandler::trial(const dts::v1::TrialRequest& request) {
     case dts::v1::TRIAL_ACTION_NEXT: action = session::TrialAction::Next; break;
     case dts::v1::TRIAL_ACTION_REDO: action = session::TrialAction::Redo; break;
     case dts::v1::TRIAL_ACTION_REJECT: action = session::TrialAction::Reject; break;
-    default: return error_response({ErrorCode::InvalidArgument, "unknown action on a trial", "use next, redo or reject"});
+    case dts::v1::TRIAL_ACTION_UNDO: action = session::TrialAction::Undo; break;
+    default: return error_response({ErrorCode::InvalidArgument, "unknown action on a trial", "use next, redo, reject or undo"});
   }
   const auto trial = supervisor_.trial(request.rig(), action);
   if (!trial) return error_response(trial.error());
@@ -96,30 +97,40 @@ dts::v1::Response CommandHandler::list_protocols() {
   dts::v1::Response response;
   auto& out = *response.mutable_protocols();
   for (const session::Protocol& protocol : supervisor_.protocols()) *out.add_protocols() = protocol_info(protocol);
+  const session::LabelRule& rule = supervisor_.label_rule();
+  out.set_label_hint(rule.hint);
+  if (rule.pattern) out.set_label_pattern(rule.pattern->pattern());
   return response;
 }
 
 dts::v1::Response CommandHandler::list_sessions(const dts::v1::ListSessionsRequest& request) {
   session::Recordings& recordings = supervisor_.recordings();
-  const auto rows = recordings.catalogue().sessions(
-      {.rig = request.rig(), .subject = request.subject(), .protocol = request.protocol(), .limit = limit_of(request.limit())});
+  const auto rows = recordings.catalogue().sessions({.rig = request.rig(),
+                                                     .subject = request.subject(),
+                                                     .protocol = request.protocol(),
+                                                     .limit = limit_of(request.limit()),
+                                                     .shown = request.deleted() ? record::Shown::Deleted : record::Shown::Kept});
   if (!rows) return error_response(rows.error());
   dts::v1::Response response;
   auto& out = *response.mutable_sessions();
   for (const record::SessionRow& row : *rows)
-    *out.add_sessions() = session_record(recordings.corrected(row), supervisor_.planned_trials(row));
+    *out.add_sessions() = listed_session(recordings.corrected(row), supervisor_.planned_trials(row));
   return response;
 }
 
 dts::v1::Response CommandHandler::show_session(const dts::v1::ShowSessionRequest& request) {
   session::Recordings& recordings = supervisor_.recordings();
   const auto row = recordings.catalogue().session(request.session_id());
-  if (!row) return error_response(row.error());
-  const auto results = recordings.catalogue().results(request.session_id());
+  return row ? session_answer(*row) : error_response(row.error());
+}
+
+dts::v1::Response CommandHandler::session_answer(const record::SessionRow& row) {
+  session::Recordings& recordings = supervisor_.recordings();
+  const auto results = recordings.catalogue().results(row.id);
   if (!results) return error_response(results.error());
   dts::v1::Response response;
-  *response.mutable_session_record() = session_record(recordings.corrected(*row), supervisor_.planned_trials(*row));
-  add_fields(*row, *response.mutable_session_record());
+  *response.mutable_session_record() = session_record(recordings.corrected(row), supervisor_.planned_trials(row));
+  add_fields(row, *response.mutable_session_record());
   for (const record::ResultRow& result : *results) *response.mutable_session_record()->add_results() = session_result(result);
   return response;
 }

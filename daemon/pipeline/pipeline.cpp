@@ -175,6 +175,8 @@ void Pipeline::save(std::span<double> state) const noexcept {
 }
 
 core::Status Pipeline::restore(std::span<const double> state, std::uint32_t segment, core::ScanIndex next_scan) {
+  const std::vector<double> completed = state.size() < state_size() ? state_of_0_1(state) : std::vector<double>();
+  if (completed.size() == state_size()) state = completed;
   if (state.size() != state_size()) {
     return core::fail(core::ErrorCode::DataDamaged, "the recorded state of the stages has " + std::to_string(state.size()) +
                                                         " numbers; these stages have " + std::to_string(state_size()));
@@ -185,6 +187,19 @@ core::Status Pipeline::restore(std::span<const double> state, std::uint32_t segm
   segment_ = segment;
   next_scan_ = next_scan;
   return {};
+}
+
+/// Returns a state of dtsd 0.1 with zeros for the numbers that its stages did not have yet; empty for a state of another size.
+std::vector<double> Pipeline::state_of_0_1(std::span<const double> state) const {
+  std::vector<double> completed(state.begin(), state.end());
+  std::size_t end = trigger_ ? EdgeDetector::kStateSize : 0;
+  for (const auto& [stage, stream] : stages_) {
+    end += stage->state_size();
+    const std::size_t added = stage->state_added_since_0_1();
+    if (end - added > completed.size()) return {};
+    completed.insert(completed.begin() + static_cast<std::ptrdiff_t>(end - added), added, 0.0);
+  }
+  return completed;
 }
 
 /// Returns the stage that rejected its saved state; empty if none did. Otherwise resets everything: a partly restored pipeline is invalid.

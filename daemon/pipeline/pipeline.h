@@ -75,6 +75,7 @@ class Pipeline {
   [[nodiscard]] bool is_acceptable(const core::Block& block) const noexcept;
   void copy_input(const core::Block& block) noexcept;
   void reset_stages() noexcept;
+  [[nodiscard]] std::vector<double> state_of_0_1(std::span<const double> state) const;
   [[nodiscard]] std::string restore_stages(std::span<const double> state);
   void run_stages(core::Frame& frame) noexcept;
   void fill_aux(core::Block& out) const noexcept;

@@ -108,6 +108,8 @@ class Stage {
   /// Returns the number of values in the saved history of the signal, with which a replay can begin in the middle of a stream; fixed after
   /// `prepare`. Thread: any, after `prepare`. Realtime-safe: yes.
   [[nodiscard]] virtual std::size_t state_size() const noexcept = 0;
+  /// Returns how many values at the end of the state recordings of dtsd 0.1 lack. They are restored as zeros.
+  [[nodiscard]] virtual std::size_t state_added_since_0_1() const noexcept { return 0; }
   /// Writes this history to `state`, which has `state_size()` values. Thread: rig. Realtime-safe: yes.
   virtual void save(std::span<double> state) const noexcept = 0;
   /// Restores a saved history, so that the stage continues like the one that saved it. The values come from a file: returns false for a

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +20,12 @@ class StateWriter {
     if (next_ < state_.size()) state_[next_++] = value;
   }
   void put_count(std::uint64_t value) noexcept { put(static_cast<double>(value)); }
+  /// Returns the next `count` values, for a part that writes them itself; fewer at the end.
+  [[nodiscard]] std::span<double> take(std::size_t count) noexcept {
+    const std::size_t first = next_;
+    next_ += std::min(count, state_.size() - next_);
+    return state_.subspan(first, next_ - first);
+  }
 
  private:
   std::span<double> state_;
@@ -33,6 +40,12 @@ class StateReader {
 
   [[nodiscard]] bool is_right() const noexcept { return is_right_; }
 
+  /// Returns the next `count` values, for a part that checks them itself; fewer at the end.
+  [[nodiscard]] std::span<const double> take(std::size_t count) noexcept {
+    const std::size_t first = next_;
+    next_ += std::min(count, state_.size() - next_);
+    return state_.subspan(first, next_ - first);
+  }
   /// Accepts any value, also NaN.
   double any() noexcept { return next_ < state_.size() && is_right_ ? state_[next_++] : 0.0; }
   /// Accepts a value in [minimum, maximum], but not NaN.

@@ -11,10 +11,11 @@ namespace dts::pipeline {
 /// Measuring time of a trial.
 struct SteadinessWindow {
   std::uint64_t number = 0;  ///< Increases with every window; 0: no window yet.
-  std::uint32_t trial = 0;   ///< Position in the plan, from 1; 0: no trial, so a window begins when a person steps on the plate.
+  std::uint32_t trial = 0;   ///< Position in the plan, from 1; 0: no trial, so the window is the last 30 s of standing.
   std::uint32_t segment = 0;
   core::ScanIndex first_scan;  ///< May be in the past: the window then begins immediately.
   core::ScanIndex end_scan;    ///< First scan after the window.
+  bool is_restart = false;     ///< Begin a window without a trial again: a session begins.
 };
 
 /// Passes measuring windows from the control thread, which runs the trials, to the stage `steadiness`. The stage reads a new window at its
@@ -32,7 +33,14 @@ class SteadinessWindows {
     open(newest_.trial, newest_.segment, newest_.first_scan, end_scan);
   }
   /// Ends the window immediately: no trial is measured. Thread: control.
-  void close() noexcept { publish({}); }
+  void close() noexcept {
+    closed_ = newest_;
+    publish({});
+  }
+  /// Ends every window immediately; without a trial, the next one begins at once. For the start of a session. Thread: control.
+  void restart() noexcept { publish({.is_restart = true}); }
+  /// Opens the window again that `close` ended last. Thread: control.
+  void reopen() noexcept { publish(closed_); }
   /// Returns the newest window. Thread: rig (the one reader). Realtime-safe: yes.
   [[nodiscard]] const SteadinessWindow& latest() noexcept { return box_.load(); }
 
@@ -44,6 +52,7 @@ class SteadinessWindows {
   }
 
   SteadinessWindow newest_;
+  SteadinessWindow closed_;  ///< The window that `close` ended last.
   core::LatestValue<SteadinessWindow> box_;
 };
 

@@ -44,6 +44,36 @@ void RunningSwaySums::add(double ml_mm, double ap_mm) noexcept {
   product_ += from_mean_ml * (ap_mm - mean_ap_);
 }
 
+void RunningSwaySums::append(const RunningSwaySums& later, double first_ml_mm, double first_ap_mm) noexcept {
+  if (later.empty()) return;
+  if (empty()) {
+    *this = later;
+    return;
+  }
+  const double step_ml = first_ml_mm - last_ml_;
+  const double step_ap = first_ap_mm - last_ap_;
+  path_ += std::sqrt(step_ml * step_ml + step_ap * step_ap) + later.path_;
+  path_ml_ += std::abs(step_ml) + later.path_ml_;
+  path_ap_ += std::abs(step_ap) + later.path_ap_;
+  least_ml_ = std::min(least_ml_, later.least_ml_);
+  most_ml_ = std::max(most_ml_, later.most_ml_);
+  least_ap_ = std::min(least_ap_, later.least_ap_);
+  most_ap_ = std::max(most_ap_, later.most_ap_);
+  const double samples = samples_ + later.samples_;
+  const double part = later.samples_ / samples;
+  const double weight = samples_ * part;
+  const double from_mean_ml = later.mean_ml_ - mean_ml_;
+  const double from_mean_ap = later.mean_ap_ - mean_ap_;
+  square_ml_ += later.square_ml_ + from_mean_ml * from_mean_ml * weight;
+  square_ap_ += later.square_ap_ + from_mean_ap * from_mean_ap * weight;
+  product_ += later.product_ + from_mean_ml * from_mean_ap * weight;
+  mean_ml_ += from_mean_ml * part;
+  mean_ap_ += from_mean_ap * part;
+  samples_ = samples;
+  last_ml_ = later.last_ml_;
+  last_ap_ = later.last_ap_;
+}
+
 core::RunningSway RunningSwaySums::values() const noexcept {
   core::RunningSway values{.samples = static_cast<std::uint64_t>(samples_), .rate_hz = rate_hz_};
   if (samples_ == 0.0) return values;

@@ -20,6 +20,10 @@ class RunningSwaySums {
   void add(double ml_mm, double ap_mm) noexcept;
   /// Interrupts the path: the distance to the next sample does not count.
   void interrupt() noexcept { is_interrupted_ = samples_ > 0.0; }
+  /// Adds the samples of `later`, which follow immediately (Chan, Golub, LeVeque 1979 for means and co-moments). The first of them is at
+  /// `first_ml_mm`, `first_ap_mm`.
+  void append(const RunningSwaySums& later, double first_ml_mm, double first_ap_mm) noexcept;
+  [[nodiscard]] bool empty() const noexcept { return samples_ == 0.0; }
   [[nodiscard]] core::RunningSway values() const noexcept;
 
   [[nodiscard]] std::array<double, kStateSize> state() const noexcept;

@@ -59,7 +59,8 @@ class CopCut {
 class CopTrace {
  public:
   static constexpr std::size_t kMostSamples = 5'000'000;  ///< Almost one hour at 1500 Hz; 80 MB.
-  static constexpr double kKeptS = 5.0;                   ///< Events of a protocol arrive later than the samples that they refer to.
+  /// Events of a protocol arrive later than the samples that they refer to: after an undo by 5 s, and by what frames may be late.
+  static constexpr double kKeptS = 10.0;
 
   CopTrace(core::Rate raw_rate, core::Rate cop_rate) : raw_rate_(raw_rate), cop_rate_(cop_rate) {}
 

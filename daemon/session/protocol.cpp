@@ -47,14 +47,22 @@ core::Status all_of(const FieldErrors& errors) {
   return tl::make_unexpected(all);
 }
 
+/// Returns whether the word may be repeated in a message: it is written like the name of a field, and unlike a person's name.
+bool looks_like_field(const std::string& word) {
+  constexpr std::size_t kLongest = 32;
+  return !word.empty() && word.size() <= kLongest && word.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+}
+
 core::Status check_known(const Protocol& protocol, const Fields& fields) {
   std::vector<std::string> names;
   for (const ProtocolField& field : protocol.fields) names.push_back(field.name);
   for (std::size_t index = 0; index < fields.size(); ++index) {
-    if (std::ranges::find(names, fields[index].first) != names.end()) continue;
-    return wrong("field " + std::to_string(index + 1) + " of " + std::to_string(fields.size()) + " is not a field of protocol '" +
-                     protocol.name + "'",
-                 names.empty() ? "remove it: this protocol has no fields" : core::known_words_hint(fields[index].first, names));
+    const std::string& given = fields[index].first;
+    if (std::ranges::find(names, given) != names.end()) continue;
+    const std::string place = std::to_string(index + 1) + " of " + std::to_string(fields.size());
+    return wrong(looks_like_field(given) ? "protocol '" + protocol.name + "' has no field '" + given + "'"
+                                         : "field " + place + " is not a field of protocol '" + protocol.name + "'",
+                 names.empty() ? "remove it: this protocol has no fields" : core::known_words_hint(given, names));
   }
   return {};
 }
@@ -114,8 +122,9 @@ core::Status check_target(const Condition& condition, const Fields& fields) {
 
 Protocol free_protocol() {
   Protocol protocol;
+  protocol.title = "Free recording";
   protocol.sentence = "Records until it is stopped";
-  protocol.definition = "name = \"" + protocol.name + "\"\nsentence = \"" + protocol.sentence + "\"\n";
+  protocol.definition = "name = \"" + protocol.name + "\"\ntitle = \"" + protocol.title + "\"\nsentence = \"" + protocol.sentence + "\"\n";
   return protocol;
 }
 
@@ -147,6 +156,14 @@ std::optional<double> target_cm(const Condition& condition, const Fields& fields
   const auto arm_length_cm = field_number(fields, kArmLength);
   if (!condition.target_percent || !arm_length_cm) return std::nullopt;
   return *condition.target_percent * *arm_length_cm / 100.0;
+}
+
+std::optional<double> target_percent(const Condition& condition, const Fields& fields) {
+  if (condition.target_percent) return condition.target_percent;
+  const auto distance_cm = target_cm(condition, fields);
+  const auto arm_length_cm = field_number(fields, kArmLength);
+  if (!distance_cm || !arm_length_cm || *arm_length_cm <= 0.0) return std::nullopt;
+  return *distance_cm / *arm_length_cm * 100.0;
 }
 
 }  // namespace dts::session

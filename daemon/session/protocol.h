@@ -13,8 +13,10 @@ namespace dts::session {
 
 /// A value that a protocol requests about the subject before the session starts (thesis Table 6.1): body measures, never names.
 struct ProtocolField {
-  std::string name;  ///< "arm_length_cm": includes the unit.
-  std::string sentence;
+  std::string name;     ///< "arm_length_cm": includes the unit.
+  std::string label{};  ///< "Arm length": how a form names the field.
+  std::string unit{};   ///< "cm"; empty: none.
+  std::string help{};   ///< One sentence; may be empty.
   bool is_required = false;
   double minimum = 0.0;  ///< For a number.
   double maximum = 0.0;
@@ -26,6 +28,7 @@ struct ProtocolField {
 /// One kind of trial, for example a target or a stance.
 struct Condition {
   std::string name;                                           ///< "120", "max", "eyes-open-two-feet"
+  std::string title{};                                        ///< "Eyes open, two feet"
   std::vector<std::pair<std::string, std::string>> labels{};  ///< {"eyes", "open"}: part of every event of the trial.
   std::optional<double> target_percent;                       ///< In percent of the arm length.
   bool is_maximum_reach = false;                              ///< The target is at the subject's own maximum reach.
@@ -58,10 +61,11 @@ struct TrialPlan {
 /// A protocol as the clinic writes it (config/protocols), with checked values.
 struct Protocol {
   std::string name = "free";  ///< [a-z0-9-], at most 32
-  std::string sentence;
-  std::string rig_kind{};   ///< "floor", "chair"; empty: any.
-  double settle_s = 0.0;    ///< For the whole session; a protocol with trials sets it per trial.
-  double duration_s = 0.0;  ///< 0: until stopped.
+  std::string title{};        ///< "Romberg's test"
+  std::string sentence{};     ///< What the protocol does.
+  std::string rig_kind{};     ///< "floor", "chair"; empty: any.
+  double settle_s = 0.0;      ///< For the whole session; a protocol with trials sets it per trial.
+  double duration_s = 0.0;    ///< 0: until stopped.
   std::vector<ProtocolField> fields{};
   std::optional<TrialPlan> trials;
   std::string definition;  ///< The file's text, recorded with every session.
@@ -73,9 +77,9 @@ struct Protocol {
 [[nodiscard]] Protocol free_protocol();
 
 /// Fails with InvalidArgument, naming the field, if it is unknown, duplicate, missing though required, not a number, out of range or not
-/// one of the choices. The message repeats neither the value nor the name of an unknown field: either could be a person's name. A condition
-/// at maximum reach needs the field max_reach_cm; a condition in percent needs arm_length_cm. Rejects a target beyond the maximum reach,
-/// for safety and as in the thesis (6.3.3).
+/// one of the choices. The message repeats no value, and the name of an unknown field only if it looks like one: others could be a person's
+/// name. A condition at maximum reach needs the field max_reach_cm; a condition in percent needs arm_length_cm. Rejects a target beyond the
+/// maximum reach, for safety and as in the thesis (6.3.3).
 [[nodiscard]] core::Status check_fields(const Protocol& protocol, const std::vector<std::pair<std::string, std::string>>& fields);
 
 /// Returns a field's number; nothing if the field is absent or not a number.
@@ -83,5 +87,9 @@ struct Protocol {
 
 /// Returns the distance in cm from the acromion to the condition's target for this subject; nothing without a target or the field.
 [[nodiscard]] std::optional<double> target_cm(const Condition& condition, const std::vector<std::pair<std::string, std::string>>& fields);
+
+/// Returns the same in percent of the arm length; nothing without a target or if the arm length is unknown.
+[[nodiscard]] std::optional<double> target_percent(const Condition& condition,
+                                                   const std::vector<std::pair<std::string, std::string>>& fields);
 
 }  // namespace dts::session

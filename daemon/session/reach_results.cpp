@@ -68,7 +68,8 @@ void ReachResults::take(const core::ClassEvent& event) { keep_newest(classes_, e
 
 void ReachResults::take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
   using enum TrialEventKind;
-  const bool counts = event.kind == Go || event.kind == Done || event.kind == Redone || event.kind == Rejected || event.kind == Aborted;
+  const bool counts = event.kind == Go || event.kind == Done || event.kind == Redone || event.kind == Rejected || event.kind == Aborted ||
+                      event.kind == Undone;
   if (!counts || event.trial == 0) return;
   const Key key{event.trial, event.attempt};
   if (!attempts_.contains(key)) {
@@ -83,10 +84,19 @@ void ReachResults::take(const TrialEvent& event, std::uint32_t segment, core::Sc
     attempt.target_cm = has_target ? event.target_cm : std::nullopt;
   } else if (event.kind == Done && !attempt.done) {
     attempt.done = Place{segment, scan};
+  } else if (event.kind == Undone) {
+    undo(key);
   } else if (event.kind != Go && event.kind != Done) {
     attempt.is_void = true;
   }
   if (complete_until_) decide_until(complete_until_);
+}
+
+/// The attempt is valid again, and later attempts of its trial are void.
+void ReachResults::undo(const Key& key) {
+  for (auto& [other, attempt] : attempts_) {
+    if (other.first == key.first && other.second >= key.second) attempt.is_void = other.second > key.second;
+  }
 }
 
 void ReachResults::advance(std::uint32_t segment, core::ScanIndex scan) {
@@ -100,7 +110,7 @@ void ReachResults::finish() { decide_until(std::nullopt); }
 void ReachResults::decide_until(const std::optional<Place>& place) {
   std::erase_if(undecided_, [&](const Key& key) {
     Attempt& attempt = attempts_[key];
-    if (attempt.is_void) return true;
+    if (attempt.is_void) return false;  // it may be undone
     if (!attempt.go || !attempt.done || (place && *place < *attempt.done)) return false;
     decide(key, attempt);
     return true;
@@ -189,8 +199,12 @@ ReachTrialResult ReachResults::result_of(const Key& key, const Attempt& attempt,
 }
 
 std::vector<ReachTrialResult> ReachResults::take_decided() {
-  std::vector<ReachTrialResult> decided = std::exchange(fresh_, {});
-  std::erase_if(decided, [this](const ReachTrialResult& result) { return attempts_.at({result.trial, result.attempt}).is_void; });
+  std::vector<ReachTrialResult> decided;
+  std::erase_if(fresh_, [&](const ReachTrialResult& result) {
+    const Attempt& attempt = attempts_.at({result.trial, result.attempt});
+    if (!attempt.is_void) decided.push_back(result);
+    return !attempt.is_void;
+  });
   std::ranges::stable_sort(decided, {}, [](const ReachTrialResult& result) { return Place{result.segment, result.go}; });
   return decided;
 }

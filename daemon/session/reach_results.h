@@ -67,8 +67,8 @@ class ReachResults {
   /// Decides all remaining trials at the end of the session.
   void finish();
 
-  /// Returns the trials decided since the last call, oldest first; how often it is called does not change the results. A trial that is
-  /// redone or rejected later is void in the summary.
+  /// Returns the trials decided since the last call, oldest first; how often it is called does not change the results. Leaves out void
+  /// trials, and returns them if that is undone. A trial that is redone or rejected later is void in the summary.
   [[nodiscard]] std::vector<ReachTrialResult> take_decided();
   /// Returns all valid trials, classified with everything that is known now.
   [[nodiscard]] std::vector<ReachTrialResult> results() const;
@@ -97,6 +97,7 @@ class ReachResults {
 
   void decide_until(const std::optional<Place>& place);
   void decide(const Key& key, Attempt& attempt);
+  void undo(const Key& key);
   [[nodiscard]] std::optional<core::ReachEvent> reach_of(const Attempt& attempt) const;
   [[nodiscard]] std::optional<core::TrunkMovement> class_of(const core::ReachEvent& reach, const Place& done) const;
   [[nodiscard]] std::vector<const Attempt*> counting() const;
@@ -109,7 +110,7 @@ class ReachResults {
   const classifier::TrunkModel* model_;
   std::map<Key, Attempt> attempts_;
   std::vector<Key> undecided_;
-  std::vector<ReachTrialResult> fresh_;  ///< Decided since the last `take_decided`, each with what was known at that time.
+  std::vector<ReachTrialResult> fresh_;  ///< Decided and not returned yet, each with what was known at that time.
   std::deque<core::ReachEvent> reaches_;
   std::deque<core::ClassEvent> classes_;
   std::optional<Place> complete_until_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "session/cop_trace.h"
 #include "session/session_events.h"
@@ -111,11 +112,16 @@ class TrialSteps {
                .end_segment = event.segment(),
                .begin_s = time_s};
     } else if (step.kind == Done || step.kind == Redone || step.kind == Rejected || step.kind == Aborted) {
-      if (trial.outcome.empty()) {
+      const bool was_done = done_.contains(key);
+      if (step.kind == Done) done_.insert(key);
+      if (!was_done) {  // a trial that is voided after its end keeps its end
         trial.end_scan = {event.scan()};
         trial.end_segment = event.segment();
       }
-      trial.outcome = name(step.kind);
+      // A Done that was due before an undo may precede it in the file.
+      if (step.kind != Done || trial.outcome.empty()) trial.outcome = name(step.kind);
+    } else if (step.kind == Undone) {
+      trial.outcome = done_.contains(key) ? name(Done) : "";
     }
     return {};
   }
@@ -130,6 +136,7 @@ class TrialSteps {
   }
 
   static constexpr std::size_t kMostResults = 10'000;
+  std::set<Key> done_;  ///< Also if they were redone or rejected later.
   std::map<Key, StandingTrial> trials_;
   std::vector<SessionFigure> session_results_;
 };

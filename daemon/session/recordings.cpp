@@ -62,6 +62,7 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const Stora
                                                                      const core::Log& log) {
   DTS_TRY_ASSIGN(auto catalogue, record::Catalogue::open(catalogue_of(config)));
   std::unique_ptr<Recordings> recordings(new Recordings(config, clock, log, std::move(catalogue)));
+  recordings->continue_erasure();  // first, so that no file of an erased session is entered again
   DTS_TRY(recordings->enter_interrupted());
   return recordings;
 }
@@ -99,8 +100,10 @@ core::Status Recordings::enter_interrupted() {
   DTS_TRY_ASSIGN(const auto rebuilt, record::rebuild(*catalogue_, sessions_directory(config_)));
   for (const std::string& problem : rebuilt.unreadable) log_.warning("cannot enter a recording into the catalogue: " + problem);
   if (rebuilt.added > 0) log_.info(std::to_string(rebuilt.added) + " recordings entered into the catalogue");
+  for (const std::string& id : rebuilt.corrected) complain(sum_up(id));
+  if (erasure_) complain(catalogue_->erase(erasure_->sessions));  // its files could not be removed yet, and were entered again
   if (rebuilt.read_again > 0) log_.info(std::to_string(rebuilt.read_again) + " recordings read again for their lost scans");
-  DTS_TRY_ASSIGN(auto sessions, catalogue_->sessions({.limit = 10'000}));
+  DTS_TRY_ASSIGN(auto sessions, catalogue_->sessions({.limit = 10'000, .shown = record::Shown::Both}));
   for (record::SessionRow& session : sessions) end_left_running(session);
   find_resumable(sessions);
   DTS_TRY_ASSIGN(auto parts, catalogue_->parts());
@@ -113,6 +116,7 @@ core::Status Recordings::enter_interrupted() {
 core::Status Recordings::enter(const record::FoundRecording& found) {
   const record::PartRow& part = found.part;
   DTS_TRY(catalogue_->enter(found));
+  DTS_TRY(sum_up(part.session_id));
   DTS_TRY_ASSIGN(const auto session, catalogue_->session(part.session_id));
   const bool is_open = session.state == "interrupted" || (session.state == "running" && !under_way_.contains(session.rig));
   if (!is_open || session.parts.back().part != part.part) return {};
@@ -203,9 +207,11 @@ void Recordings::start() {
   is_started_ = true;
   if (interrupted_.empty()) return;
   log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; dtsd makes repaired copies");
+  is_recovering_ = true;
   recovery_thread_ = std::jthread([this](const std::stop_token& stop) {
     static_cast<void>(core::configure_this_thread("recover", {}));  // default policy, cannot be rejected
     recover_all(stop);
+    is_recovering_ = false;
   });
 }
 
@@ -217,8 +223,10 @@ void Recordings::stop() noexcept {
     owed_audit_.clear();
     audit_problem_.clear();
   }
-  recovery_thread_.request_stop();
-  if (recovery_thread_.joinable()) recovery_thread_.join();
+  for (std::jthread* thread : {&recovery_thread_, &erasing_thread_}) {
+    thread->request_stop();
+    if (thread->joinable()) thread->join();
+  }
   thread_.stop();
 }
 
@@ -321,6 +329,7 @@ std::uint32_t Recordings::part(const std::string& rig) const {
 std::vector<FinishedRecording> Recordings::take_finished() {
   enter_owed();
   collect_recovered();
+  collect_erased();
   std::vector<FinishedRecording> finished = thread_.take_finished();
   for (const FinishedRecording& recording : finished) enter(recording);
   return finished;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <functional>
@@ -16,6 +17,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "record/catalogue/catalogue.h"
+#include "record/catalogue/erasure.h"
 #include "session/record_thread.h"
 #include "session/rig.h"
 #include "session/storage.h"
@@ -59,6 +61,10 @@ class Recordings {
   void enter_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->put_trial(trial); });
   }
+  /// Removes the row of a trial that is under way again.
+  void remove_trial(const record::TrialRow& trial) {
+    enter_or_owe([this, trial] { return catalogue_->remove_trial(trial); });
+  }
   void enter_result(const record::ResultRow& result) {
     enter_or_owe([this, result] { return catalogue_->put_result(result); });
   }
@@ -72,6 +78,28 @@ class Recordings {
   void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
   /// Returns the catalogue's row, corrected by entries that still wait for a retry. A session whose file is still open is "running".
   [[nodiscard]] record::SessionRow corrected(record::SessionRow row) const;
+
+  // recordings_edit.cpp
+  /// Returns a session of the catalogue that nobody writes to. Fails with NotFound, with WrongState while it runs or its recording is being
+  /// closed, and with Failed while the catalogue rejects entries.
+  [[nodiscard]] core::Result<record::SessionRow> closed_session(const std::string& id) const;
+  /// Adds corrections to a session that `closed_session` has returned: to the file beside its recordings, then to the catalogue. Sets
+  /// number and time. If an outcome is among them, computes the session's results again. Fails with LimitExceeded above `kMostCorrections`;
+  /// then nothing was changed, as after every other error.
+  [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
+
+  // recordings_erase.cpp
+  /// Returns the IDs of other sessions whose corrections, recorded subject ID or recorded label have this subject ID.
+  [[nodiscard]] core::Result<std::vector<std::string>> sessions_mentioning(const std::string& subject) const;
+  /// Begins to erase a subject: its sessions are in no list any more when this returns; a thread removes the files. Fails with NotFound if
+  /// nothing has this subject ID, with WrongState while one of its sessions runs, while repaired copies are made or during another erasure,
+  /// and with NotAllowed if a recording is a link or outside the folder of the recordings. After these errors nothing was removed. An
+  /// erasure that failed half-way continues.
+  [[nodiscard]] core::Status begin_erasure(const std::string& subject, const std::string& who);
+  /// Returns the result of an erasure that ended since the last call. The audit trail then has it.
+  [[nodiscard]] std::optional<core::Result<record::Erased>> take_erased() { return std::exchange(erased_, std::nullopt); }
+  /// Returns the number of erasures that ended since the start.
+  [[nodiscard]] std::uint64_t erasures() const noexcept { return erasures_; }
 
   /// Waits until no recording is open, at most `limit`.
   void wait_until_closed(std::chrono::milliseconds limit) { thread_.wait_until_closed(limit); }
@@ -106,6 +134,15 @@ class Recordings {
   void complain(const core::Status& status);
   void enter_or_owe(std::function<core::Status()> entry);
   void enter_owed();
+  [[nodiscard]] core::Status sum_up(const std::string& session_id);
+  [[nodiscard]] core::Status check_erasable(const std::vector<record::SessionRow>& sessions) const;
+  core::Status remove_mentions(record::Erasure& erasure);
+  [[nodiscard]] core::Status erase_rows(record::Erasure& erasure);
+  void continue_erasure();
+  void start_erasing();
+  void collect_erased();
+  void finish_erasure(core::Result<record::Erased> erased);
+  void add_left(record::Erased& erased) const;
   void audit(const std::string& what, const std::string& target, const std::string& result);
   [[nodiscard]] core::Status append_audit(const record::AuditEntry& entry);
   void enter_owed_audit();
@@ -127,6 +164,15 @@ class Recordings {
   std::map<std::string, record::SessionRow> owed_ends_;  ///< The ends of sessions within `owed_`, by session ID.
   std::map<std::string, record::PartRow> under_way_;     ///< The current or last part, by rig.
 
+  std::optional<record::Erasure> erasure_;  ///< Under way, or failed half-way.
+  std::vector<std::string> unerased_;       ///< What an erasure could not clean, for its answer.
+  std::optional<core::Result<record::Erased>> erased_;
+  std::uint64_t erasures_ = 0;
+  std::mutex removed_mutex_;
+  std::optional<core::Result<record::Erased>> removed_;  ///< By the erasing thread.
+  std::jthread erasing_thread_;
+
+  std::atomic<bool> is_recovering_ = false;
   std::vector<record::PartRow> interrupted_;  ///< Used by the recovery thread only, once it runs.
   std::mutex recovered_mutex_;
   std::vector<record::FoundRecording> recovered_;  ///< A part that could not be recovered has no facts.

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <ranges>
 
+#include "core/join.h"
 #include "core/suggest.h"
 #include "record/recording.h"
 #include "record/sha256.h"
@@ -19,7 +20,8 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::size_t kLongestReason = 200;
-constexpr double kFurthestS = 1.0;  // maximum distance between an event and the newest scan, in either direction
+constexpr double kFurthestS = 1.0;                      // maximum time from the newest scan to an event after it
+constexpr double kFurthestBackS = kUndoS + kFurthestS;  // the same for an event before it: an undo reports what was due meanwhile
 
 /// FNV-1a: gives the same order of trials for the same session on every machine.
 std::uint64_t seed_of(const std::string& id) {
@@ -81,9 +83,23 @@ void place(v1::Event& event, const DataPosition& at) {
 core::Result<const Protocol*> RigSession::find_protocol(const std::string& wanted) const {
   const auto found = std::ranges::find(services_.protocols, wanted, &Protocol::name);
   if (found != services_.protocols.end()) return &*found;
+  if (wanted.empty()) return no_protocol();
   std::vector<std::string> known;
   for (const Protocol& protocol : services_.protocols) known.push_back(protocol.name);
   return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", core::known_words_hint(wanted, known));
+}
+
+/// There is no default: a session with the wrong protocol has no results. The hint names the protocols of this rig.
+tl::unexpected<core::Error> RigSession::no_protocol() const {
+  const std::string& rig = rig_.config().name;
+  std::vector<std::string> known;
+  for (const Protocol& protocol : services_.protocols) {
+    if (protocol.rig_kind.empty() || protocol.rig_kind == rig_.config().kind) known.push_back(protocol.name);
+  }
+  std::string hint = "add --protocol NAME, one of: " + core::join(known);
+  const auto newest = services_.recordings.catalogue().sessions({.rig = rig, .limit = 1});
+  if (newest && !newest->empty()) hint += "; last used on rig '" + rig + "': " + newest->front().protocol;
+  return core::fail(ErrorCode::InvalidArgument, "a session needs a protocol, and none is given", hint);
 }
 
 record::SessionFacts RigSession::facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
@@ -119,6 +135,7 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
 
 core::Status RigSession::start(std::string id, const SessionRequest& request, const Moment& moment) {
   DTS_TRY(check(request));
+  DTS_TRY(check_label(services_.label_rule, "label", request.label));
   DTS_TRY_ASSIGN(const auto protocol, find_protocol(request.protocol));
   if (const std::string& kind = protocol->rig_kind; !kind.empty() && kind != rig_.config().kind) {
     return core::fail(ErrorCode::InvalidArgument, "protocol '" + protocol->name + "' is for a " + kind + ", and rig '" +
@@ -148,7 +165,7 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (row.state == "complete" && done.size() >= planned && (planned > 0 || row.message.empty())) {
     const std::string trials = planned > 0 ? "all " + std::to_string(planned) + " trials are done, " : "";
     return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: " + trials + "there is nothing to resume",
-                      "start a new session: dtsctl session start --rig " + row.rig);
+                      "start a new session: dtsctl session start --rig " + row.rig + " --protocol NAME");
   }
   // The requested duration, or the protocol's, less what is already recorded.
   if (const double whole_s = earlier.duration_s > 0.0 ? earlier.duration_s : protocol->duration_s; whole_s > 0.0) {
@@ -176,10 +193,11 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   is_next_wanted_ = false;
   end_reason_.clear();
   utc_minus_monotonic_ns_ = facts.utc_minus_monotonic_ns;
-  trial_rows_.clear();
+  trials_entered_.clear();
   trials_.reset();
   if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
   prepare_results(protocol, facts);
+  rig_.windows().restart();
   auto started = session_.start(facts.session_id, request, moment.now_ns);
   collect(moment.at);
   return started;
@@ -247,6 +265,7 @@ core::Status RigSession::trial(TrialAction action, const Moment& moment) {
     case TrialAction::Next: done = trials_->next(moment.now_ns); break;
     case TrialAction::Redo: done = trials_->redo(moment.now_ns); break;
     case TrialAction::Reject: done = trials_->reject(moment.now_ns); break;
+    case TrialAction::Undo: done = trials_->undo(moment.now_ns); break;
   }
   collect(moment.at);
   return done;
@@ -254,7 +273,13 @@ core::Status RigSession::trial(TrialAction action, const Moment& moment) {
 
 std::optional<TrialView> RigSession::trial_view(std::int64_t now_ns) const {
   if (!trials_) return std::nullopt;
-  return trials_->view(now_ns);
+  TrialView view = trials_->view(now_ns);
+  view.is_next_wanted = is_next_wanted_;
+  if (view.last_ended && view.last_ended->outcome == TrialEventKind::Done) {
+    const auto known = trials_entered_.find({view.last_ended->trial, view.last_ended->attempt});
+    if (known != trials_entered_.end()) view.last_ended->fault = known->second.fault;
+  }
+  return view;
 }
 
 void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
@@ -281,6 +306,19 @@ void RigSession::recording_finished(const FinishedRecording& finished, const Mom
   session_.closed(moment.now_ns);
   collect(moment.at);
   enter_end(finished, moment.now_ns);
+}
+
+void RigSession::revise(const record::SessionRow& row, const Moment& moment) {
+  if (session_.view(moment.now_ns).id != row.id) return;
+  session_.revise(row.subject, row.label, moment.now_ns);
+  collect(moment.at);
+}
+
+void RigSession::forget(const std::string& subject, const Moment& moment) {
+  if (is_under_way() || session_.view(moment.now_ns).request.subject != subject) return;
+  session_.forget(moment.now_ns);
+  trials_.reset();
+  collect(moment.at);
 }
 
 /// Writes an event of the session to the recording, and keeps it for the bus.
@@ -317,15 +355,17 @@ void RigSession::collect(const DataPosition& at) {
 /// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even if
 /// they are detected late.
 DataPosition RigSession::position_at(std::int64_t host_ns, const DataPosition& newest) const {
-  const double scans = std::round(static_cast<double>(host_ns - newest.host_time_ns) * 1e-9 * rig_.config().rate.hz());
-  if (newest.host_time_ns == 0 || std::abs(scans) > kFurthestS * rig_.config().rate.hz()) return newest;  // no scans for some time
+  const double after_s = static_cast<double>(host_ns - newest.host_time_ns) * 1e-9;
+  if (newest.host_time_ns == 0 || after_s > kFurthestS || after_s < -kFurthestBackS) return newest;  // no scans for some time
+  const double scans = std::round(after_s * rig_.config().rate.hz());
   const double scan = static_cast<double>(newest.scan.value) + scans;
   if (scan < 0.0) return newest;  // before the start of this segment
   return {.segment = newest.segment, .scan = {static_cast<std::uint64_t>(scan)}, .host_time_ns = host_ns};
 }
 
 void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
-  record::TrialRow& row = trial_rows_[{event.trial, event.attempt}];
+  EnteredTrial& entered = trials_entered_[{event.trial, event.attempt}];
+  record::TrialRow& row = entered.row;
   switch (event.kind) {
     case TrialEventKind::Ready:
     case TrialEventKind::Go:
@@ -339,7 +379,11 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
       return;
     case TrialEventKind::Rest:
     case TrialEventKind::Finished: return;
-    case TrialEventKind::Done:
+    case TrialEventKind::Undone:
+      if (!entered.is_done) services_.recordings.remove_trial(row);
+      row.outcome = entered.is_done ? name(TrialEventKind::Done) : "";
+      return put_trial(row);
+    case TrialEventKind::Done: entered.is_done = true; [[fallthrough]];
     case TrialEventKind::Redone:
     case TrialEventKind::Rejected:
     case TrialEventKind::Aborted: break;

@@ -12,6 +12,7 @@
 #include "core/log.h"
 #include "core/worker.h"
 #include "record/catalogue/catalogue.h"
+#include "session/label_rule.h"
 #include "session/protocol.h"
 #include "session/recordings.h"
 #include "session/rig.h"
@@ -38,13 +39,14 @@ struct Moment {
   DataPosition at;
 };
 
-enum class TrialAction : std::uint8_t { Next = 1, Redo, Reject };
+enum class TrialAction : std::uint8_t { Next = 1, Redo, Reject, Undo };
 
 /// What a session needs besides its rig; must outlive the session.
 struct SessionServices {
   Recordings& recordings;
   core::Worker& worker;  ///< Analyses finished trials.
   std::vector<Protocol> protocols{Protocol{}};
+  LabelRule label_rule{};
   std::string software{};  ///< "dtsd 0.1.0"
   std::string boot_id{};
   /// Returns the number of trials in a recorded protocol's text. A function, because this folder reads no files.
@@ -57,8 +59,8 @@ class RigSession {
   RigSession(Rig& rig, SessionServices& services)
       : rig_(rig), services_(services), frames_(rig.frames(), rig.frames().capacity()), session_(rig.config().name) {}
 
-  /// Starts a session; its recording is safe on the disk when this returns. Fails with InvalidArgument (request, protocol or fields),
-  /// WrongState, or the error of the recording.
+  /// Starts a session; its recording is safe on the disk when this returns. Fails with InvalidArgument (request, no protocol or an unknown
+  /// one, fields), WrongState, or the error of the recording.
   [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, const Moment& moment);
   /// Continues an interrupted, incomplete or aborted session of this rig as a new part; valid trials are not repeated.
   [[nodiscard]] core::Status resume(const record::SessionRow& row, const Moment& moment);
@@ -78,6 +80,11 @@ class RigSession {
   /// Writes an event of the rig to the recording.
   void note(v1::Event event, const DataPosition& at);
 
+  /// Takes over the corrected subject ID and label if this is the last session.
+  void revise(const record::SessionRow& row, const Moment& moment);
+  /// Forgets the last session if it was one of this subject.
+  void forget(const std::string& subject, const Moment& moment);
+
   [[nodiscard]] bool is_under_way() const noexcept { return session_.is_under_way(); }
   [[nodiscard]] SessionView view(std::int64_t now_ns) const { return session_.view(now_ns); }
   /// Returns nothing if the protocol has no trials.
@@ -88,6 +95,7 @@ class RigSession {
 
  private:
   [[nodiscard]] core::Result<const Protocol*> find_protocol(const std::string& name) const;
+  [[nodiscard]] tl::unexpected<core::Error> no_protocol() const;
   [[nodiscard]] record::SessionFacts facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
                                            const Moment& moment) const;
   core::Status begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
@@ -116,7 +124,13 @@ class RigSession {
   core::FrameReader frames_;
   Session session_;
   std::optional<TrialRun> trials_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, record::TrialRow> trial_rows_;  ///< By trial and attempt.
+  /// An attempt as the catalogue knows it.
+  struct EnteredTrial {
+    record::TrialRow row{};
+    bool is_done = false;  ///< Also if it was redone or rejected later.
+    v1::TrialFault fault = v1::TRIAL_FAULT_UNSPECIFIED;
+  };
+  std::map<std::pair<std::uint32_t, std::uint32_t>, EnteredTrial> trials_entered_;  ///< By trial and attempt.
   bool is_recording_ = false;
   bool is_awaiting_results_ = false;  ///< The trials have ended; the recording ends when their results are known.
   bool is_aborted_ = false;

@@ -72,15 +72,18 @@ void RigSession::open_window(const TrialEvent& event, const DataPosition& at) {
     rig_.windows().end_at(at.segment, at.scan);
   } else if (event.kind == Redone || event.kind == Rejected || event.kind == Aborted) {
     rig_.windows().close();
+  } else if (event.kind == Undone) {
+    rig_.windows().reopen();
   }
 }
 
 /// Writes a result to the recording, and to its trial in the catalogue.
 void RigSession::enter_result(TrialResultEvent& result, const DataPosition& at) {
   place(result.event, at);
-  if (const auto row = trial_rows_.find({result.trial, result.attempt}); row != trial_rows_.end()) {
-    row->second.result = wire::to_json(result.event);
-    put_trial(row->second);
+  if (const auto known = trials_entered_.find({result.trial, result.attempt}); known != trials_entered_.end()) {
+    known->second.row.result = wire::to_json(result.event);
+    known->second.fault = record::fault_of(result.event);
+    put_trial(known->second.row);
   }
   note(result.event, at);
 }
@@ -108,8 +111,7 @@ void RigSession::conclude(const DataPosition& at) {
 }
 
 void RigSession::enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at) {
-  const std::uint32_t part = services_.recordings.part(rig_.config().name);
-  const std::string suffix = part > 1 ? "_part_" + std::to_string(part) : "";
+  const std::string suffix = part_suffix(services_.recordings.part(rig_.config().name));
   for (const SessionFigure& figure : figures) {
     const record::ResultRow row{.session_id = session_.view(0).id,
                                 .name = figure.name + suffix,

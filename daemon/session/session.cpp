@@ -70,7 +70,7 @@ core::Status Session::start(std::string id, const SessionRequest& request, std::
 core::Status Session::stop(std::int64_t now_ns) {
   if (!is_under_way()) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig_ + "' has no session to stop",
-                      "start one: dtsctl session start --rig " + rig_);
+                      "start one: dtsctl session start --rig " + rig_ + " --protocol NAME");
   }
   if (state_ == SessionState::Stopping) {
     return core::fail(core::ErrorCode::WrongState, "session " + id_ + " is stopping already: its recording is being closed");
@@ -106,6 +106,21 @@ void Session::tick(std::int64_t now_ns, std::uint64_t scans_total) {
   if (state_ == SessionState::Running && request_.duration_s > 0 && seconds_between(running_since_ns_, now_ns) >= request_.duration_s) {
     static_cast<void>(stop(now_ns));  // cannot fail: the session is running
   }
+}
+
+void Session::revise(std::string subject, std::string label, std::int64_t now_ns) {
+  if (is_under_way()) return;
+  request_.subject = std::move(subject);
+  request_.label = std::move(label);
+  changes_.push_back(view(now_ns));
+}
+
+void Session::forget(std::int64_t now_ns) {
+  if (is_under_way()) return;
+  id_.clear();
+  request_ = {};
+  running_since_ns_ = 0;
+  enter(SessionState::Idle, now_ns);
 }
 
 SessionView Session::view(std::int64_t now_ns) const {

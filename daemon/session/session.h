@@ -21,7 +21,7 @@ enum class SessionState : std::uint8_t { Idle = 1, Starting, Settling, Running, 
 struct SessionRequest {
   std::string protocol = "free";
   std::string subject;      ///< Subject ID assigned by the clinic: [A-Za-z0-9_.-], at most 64 characters; optional.
-  std::string label;        ///< At most 200 bytes.
+  std::string label;        ///< At most 200 bytes; `check_label` checks a new one.
   double duration_s = 0.0;  ///< 0: until stopped; at most 7 days, counted after settling.
   double settle_s = 0.0;    ///< 0..3600.
   std::vector<std::pair<std::string, std::string>> fields{};  ///< The protocol's fields about the subject.
@@ -53,6 +53,10 @@ class Session {
   void fail(std::int64_t now_ns, std::string message);
   /// Ends Stopping: the recording is closed.
   void closed(std::int64_t now_ns);
+  /// Replaces subject ID and label of the last session, which has ended.
+  void revise(std::string subject, std::string label, std::int64_t now_ns);
+  /// Forgets the last session, which has ended.
+  void forget(std::int64_t now_ns);
   /// Advances to `now_ns`; `scans_total` is the rig's counter (if it increases, the rig streams).
   void tick(std::int64_t now_ns, std::uint64_t scans_total);
 

@@ -23,6 +23,7 @@ static_assert(static_cast<int>(SessionState::Failed) == v1::SESSION_STATE_FAILED
 static_assert(static_cast<int>(TrialEventKind::Ready) == v1::TRIAL_EVENT_KIND_READY);
 static_assert(static_cast<int>(TrialEventKind::Done) == v1::TRIAL_EVENT_KIND_DONE);
 static_assert(static_cast<int>(TrialEventKind::Finished) == v1::TRIAL_EVENT_KIND_FINISHED);
+static_assert(static_cast<int>(TrialEventKind::Undone) == v1::TRIAL_EVENT_KIND_UNDONE);
 
 using LabelMap = google::protobuf::Map<std::string, std::string>;
 
@@ -135,7 +136,7 @@ v1::DeviceState to_message(device::DeviceState state) {
 
 core::Result<TrialEvent> trial_of(const v1::Event& event) {
   const v1::TrialChange& message = event.trial();
-  if (message.step() < v1::TRIAL_EVENT_KIND_READY || message.step() > v1::TRIAL_EVENT_KIND_FINISHED) {
+  if (message.step() < v1::TRIAL_EVENT_KIND_READY || message.step() > v1::TRIAL_EVENT_KIND_UNDONE) {
     return tl::make_unexpected(events::damaged(event, "step"));
   }
   if (message.labels_size() > kMostLabels) return tl::make_unexpected(events::damaged(event, "labels"));
@@ -148,6 +149,31 @@ core::Result<TrialEvent> trial_of(const v1::Event& event) {
                     .labels = labels_of(message.labels()),
                     .target_cm = known(message.has_target_cm(), message.target_cm()),
                     .rest_s = known(message.has_rest_s(), message.rest_s()).value_or(0.0)};
+}
+
+core::Result<ReachTrialResult> reach_result_of(const v1::Event& event) {
+  const v1::TrialResult& message = event.trial_result();
+  if (!event.has_trial_result()) return tl::make_unexpected(events::damaged(event, "trial_result"));
+  ReachTrialResult result{
+      .trial = message.trial(), .attempt = message.attempt(), .condition = message.condition(), .segment = event.segment()};
+  if (message.has_target_cm() && std::isfinite(message.target_cm())) result.target_cm = message.target_cm();
+  if (message.has_expected_class()) {
+    if (message.expected_class() < 0 || message.expected_class() > 3) return tl::make_unexpected(events::damaged(event, "expected_class"));
+    result.expected = static_cast<core::TrunkClass>(message.expected_class());
+  }
+  v1::Event part;  // the two messages as the events that they were
+  part.set_segment(event.segment());
+  part.set_scan(event.scan());
+  if (message.has_reach()) {
+    *part.mutable_reach() = message.reach();
+    DTS_TRY_ASSIGN(result.reach, events::reach_of(part));
+  }
+  if (message.has_movement()) {
+    *part.mutable_movement() = message.movement();
+    DTS_TRY_ASSIGN(const auto movement, events::class_of(part));
+    result.movement = movement.movement;
+  }
+  return result;
 }
 
 core::Result<SwayTrialResult> sway_of(const v1::Event& event) {

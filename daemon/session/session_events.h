@@ -27,6 +27,8 @@ namespace dts::session {
 
 /// Reads a step of a trial. Fails with DataDamaged, naming the field.
 [[nodiscard]] core::Result<TrialEvent> trial_of(const v1::Event& event);
+/// Reads the result of a trial of the reaching task; `has_gap` and the cue are not in the event. Fails with DataDamaged, naming the field.
+[[nodiscard]] core::Result<ReachTrialResult> reach_result_of(const v1::Event& event);
 /// Reads the final result of a trial of quiet standing. Fails with DataDamaged, naming the field.
 [[nodiscard]] core::Result<SwayTrialResult> sway_of(const v1::Event& event);
 

@@ -136,6 +136,11 @@ core::Result<SessionView> Supervisor::start_session(const std::string& rig, cons
 
 core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(const std::string& id) {
   DTS_TRY_ASSIGN(const auto row, services_.recordings.catalogue().session(id));
+  if (row.is_deleted || row.subject != row.recorded_subject) {  // each part has the recorded subject ID
+    return core::fail(core::ErrorCode::WrongState, "session " + row.id + (row.is_deleted ? " is deleted" : " has a corrected subject ID"),
+                      row.is_deleted ? "restore it first: dtsctl session restore " + row.id
+                                     : "start a new session: dtsctl session start --rig " + row.rig);
+  }
   DTS_TRY_ASSIGN(auto entry, find(row.rig));
   DTS_TRY(check_startable(*entry));
   DTS_TRY_ASSIGN(auto view, begun(*entry, entry->session.resume(row, moment(*entry))));
@@ -190,6 +195,7 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
   if (text.empty() || text.size() > kLongestMark) {
     return core::fail(core::ErrorCode::InvalidArgument, "a marker's text has 1..200 bytes, this one " + std::to_string(text.size()));
   }
+  DTS_TRY(check_label(services_.label_rule, "marker", text));
   std::vector<std::string> chosen;
   if (rig.empty()) {
     for (const auto& [rig_name, entry] : entries_) chosen.push_back(rig_name);

@@ -10,6 +10,7 @@
 #include "core/clock.h"
 #include "core/log.h"
 #include "device/found_units.h"
+#include "session/correction_request.h"
 #include "session/rig.h"
 #include "session/rig_session.h"
 
@@ -77,11 +78,23 @@ class Supervisor {
   /// Executes a step of a session with trials. An empty rig name means the only rig with a session.
   [[nodiscard]] core::Result<TrialView> trial(const std::string& rig, TrialAction action);
   [[nodiscard]] const std::vector<Protocol>& protocols() const noexcept { return services_.protocols; }
+  [[nodiscard]] const LabelRule& label_rule() const noexcept { return services_.label_rule; }
   /// Returns the number of trials planned in a session of the catalogue; 0: its protocol has none.
   [[nodiscard]] std::uint32_t planned_trials(const record::SessionRow& session) const {
     return services_.planned_trials(session.protocol_definition);
   }
   [[nodiscard]] Recordings& recordings() noexcept { return services_.recordings; }
+  // supervisor_edit.cpp
+  /// Corrects a closed session and returns it. `who`: for the correction, as in the audit trail. Fails like `corrections_for` and
+  /// `Recordings::closed_session`, and with WrongState for a deleted session.
+  [[nodiscard]] core::Result<record::SessionRow> correct_session(const CorrectionRequest& request, const std::string& who);
+  /// Deletes a closed session (hides it from lists), or restores it, and returns it. Fails with WrongState if it is deleted already, or
+  /// not.
+  [[nodiscard]] core::Result<record::SessionRow> delete_session(const std::string& id, const std::string& reason, bool is_restore,
+                                                                const std::string& who);
+  /// Begins to erase a subject: see `Recordings::begin_erasure`.
+  [[nodiscard]] core::Status erase_subject(const std::string& subject, const std::string& who);
+
   /// Sets a marker at the newest scan of one rig, or of every rig for an empty name.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
   /// Requests a tare. Fails with WrongState during a session, because the recorded values would change their meaning. The tare is done when
@@ -125,6 +138,8 @@ class Supervisor {
   [[nodiscard]] Moment moment(Entry& entry) {
     return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)};
   }
+  [[nodiscard]] core::Result<record::SessionRow> corrected_session(const record::SessionRow& session,
+                                                                   std::vector<record::Correction> corrections, const std::string& who);
   [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
   /// Keeps an event for the bus.
   void report_event(const std::string& rig, const DataPosition& at, v1::Event event);

@@ -9,7 +9,8 @@ namespace {
 
 /// The analysis needs 5 ms for 1 min at 100 Hz, and about 0.5 s for 10 min at 1500 Hz (sway_bench).
 constexpr double kLongestTrialS = 600.0;
-constexpr double kLastWordMs = 200.0;  // waits for the last event of the stage `steadiness`, 80 ms and one block after the end
+constexpr double kUndoMs = kUndoS * 1e3 + 2000.0;  // an undo is due before its event arrives
+constexpr double kLastWordMs = 200.0;              // waits for the last event of the stage `steadiness`, 80 ms and one block after the end
 
 TracePlace begin_of(const SwayTrialResult& result) { return {.segment = result.segment, .scan = result.first_scan}; }
 TracePlace end_of(const SwayTrialResult& result) { return {.segment = result.end_segment, .scan = result.end_scan}; }
@@ -46,7 +47,11 @@ core::Result<posturography::Analysis> analyse(const CopCut& samples) {
 }  // namespace
 
 SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate, core::Worker& worker)
-    : raw_rate_(raw_rate), worker_(worker), trace_(raw_rate, cop_rate), last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)) {}
+    : raw_rate_(raw_rate),
+      worker_(worker),
+      trace_(raw_rate, cop_rate),
+      last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)),
+      undo_scans_(raw_rate.scans_in_ms(kUndoMs)) {}
 
 void SwayResults::take(const core::Block& cop) {
   trace_.take(cop);
@@ -55,8 +60,8 @@ void SwayResults::take(const core::Block& cop) {
 
 void SwayResults::take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
   using enum TrialEventKind;
-  const bool counts =
-      event.kind == Measure || event.kind == Done || event.kind == Redone || event.kind == Rejected || event.kind == Aborted;
+  const bool counts = event.kind == Measure || event.kind == Done || event.kind == Redone || event.kind == Rejected ||
+                      event.kind == Aborted || event.kind == Undone;
   if (!counts || event.trial == 0) return;
   const Key key{event.trial, event.attempt};
   if (!attempts_.contains(key) && attempts_.size() >= kMostAttempts) return;
@@ -68,10 +73,29 @@ void SwayResults::take(const TrialEvent& event, std::uint32_t segment, core::Sca
     attempt.result.end_scan = scan;
     attempt.result.end_segment = segment;
     attempt.state = State::Waiting;
+  } else if (event.kind == Undone) {
+    undo(key);
   } else if (event.kind != Done) {
-    attempt.state = State::Void;
+    attempt.voided = TracePlace{segment, scan};
   }
   end_complete();
+}
+
+/// The attempt is valid again, and later attempts of its trial are void.
+void SwayResults::undo(const Key& key) {
+  for (auto& [other, attempt] : attempts_) {
+    if (other.first != key.first || other.second < key.second) continue;
+    if (other.second > key.second) {
+      if (attempt.state == State::Measuring) attempt.state = State::Dropped;
+      continue;
+    }
+    attempt.voided.reset();
+    if (attempt.state != State::Dropped) continue;  // else a gap came meanwhile; `end_trial` reports that samples are missing
+    const SwayTrialResult& result = attempt.result;
+    const bool has_end = result.end_segment != result.segment || result.end_scan > result.first_scan;
+    attempt.state = has_end ? State::Waiting : State::Measuring;
+    open_.push_back(key);
+  }
 }
 
 void SwayResults::begin(Attempt& attempt, const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
@@ -88,7 +112,7 @@ void SwayResults::begin(Attempt& attempt, const TrialEvent& event, std::uint32_t
 
 void SwayResults::finish() {
   for (const Key& key : open_) {
-    if (Attempt& attempt = attempts_[key]; attempt.state == State::Waiting) end_trial(key, attempt);
+    if (Attempt& attempt = attempts_[key]; attempt.state == State::Waiting && !attempt.voided) end_trial(key, attempt);
   }
   end_complete();
 }
@@ -100,9 +124,12 @@ void SwayResults::end_complete() {
   std::erase_if(open_, [&](const Key& key) {
     Attempt& attempt = attempts_[key];
     const SwayTrialResult& result = attempt.result;
-    if (attempt.state == State::Waiting && trace_.reaches({.segment = result.end_segment, .scan = result.end_scan + last_word_scans_})) {
+    if (attempt.state == State::Waiting && !attempt.voided &&
+        trace_.reaches({.segment = result.end_segment, .scan = result.end_scan + last_word_scans_})) {
       end_trial(key, attempt);
     }
+    const bool is_lost = attempt.voided && trace_.reaches({.segment = attempt.voided->segment, .scan = attempt.voided->scan + undo_scans_});
+    if (is_lost && (attempt.state == State::Measuring || attempt.state == State::Waiting)) attempt.state = State::Dropped;
     const bool is_open = attempt.state == State::Measuring || attempt.state == State::Waiting;
     if (is_open && (!kept_from || order(begin_of(result)) < order(*kept_from))) kept_from = begin_of(result);
     return !is_open;
@@ -129,11 +156,12 @@ void SwayResults::wait() const {
 
 std::vector<SwayTrialResult> SwayResults::take_decided() {
   std::vector<SwayTrialResult> decided;
-  for (; !ended_.empty(); ended_.pop_front()) {
-    Ended& ended = ended_.front();
-    if (ended.analysis.valid() && !core::is_ready(ended.analysis)) break;
+  bool is_waiting = false;  // results are returned in order
+  std::erase_if(ended_, [&](Ended& ended) {
     Attempt& attempt = attempts_.at(ended.key);
-    if (attempt.state != State::Ended) continue;  // void
+    if (attempt.voided || is_waiting) return false;
+    is_waiting = ended.analysis.valid() && !core::is_ready(ended.analysis);
+    if (is_waiting) return false;
     attempt.state = State::Decided;
     if (ended.analysis.valid()) {
       auto analysis = ended.analysis.get();
@@ -144,14 +172,15 @@ std::vector<SwayTrialResult> SwayResults::take_decided() {
       }
     }
     decided.push_back(attempt.result);
-  }
+    return true;
+  });
   return decided;
 }
 
 std::vector<SessionFigure> SwayResults::summary() const {
   std::vector<SwayTrialResult> counting;
   for (const auto& [key, attempt] : attempts_) {
-    if (attempt.state == State::Decided) counting.push_back(attempt.result);
+    if (attempt.state == State::Decided && !attempt.voided) counting.push_back(attempt.result);
   }
   return sway_summary(counting);
 }

@@ -72,19 +72,20 @@ class SwayResults {
   /// Waits until the analyses of all ended trials are done.
   void wait() const;
 
-  /// Returns the trials decided since the last call, in the order of their ends. A trial that is redone or rejected later is void in the
-  /// summary.
+  /// Returns the trials decided since the last call, in the order of their ends. Leaves out void trials, and returns them if that is
+  /// undone. A trial that is redone or rejected later is void in the summary.
   [[nodiscard]] std::vector<SwayTrialResult> take_decided();
   /// Covers the trials that `take_decided` has returned.
   [[nodiscard]] std::vector<SessionFigure> summary() const;
 
  private:
   using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
-  /// Waiting: for the last samples. Ended: the analysis runs, or its result was not yet taken.
-  enum class State : std::uint8_t { Measuring, Waiting, Ended, Decided, Void };
+  /// Waiting: for the last samples. Ended: the analysis runs, or its result was not yet taken. Dropped: its samples are not kept any more.
+  enum class State : std::uint8_t { None, Measuring, Waiting, Ended, Decided, Dropped };
   struct Attempt {
     SwayTrialResult result;
-    State state = State::Void;
+    State state = State::None;
+    std::optional<TracePlace> voided{};  ///< Where it was redone, rejected or aborted; nothing: it is valid.
   };
   struct Ended {
     Key key;
@@ -92,6 +93,7 @@ class SwayResults {
   };
 
   static void begin(Attempt& attempt, const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan);
+  void undo(const Key& key);
   void end_complete();
   void end_trial(const Key& key, Attempt& attempt);
 
@@ -99,6 +101,7 @@ class SwayResults {
   core::Worker& worker_;
   CopTrace trace_;
   std::uint64_t last_word_scans_;
+  std::uint64_t undo_scans_;  ///< So long, the samples of a void attempt are kept.
   std::map<Key, Attempt> attempts_;
   std::vector<Key> open_;    ///< Being measured, or waiting for their last samples.
   std::deque<Ended> ended_;  ///< Not yet taken, in the order of their ends.

@@ -82,6 +82,14 @@ std::uint32_t planned_trials(const TrialPlan& plan) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{plan.trials_per_block} * plan.blocks, kMostTrials));
 }
 
+std::optional<double> length_s(const TrialPlan& plan) {
+  const std::uint32_t trials = planned_trials(plan);
+  if (!(plan.duration_s > 0.0) || trials == 0) return std::nullopt;
+  const double trial_s = 0.5 * (plan.cue_delay_min_s + plan.cue_delay_max_s) + plan.settle_s + plan.duration_s;
+  const std::uint32_t blocks = (trials + plan.trials_per_block - 1) / plan.trials_per_block;
+  return trials * trial_s + (trials - blocks) * plan.rest_s + (blocks - 1) * plan.block_rest_s;
+}
+
 std::vector<PlannedTrial> make_plan(const TrialPlan& plan, std::uint64_t seed) {
   const std::uint32_t wanted = planned_trials(plan);
   if (wanted == 0) return {};
@@ -120,6 +128,7 @@ std::string_view name(TrialEventKind kind) noexcept {
     case TrialEventKind::Aborted: return "aborted";
     case TrialEventKind::Rest: return "rest";
     case TrialEventKind::Finished: return "finished";
+    case TrialEventKind::Undone: return "undone";
   }
   return "unknown";
 }
@@ -127,7 +136,10 @@ std::string_view name(TrialEventKind kind) noexcept {
 TrialRun::TrialRun(const TrialPlan& plan, std::uint64_t seed, const std::vector<std::pair<std::string, std::string>>& fields,
                    const std::vector<std::uint32_t>& done)
     : plan_(plan), seed_(seed), places_(make_plan(plan, seed)), is_done_before_(places_.size(), false) {
-  for (const Condition& condition : plan_.conditions) targets_cm_.push_back(target_cm(condition, fields));
+  for (const Condition& condition : plan_.conditions) {
+    targets_cm_.push_back(target_cm(condition, fields));
+    targets_percent_.push_back(target_percent(condition, fields));
+  }
   for (const std::uint32_t trial : done) {
     if (trial >= 1 && trial <= places_.size()) is_done_before_[trial - 1] = true;
   }
@@ -142,10 +154,10 @@ core::Status TrialRun::next(std::int64_t now_ns) {
     return wrong_state("all " + std::to_string(places_.size()) + " trials of the plan are done", "end the session: dtsctl session stop");
   }
   if (phase_ == TrialPhase::Waiting || phase_ == TrialPhase::Resting) {
+    before_.reset();
     start(upcoming_, 1, now_ns);
   } else if (phase_ == TrialPhase::Measuring && !phase_ends_ns_) {
-    report(TrialEventKind::Done, now_ns);
-    go_on(now_ns);
+    end(now_ns);
   } else {
     return wrong_state("trial " + std::to_string(places_[*current_].trial) + " is under way (" + std::string(name(phase_)) + ")",
                        "wait until it ends; if it went wrong: dtsctl session trial redo or reject");
@@ -156,23 +168,70 @@ core::Status TrialRun::next(std::int64_t now_ns) {
 core::Status TrialRun::redo(std::int64_t now_ns) {
   tick(now_ns);
   DTS_TRY(check_voidable());
+  keep_for_undo(now_ns);
   report(TrialEventKind::Redone, now_ns);
-  start(*current_, attempt_ + 1, now_ns);
+  start(*current_, newest_attempt_ + 1, now_ns);
   return {};
 }
 
 core::Status TrialRun::reject(std::int64_t now_ns) {
   tick(now_ns);
   DTS_TRY(check_voidable());
+  keep_for_undo(now_ns);
   report(TrialEventKind::Rejected, now_ns);
   is_void_ = true;
   if (is_under_way()) go_on(now_ns);
+  // The next trial must not start while the user may still take this back.
+  if (plan_.starts_by_itself && phase_ == TrialPhase::Resting) phase_ends_ns_ = std::max(*phase_ends_ns_, undo_until_ns());
   return {};
+}
+
+core::Status TrialRun::undo(std::int64_t now_ns) {
+  tick(now_ns);
+  if (has_ended_) return wrong_state("the session has ended");
+  if (!before_ || now_ns >= undo_until_ns()) {
+    return wrong_state("no redo or reject can be taken back any more", "this is possible for " + std::to_string(static_cast<int>(kUndoS)) +
+                                                                           " s, until the next trial: dtsctl session trial next");
+  }
+  const Before before = *std::exchange(before_, std::nullopt);
+  phase_ = before.phase;
+  phase_ends_ns_ = before.phase_ends_ns;
+  upcoming_ = before.upcoming;
+  attempt_ = before.attempt;
+  last_ended_ = before.last_ended;
+  is_void_ = false;
+  report(TrialEventKind::Undone, now_ns);
+  if (!phase_ends_ns_) return {};
+  if (phase_ == TrialPhase::Ready) *phase_ends_ns_ += now_ns - before.voided_ns;
+  if (phase_ == TrialPhase::Resting) phase_ends_ns_ = std::max(*phase_ends_ns_, now_ns);
+  catch_up(now_ns);
+  tick(now_ns);
+  return {};
+}
+
+/// Passes the ends of settling and measurement that were due while the attempt was void. What follows begins now, not in the past.
+void TrialRun::catch_up(std::int64_t now_ns) {
+  if (phase_ == TrialPhase::Settling && *phase_ends_ns_ <= now_ns) measure(*phase_ends_ns_);
+  if (phase_ != TrialPhase::Measuring || !phase_ends_ns_ || *phase_ends_ns_ > now_ns) return;
+  report(TrialEventKind::Done, *phase_ends_ns_);
+  go_on(now_ns);
+}
+
+std::int64_t TrialRun::undo_until_ns() const noexcept { return before_ ? before_->voided_ns + nanoseconds(kUndoS) : 0; }
+
+void TrialRun::keep_for_undo(std::int64_t now_ns) {
+  before_ = Before{.voided_ns = now_ns,
+                   .phase = phase_,
+                   .phase_ends_ns = phase_ends_ns_,
+                   .upcoming = upcoming_,
+                   .attempt = attempt_,
+                   .last_ended = last_ended_};
 }
 
 void TrialRun::abort(std::int64_t now_ns) {
   tick(now_ns);
   if (is_under_way()) report(TrialEventKind::Aborted, now_ns);
+  before_.reset();
   has_ended_ = true;
   if (phase_ != TrialPhase::Finished) enter(TrialPhase::Waiting, now_ns, std::nullopt);
 }
@@ -185,7 +244,12 @@ void TrialRun::tick(std::int64_t now_ns) {
 TrialView TrialRun::view(std::int64_t now_ns) const {
   TrialView view{.phase = phase_, .of = static_cast<std::uint32_t>(places_.size())};
   const bool has_upcoming = upcoming_ < places_.size();
-  if (current_ || has_upcoming) view.block = places_[current_.value_or(upcoming_)].block;
+  if (current_ || has_upcoming) {
+    const PlannedTrial& shown = places_[current_.value_or(upcoming_)];
+    view.block = shown.block;
+    view.target_cm = targets_cm_[shown.condition];
+    view.target_percent = targets_percent_[shown.condition];
+  }
   if (current_) {
     view.trial = places_[*current_].trial;
     view.attempt = attempt_;
@@ -196,6 +260,10 @@ TrialView TrialRun::view(std::int64_t now_ns) const {
     view.next_target_cm = targets_cm_[places_[upcoming_].condition];
   }
   if (phase_ends_ns_) view.remaining_s = std::max(0.0, static_cast<double>(*phase_ends_ns_ - now_ns) * 1e-9);
+  view.settle_s = plan_.settle_s;
+  view.duration_s = plan_.duration_s;
+  view.last_ended = last_ended_;
+  if (before_) view.undo_s = std::max(0.0, static_cast<double>(undo_until_ns() - now_ns) * 1e-9);
   return view;
 }
 
@@ -224,7 +292,7 @@ double TrialRun::rest_after_current_s() const noexcept {
 void TrialRun::start(std::size_t place, std::uint32_t attempt, std::int64_t at_ns) {
   current_ = place;
   upcoming_ = first_open_from(place + 1);
-  attempt_ = attempt;
+  attempt_ = newest_attempt_ = attempt;
   is_void_ = false;
   report(TrialEventKind::Ready, at_ns);
   enter(TrialPhase::Ready, at_ns, cue_delay_s(plan_, seed_, places_[place].trial, attempt));
@@ -241,13 +309,14 @@ void TrialRun::measure(std::int64_t at_ns) {
   enter(TrialPhase::Measuring, at_ns, plan_.duration_s > 0.0 ? std::optional(std::max(plan_.duration_s, 1e-9)) : std::nullopt);
 }
 
-/// Continues after a trial that is done or void.
+/// Continues after a trial that is done or void. A plan that starts by itself rests at least as long as `undo` is possible.
 void TrialRun::go_on(std::int64_t at_ns) {
   if (upcoming_ == places_.size()) {
     enter(TrialPhase::Finished, at_ns, std::nullopt);
     return;
   }
-  const double rest_s = rest_after_current_s();
+  const double undo_s = before_ && is_void_ && plan_.starts_by_itself ? static_cast<double>(undo_until_ns() - at_ns) * 1e-9 : 0.0;
+  const double rest_s = std::max(rest_after_current_s(), undo_s);
   if (nanoseconds(rest_s) == 0) {
     stop_resting(at_ns);
     return;
@@ -259,6 +328,7 @@ void TrialRun::go_on(std::int64_t at_ns) {
 
 void TrialRun::stop_resting(std::int64_t at_ns) {
   if (plan_.starts_by_itself) {
+    before_.reset();
     start(upcoming_, 1, at_ns);
   } else {
     enter(TrialPhase::Waiting, at_ns, std::nullopt);
@@ -269,7 +339,7 @@ void TrialRun::leave_phase(std::int64_t at_ns) {
   switch (phase_) {
     case TrialPhase::Ready: return settle(at_ns);
     case TrialPhase::Settling: return measure(at_ns);
-    case TrialPhase::Measuring: report(TrialEventKind::Done, at_ns); return go_on(at_ns);
+    case TrialPhase::Measuring: end(at_ns); return;
     case TrialPhase::Resting: return stop_resting(at_ns);
     case TrialPhase::Waiting:
     case TrialPhase::Finished: break;
@@ -287,6 +357,13 @@ void TrialRun::enter(TrialPhase phase, std::int64_t at_ns, std::optional<double>
   if (*phase_ends_ns_ == at_ns) leave_phase(at_ns);
 }
 
+/// Ends the measurement. A redo that led to it is final now.
+void TrialRun::end(std::int64_t at_ns) {
+  before_.reset();
+  report(TrialEventKind::Done, at_ns);
+  go_on(at_ns);
+}
+
 void TrialRun::report(TrialEventKind kind, std::int64_t at_ns) {
   const PlannedTrial& place = places_[*current_];
   const Condition& condition = plan_.conditions[place.condition];
@@ -298,6 +375,10 @@ void TrialRun::report(TrialEventKind kind, std::int64_t at_ns) {
                      .labels = condition.labels,
                      .target_cm = targets_cm_[place.condition],
                      .at_ns = at_ns});
+  using enum TrialEventKind;
+  if (kind == Done || kind == Redone || kind == Rejected || kind == Aborted) {
+    last_ended_ = EndedAttempt{.outcome = kind, .trial = place.trial, .attempt = attempt_};
+  }
 }
 
 }  // namespace dts::session

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "dts/v1/sessions.pb.h"
 #include "session/protocol.h"
 
 namespace dts::session {
@@ -22,8 +23,12 @@ struct PlannedTrial {
   friend bool operator==(const PlannedTrial&, const PlannedTrial&) = default;
 };
 
+inline constexpr double kUndoS = 5.0;  ///< How long a redo or reject can be taken back. A plan that starts by itself waits so long.
 inline constexpr std::uint32_t kMostTrials = 10'000;  ///< Maximum per plan; further trials are left out.
 [[nodiscard]] std::uint32_t planned_trials(const TrialPlan& plan);
+/// Returns how long all trials take, with the mean delay of the cue, settling and rest, in s. Nothing if trials last until a command. A
+/// plan that does not start by itself takes longer, by the pauses of the user.
+[[nodiscard]] std::optional<double> length_s(const TrialPlan& plan);
 
 /// Returns the order of all trials. If a block has fewer trials than conditions, the next block continues with the others, so that the
 /// counts of any two conditions over the whole plan differ by at most one. Without conditions there are no trials.
@@ -47,6 +52,7 @@ enum class TrialEventKind : std::uint8_t {
   Aborted,    ///< The session ended during the trial.
   Rest,       ///< Rest begins and lasts `rest_s`.
   Finished,   ///< All trials of the plan are done.
+  Undone,     ///< Redone or Rejected is taken back. Attempts of this trial with a higher number are void.
 };
 [[nodiscard]] std::string_view name(TrialPhase phase) noexcept;
 [[nodiscard]] std::string_view name(TrialEventKind kind) noexcept;
@@ -65,6 +71,14 @@ struct TrialEvent {
   friend bool operator==(const TrialEvent&, const TrialEvent&) = default;
 };
 
+/// How the newest attempt that ended has ended.
+struct EndedAttempt {
+  TrialEventKind outcome = TrialEventKind::Done;  ///< Done, Redone, Rejected or Aborted.
+  std::uint32_t trial = 0;
+  std::uint32_t attempt = 1;
+  v1::TrialFault fault = v1::TRIAL_FAULT_UNSPECIFIED;
+};
+
 /// Position of a session in its plan, for status answers.
 struct TrialView {
   TrialPhase phase = TrialPhase::Waiting;
@@ -76,6 +90,13 @@ struct TrialView {
   std::string next_condition{};
   std::optional<double> next_target_cm;
   double remaining_s = 0.0;  ///< Of the phase; 0: waits for a command.
+  double settle_s = 0.0;
+  double duration_s = 0.0;                 ///< 0: until `next`.
+  std::optional<double> target_cm;         ///< Of the current trial, else of the next one.
+  std::optional<double> target_percent;    ///< The same in percent of the arm length.
+  std::optional<EndedAttempt> last_ended;  ///< Nothing: no attempt has ended.
+  double undo_s = 0.0;                     ///< How long `undo` is possible; 0: it is not.
+  bool is_next_wanted = false;             ///< The first trial starts as soon as the session runs.
 };
 
 /// Runs the trials of the plan. Uses only the times passed to it. Every call first advances to its `now_ns`, so that its effect does not
@@ -95,6 +116,11 @@ class TrialRun {
   [[nodiscard]] core::Status redo(std::int64_t now_ns);
   /// Voids the current or last attempt and continues: with the rest, if the trial is under way. Fails with WrongState like `redo`.
   [[nodiscard]] core::Status reject(std::int64_t now_ns);
+  /// Takes back the last `redo` or `reject`, within `kUndoS` and as long as neither another trial has begun nor the new attempt has ended.
+  /// The attempt continues as if nothing had happened: settling and measurement end at the same time as without the interruption, and are
+  /// over if this time has passed. A cue that was not given, and a rest, continue with the time that remained. Fails with WrongState if
+  /// there is nothing to take back.
+  [[nodiscard]] core::Status undo(std::int64_t now_ns);
   /// Ends the run with the session: a trial under way is aborted, and every later command fails with WrongState.
   void abort(std::int64_t now_ns);
   /// Advances to `now_ns`.
@@ -107,8 +133,22 @@ class TrialRun {
   [[nodiscard]] std::vector<TrialEvent> take_events();
 
  private:
+  /// What `undo` restores.
+  struct Before {
+    std::int64_t voided_ns = 0;
+    TrialPhase phase = TrialPhase::Waiting;
+    std::optional<std::int64_t> phase_ends_ns;
+    std::size_t upcoming = 0;
+    std::uint32_t attempt = 1;
+    std::optional<EndedAttempt> last_ended;
+  };
+
   [[nodiscard]] bool is_under_way() const noexcept;
   [[nodiscard]] core::Status check_voidable() const;
+  [[nodiscard]] std::int64_t undo_until_ns() const noexcept;
+  void keep_for_undo(std::int64_t now_ns);
+  void catch_up(std::int64_t now_ns);
+  void end(std::int64_t at_ns);
   [[nodiscard]] std::size_t first_open_from(std::size_t place) const noexcept;
   [[nodiscard]] double rest_after_current_s() const noexcept;
   void start(std::size_t place, std::uint32_t attempt, std::int64_t at_ns);
@@ -123,14 +163,18 @@ class TrialRun {
   TrialPlan plan_;
   std::uint64_t seed_;
   std::vector<PlannedTrial> places_;
-  std::vector<std::optional<double>> targets_cm_;  ///< Per condition.
-  std::vector<bool> is_done_before_;               ///< Per trial of the plan.
+  std::vector<std::optional<double>> targets_cm_;       ///< Per condition.
+  std::vector<std::optional<double>> targets_percent_;  ///< Per condition.
+  std::vector<bool> is_done_before_;                    ///< Per trial of the plan.
   TrialPhase phase_ = TrialPhase::Waiting;
   std::optional<std::int64_t> phase_ends_ns_;  ///< Nothing: a command ends it.
   std::optional<std::size_t> current_;         ///< Position of the current or last trial.
   std::size_t upcoming_ = 0;                   ///< Position that `next` starts; `places_.size()`: none.
   std::uint32_t attempt_ = 1;
-  bool is_void_ = false;  ///< The current attempt is void.
+  std::uint32_t newest_attempt_ = 1;  ///< Higher than `attempt_` after an undone redo: numbers are not used again.
+  bool is_void_ = false;              ///< The current attempt is void.
+  std::optional<Before> before_;      ///< Of the last redo or reject; nothing: it cannot be taken back any more.
+  std::optional<EndedAttempt> last_ended_;
   bool has_ended_ = false;
   std::vector<TrialEvent> events_;
 };

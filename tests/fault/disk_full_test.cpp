@@ -76,6 +76,7 @@ std::string session_until_full(test::DaemonProcess& daemon, v1::SessionRecord& f
   auto control = daemon.control();
   v1::StartSessionRequest request;
   request.set_rig("floor");
+  request.set_protocol("free");
   const auto started = control.start_session(request);
   if (!started) return "no session starts: " + started.error().what;
   const bool is_over = test::eventually([&] {

@@ -105,6 +105,7 @@ Killed KillLine::run_once(double longest_s) {
   auto control = daemon_.control();
   v1::StartSessionRequest request;
   request.set_rig("floor");
+  request.set_protocol("free");
   const auto started = control.start_session(request);
   const std::int64_t started_ns = clock_.now_ns();
   if (!started) {

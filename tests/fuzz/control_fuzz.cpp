@@ -41,9 +41,10 @@ pipeline::RigConfig floor_rig() {
 }
 
 std::vector<session::Protocol> protocols() {
-  session::Protocol reach{.name = "reach",
-                          .sentence = "One trial.",
-                          .fields = {{.name = "arm_length_cm", .is_required = true, .minimum = 40.0, .maximum = 100.0}}};
+  session::Protocol reach{
+      .name = "reach",
+      .sentence = "One trial.",
+      .fields = {{.name = "arm_length_cm", .label = "Arm length", .is_required = true, .minimum = 40.0, .maximum = 100.0}}};
   reach.trials = session::TrialPlan{.conditions = {{.name = "120", .target_percent = 120.0}}, .trials_per_block = 1};
   return {session::free_protocol(), std::move(reach)};
 }

@@ -9,7 +9,6 @@
 namespace dts::fuzz::protocol {
 namespace {
 
-
 constexpr double kLongestPhaseS = 3600.0;
 
 bool is_word(const std::string& text) {
@@ -34,7 +33,7 @@ void check_plan(const session::TrialPlan& plan) {
 void check_fields(const session::Protocol& protocol) {
   std::vector<std::pair<std::string, std::string>> lowest;
   for (const session::ProtocolField& field : protocol.fields) {
-    promise(is_word(field.name), "a field has a name");
+    promise(is_word(field.name) && !field.label.empty() && field.unit.size() <= 16, "a field has a name, a label and a short unit");
     promise(!field.choices.empty() || (std::isfinite(field.minimum) && field.minimum <= field.maximum), "a field has a range");
     lowest.emplace_back(field.name, field.choices.empty() ? std::to_string(field.minimum) : field.choices.front());
   }
@@ -56,7 +55,8 @@ void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   const session::Protocol protocol = files::read_protocol_text(text, "protocol.toml", problems);
   for (const files::Problem& problem : problems) promise(!problem.text.empty(), "a problem says what it is");
   if (!problems.empty()) return;
-  promise(is_word(protocol.name) && protocol.sentence.size() <= 200, "a protocol has a name and a sentence");
+  promise(is_word(protocol.name) && protocol.title.size() <= 64 && protocol.sentence.size() <= 200,
+          "a protocol has a name, a title and a sentence");
   promise(protocol.duration_s >= 0.0 && protocol.settle_s >= 0.0 && std::isfinite(protocol.duration_s), "times are times");
   promise(protocol.fields.size() <= 32, "at most 32 fields");
   if (protocol.trials) check_plan(*protocol.trials);

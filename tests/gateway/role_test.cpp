@@ -30,6 +30,7 @@ v1::Request start_command() {
   v1::Request command;
   command.set_request_id("attack-1");
   command.mutable_start_session()->set_rig("floor");
+  command.mutable_start_session()->set_protocol("free");
   return command;
 }
 
@@ -150,7 +151,8 @@ TEST_F(GatewayRoles, LoginsAndRefusedOnes_AreInTheAuditTrailWithTheirAddress) {
     }
     return entries.size() >= 2;
   }));
-  EXPECT_THAT(entries, testing::UnorderedElementsAre("local:otto login otto from 127.0.0.1 ok", "local login viola from 127.0.0.1 refused"));
+  EXPECT_THAT(entries,
+              testing::UnorderedElementsAre("local:otto login otto from 127.0.0.1 ok", "local login viola from 127.0.0.1 refused"));
   EXPECT_THAT(gateway.log(), testing::HasSubstr("login: otto (operator) from 127.0.0.1"));
   RawClient monitor(gateway.port());
   monitor.send(request(gateway.port(), "GET /metrics"));

@@ -44,11 +44,11 @@ class KeyTest(unittest.TestCase):
             block = next(daemon.stream("floor/cop"))
             self.assertGreater(len(block), 0)
             with self.assertRaisesRegex(dts.NotAllowed, "needs the role operator"):
-                daemon.start_session("floor")
+                daemon.start_session("floor", "free")
 
     def test_an_operator_runs_a_session(self) -> None:
         with dts.connect(key=self.new_key("otto", "operator"), timeout=PATIENCE_S) as daemon:
-            session = daemon.start_session("floor", duration_s=60)
+            session = daemon.start_session("floor", "free", duration_s=60)
             session.stop()
 
     def test_a_key_that_the_daemon_does_not_know_stays_outside(self) -> None:

@@ -191,7 +191,7 @@ class Gap(unittest.TestCase):
         process = DaemonProcess(devices={"sim:floor?seed=7": f"sim:floor?seed=7&fault=overrun&fault_at_s={at_s:g}&fault_for_s=0.25"})
         try:
             with process.connect() as daemon:
-                with daemon.start_session("floor") as session:
+                with daemon.start_session("floor", "free") as session:
                     cop = daemon.record("floor/cop", at_s + 1.0)
                 part = daemon.session(session.id).parts[0]
                 return (cop, dts.load(part.file), part) if cop.segments[0] == 0 else None

@@ -76,7 +76,7 @@ class Examples(WithDaemon):
         self.assertTrue(0.05 < here / told < 20.0, out)
 
     def test_RecordingIsSummedUp(self) -> None:
-        with self.daemon.start_session("floor") as session:
+        with self.daemon.start_session("floor", "free") as session:
             session.mark("here")
             self.daemon.record("floor/cop", 1.0)
         file = self.daemon.session(session.id).parts[0].file

@@ -28,7 +28,7 @@ class Waiting(unittest.TestCase):
 
 class Sessions(WithDaemon):
     def test_SessionIsRecordedWithItsMarks(self) -> None:
-        with self.daemon.start_session("floor", subject="P017", label="first") as session:
+        with self.daemon.start_session("floor", "free", subject="P017", label="first") as session:
             mark = session.mark("hello")
             self.daemon.record("floor/cop", 0.5)
             self.assertTrue(session.is_running)
@@ -41,8 +41,31 @@ class Sessions(WithDaemon):
         self.assertEqual((recording.session.session_id, recording.session.subject), (session.id, "P017"))
         self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P017")], [session.id])
 
+    def test_SessionIsCorrectedDeletedAndErased(self) -> None:
+        with self.daemon.start_session("floor", subject="P071", label="first") as session:
+            session.mark("hello")
+
+        corrected = self.daemon.correct_session(session.id, "typing error", subject="P072", label="")
+        self.assertEqual((corrected.subject, corrected.label), ("P072", ""))
+        self.assertEqual([(one.field, one.new_value) for one in corrected.corrections], [("subject", "P072"), ("label", "")])
+        with self.assertRaises(dts.InvalidArgument):
+            self.daemon.correct_session(session.id, "typing error", subject="Anna Schmidt")
+        self.assertTrue(self.daemon.delete_session(session.id, "a test").is_deleted)
+        self.assertEqual(self.daemon.sessions(subject="P072"), [])
+        self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P072", deleted=True)], [session.id])
+        self.assertFalse(self.daemon.restore_session(session.id).is_deleted)
+        self.assertIn("P072", [subject.subject for subject in self.daemon.subjects()])
+        self.assertEqual(self.daemon.subject("P072").about.sessions, 1)
+        erased = self.daemon.erase_subject("P072")
+        self.assertEqual((erased.sessions, erased.files), (1, 3))
+        self.assertIn("backup", erased.backups)
+        with self.assertRaises(dts.NotFound):
+            self.daemon.session(session.id)
+        with self.assertRaises(dts.NotFound):
+            self.daemon.subject("P072")
+
     def test_ExceptionAbortsTheSession(self) -> None:
-        with self.assertRaises(ZeroDivisionError), self.daemon.start_session("floor") as session:
+        with self.assertRaises(ZeroDivisionError), self.daemon.start_session("floor", "free") as session:
             1 / 0
 
         record = self.daemon.session(session.id)
@@ -50,15 +73,15 @@ class Sessions(WithDaemon):
         self.assertIn("ZeroDivisionError", record.message)
 
     def test_SecondSessionOfARigIsWrongState(self) -> None:
-        with self.daemon.start_session("floor"):
+        with self.daemon.start_session("floor", "free"):
             with self.assertRaises(dts.WrongState):
-                self.daemon.start_session("floor")
+                self.daemon.start_session("floor", "free")
 
         with self.assertRaises(dts.WrongState):
             self.daemon.stop_session("floor")
 
     def test_SessionWithADurationEndsByItself(self) -> None:
-        with self.daemon.start_session("floor", duration_s=0.5) as session:
+        with self.daemon.start_session("floor", "free", duration_s=0.5) as session:
             record = session.wait(timeout=60)
 
         self.assertEqual(record.state, "complete")
@@ -68,14 +91,14 @@ class Sessions(WithDaemon):
             session.info()
 
     def test_WaitingForASessionWithoutEndTimesOut(self) -> None:
-        with self.daemon.start_session("floor") as session:
+        with self.daemon.start_session("floor", "free") as session:
             with self.assertRaises(dts.Timeout):
                 session.wait(timeout=0.2)
 
     def test_TrialsAreSteppedThroughAndTold(self) -> None:
         wait_for(lambda: self.daemon.record("floor/cop", 0.1)["load_n"].mean() > 50, "somebody stands on the plate")
         events = self.daemon.events("floor/trial")
-        with self.daemon.start_session("floor", protocol="quiet-standing") as session:
+        with self.daemon.start_session("floor", "quiet-standing") as session:
             status = session.trial("next")
             told = next(events)
             session.trial("reject")
@@ -86,7 +109,7 @@ class Sessions(WithDaemon):
         self.assertEqual(rejected.fields["condition"], "eyes-open-two-feet")
 
     def test_AuditHasWhatWasDone(self) -> None:
-        with self.daemon.start_session("floor") as session:
+        with self.daemon.start_session("floor", "free") as session:
             pass
 
         audit = self.daemon.audit()

@@ -24,7 +24,7 @@ class OwnRecording(WithDaemon):
     def setUpClass(cls) -> None:
         super().setUpClass()
         with cls.process.connect() as daemon:
-            with daemon.start_session("chair", label="for the tests") as session:
+            with daemon.start_session("chair", "free", label="for the tests") as session:
                 session.mark("comma, and \"quotes\"")
                 daemon.record("chair/transient", 6.0)
             cls.file = daemon.session(session.id).parts[0].file
@@ -97,7 +97,7 @@ class OwnRecording(WithDaemon):
         self.assertEqual(told, 100)  # each of them is torn at its end already
 
     def test_LiveValuesAreTheRecordedOnes(self) -> None:
-        with self.daemon.start_session("floor") as session:
+        with self.daemon.start_session("floor", "free") as session:
             live = self.daemon.record("floor/cop", 1.0)
 
         recorded = dts.load(self.daemon.session(session.id).parts[0].file)["cop"]

@@ -72,7 +72,7 @@ class Soak:
         for child in stuck:
             child.send_signal(signal.SIGSTOP)
         hostile = self._start("hostile.py", self.daemon.control, f"ipc://{self.daemon.folder}/data.sock")
-        session = self.daemon.dtsctl("session", "start", "--rig", "chair").strip()
+        session = self.daemon.dtsctl("session", "start", "--rig", "chair", "--protocol", "free").strip()
         self._watch(self.seconds - 10)
         self._check_attackers(hostile, stuck)
         self.daemon.dtsctl("session", "stop", "--rig", "chair")

@@ -22,19 +22,23 @@ constexpr const char* kExamination = R"(name = "examination"
 sentence = "Six brisk reaches"
 [[field]]
 name = "weight_kg"
+label = "Body weight"
 minimum = 10
 maximum = 250
 [[field]]
 name = "height_cm"
+label = "Body height"
 minimum = 60
 maximum = 230
 [[field]]
 name = "arm_length_cm"
+label = "Arm length"
 minimum = 20
 maximum = 120
 required = true
 [[field]]
 name = "max_reach_cm"
+label = "Maximum reach"
 minimum = 10
 maximum = 250
 required = true

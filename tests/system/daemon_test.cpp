@@ -63,6 +63,7 @@ TEST(Daemon, Sigterm_EndsWithZeroAndStopsTheSession) {
   auto subscriber = daemon.subscribe({"floor/session"});
   v1::StartSessionRequest request;
   request.set_rig("floor");
+  request.set_protocol("free");
   ASSERT_TRUE(control.start_session(request));
   ASSERT_TRUE(receive_until(subscriber, [](const client::Message& message) {
     const auto* event = std::get_if<Event>(&message);
@@ -145,6 +146,7 @@ TEST(Daemon, Unplug_IsToldAndTheSessionGoesOnInTheNextSegment) {
   WatchedFault watched = watched_fault("fault=unplug&fault_for_s=0.5", {"floor/"}, [](client::ControlClient& control) {
     v1::StartSessionRequest request;
     request.set_rig("floor");
+    request.set_protocol("free");
     return control.start_session(request).has_value();
   });
   auto control = watched.daemon->control();

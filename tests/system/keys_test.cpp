@@ -39,7 +39,7 @@ TEST_F(KeysTest, EachRole_MayWhatItMayAndNoMore) {
 
   EXPECT_EQ(remote(viewer, {"status"}).status, kOk);
   EXPECT_EQ(remote(viewer, {"watch", "floor/cop", "--count", "3", "--jsonl"}).status, kOk);
-  const Finished refused = remote(viewer, {"session", "start", "--rig", "floor"});
+  const Finished refused = remote(viewer, {"session", "start", "--rig", "floor", "--protocol", "free"});
   EXPECT_EQ(refused.status, kNotAllowed);
   EXPECT_THAT(refused.err, HasSubstr("needs the role operator; key:eve has viewer"));
   EXPECT_EQ(remote(mate, {"mark", "hello"}).status, kOk);

@@ -26,7 +26,7 @@ using ::testing::Not;
 
 /// Starts a session with dtsctl, lets it run until `scans` more scans have come, and returns its id.
 std::string record(const DaemonProcess& daemon, std::uint64_t scans, const std::vector<std::string>& options = {}) {
-  std::vector<std::string> words{"session", "start", "--rig", "floor", "--json"};
+  std::vector<std::string> words{"session", "start", "--rig", "floor", "--protocol", "free", "--json"};
   words.insert(words.end(), options.begin(), options.end());
   const Finished started = daemon.ctl(words);
   EXPECT_EQ(started.status, 0) << started.err;
@@ -180,10 +180,10 @@ TEST(Recording, NothingIdentifying_ReachesFilesLogsOrTheBus) {
   bus.connect(daemon.data_endpoint());
   const std::vector<std::string> secrets{"Jane", "Doe", "1958-03-07"};
 
-  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--subject", "Jane Doe"}).status, 2);
-  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--field", "name=Jane Doe"}).status, 2);
-  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--field", "Jane=Doe"}).status, 2);
-  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--field", "date_of_birth=1958-03-07"}).status, 2);
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--subject", "Jane Doe"}).status, 2);
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--field", "name=Jane Doe"}).status, 2);
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--field", "Jane=Doe"}).status, 2);
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--field", "date_of_birth=1958-03-07"}).status, 2);
   EXPECT_NE(daemon.ctl({"session", "start", "--rig", "Jane", "--subject", "P1"}).status, 0);
   const std::string id = record(daemon, 100, {"--subject", "P017"});
   ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);

@@ -60,6 +60,7 @@ TEST_F(RelayTest, KilledInASession_CostsNoScan_AndItsClientsComeBack) {
   client::Subscriber remote = subscribed(eve);
   v1::StartSessionRequest start;
   start.set_rig("floor");
+  start.set_protocol("free");
   const auto session = mate.start_session(start);
   ASSERT_TRUE(session) << session.error().what;
   ASSERT_EQ(lost_until(local, scans()), 0U);

@@ -18,10 +18,13 @@ class ResumeTest : public ::testing::Test {
     const auto status = daemon_.control().status();
     return status ? status->rigs(0).session() : v1::SessionInfo();
   }
-  [[nodiscard]] bool runs(const std::string& id) const { return session().session_id() == id && session().state() == v1::SESSION_STATE_RUNNING; }
+  [[nodiscard]] bool runs(const std::string& id) const {
+    return session().session_id() == id && session().state() == v1::SESSION_STATE_RUNNING;
+  }
   std::string start(double duration_s) {
     v1::StartSessionRequest request;
     request.set_rig("floor");
+    request.set_protocol("free");
     request.set_duration_s(duration_s);
     const std::string id = daemon_.control().start_session(request).value().session_id();
     EXPECT_TRUE(eventually([&] { return runs(id); }));

@@ -25,7 +25,7 @@ export const stepsDevice = () => {
 };
 
 /** Returns CLOCK_REALTIME minus CLOCK_MONOTONIC in ms. */
-const realtimeOffsetMs = () => {
+export const realtimeOffsetMs = () => {
   const before = Date.now();
   let now = before;
   while (now === before) now = Date.now();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layout on a tablet and on a large screen: nothing is cut off, nothing overlaps, and live pages do not scroll.
+// Layout on a phone, a tablet, a large screen and with large zoom: nothing is cut off, nothing overlaps, nothing scrolls across; on a tablet and a large
+// screen live pages do not scroll.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
@@ -9,6 +10,13 @@ import { Bench, by, goTo, waitForText } from './support_browser.mjs';
 const sizes = [
   { width: 1280, height: 800 },
   { width: 1920, height: 1080 },
+];
+// A phone, a tablet upright, and a window of 1280 x 1024 px at a zoom of 200 % and 400 % (WCAG 1.4.10): the page may scroll down, never across.
+const narrowSizes = [
+  { width: 390, height: 844 },
+  { width: 768, height: 1024 },
+  { width: 640, height: 512 },
+  { width: 320, height: 256 },
 ];
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 3' };
 const largestTarget = 48;
@@ -66,7 +74,7 @@ describe('layout', () => {
 
   const check = async (name, mayScrollDown) => {
     const found = [];
-    for (const size of sizes) {
+    for (const size of [...sizes, ...narrowSizes]) {
       await page.setViewportSize(size);
       const where = `${name} at ${size.width} x ${size.height}`;
       let now;
@@ -74,13 +82,14 @@ describe('layout', () => {
       await waitFor(
         async () => {
           const { across, down } = await excess(page);
-          now = [...(across > 0 ? [`${across} px too wide`] : []), ...(down > 0 && !mayScrollDown ? [`${down} px too high`] : [])];
+          now = [...(across > 0 ? [`${across} px too wide`] : []), ...(down > 0 && !mayScrollDown && sizes.includes(size) ? [`${down} px too high`] : [])];
           now = [...now, ...(await collisions(page)), ...(await smallTargets(page, largestTarget))].map((words) => `${where}: ${words}`);
           return now.length === 0;
         },
         'a good layout',
       ).catch(() => found.push(...now));
     }
+    await page.setViewportSize(sizes[0]);
     assert.deepEqual(found, []);
   };
 
@@ -88,6 +97,8 @@ describe('layout', () => {
     await by(page, 'stop-session').waitFor();
     await waitForText(page, 'sway-note', /final, trial 1/);
     await check('floor in a session', false);
+    const [inside, shown] = await page.locator('.floor-side').evaluate((side) => [side.scrollHeight, side.clientHeight]);
+    assert.ok(inside <= shown, `the numbers and buttons need ${inside} px and have ${shown} px`);
   });
 
   test('floor, between sessions and with the start form', async () => {
@@ -125,6 +136,24 @@ describe('layout', () => {
     await check('health', true);
   });
 
+  test('the report is as high as its page: nothing scrolls within the page', async () => {
+    for (const size of [sizes[0], narrowSizes[0]]) {
+      await page.setViewportSize(size);
+      await goTo(page, `sessions/${id}`);
+      await by(page, 'report-frame').waitFor();
+      await waitFor(
+        () =>
+          by(page, 'report-frame').evaluate((frame) => {
+            const inner = frame.contentDocument.documentElement;
+            return inner.scrollHeight > 100 && inner.scrollHeight <= frame.clientHeight + 1;
+          }),
+        `the report fits its frame at ${size.width} px`,
+      );
+      await goTo(page, 'sessions');
+    }
+    await page.setViewportSize(sizes[0]);
+  });
+
   test('the main number of a live page is at least 48 px high', async () => {
     const main = { floor: ['sway-MVELO'], chair: ['prompt', 'trunk-deg', 'trunk-class'] };
     for (const [name, testIds] of Object.entries(main)) {
@@ -134,6 +163,28 @@ describe('layout', () => {
         const pixels = await by(page, testId).evaluate((element) => Number.parseFloat(getComputedStyle(element).fontSize));
         assert.ok(pixels >= 48, `${testId}: ${pixels} px`);
       }
+    }
+  });
+
+  test('a dead daemon: its message covers neither what to do now nor a button', async () => {
+    await daemon.kill();
+    for (const size of [sizes[0], narrowSizes[0], narrowSizes[3]]) {
+      await page.setViewportSize(size);
+      for (const [name, shown] of [['floor', ['guidance', 'open-start', 'status-line']], ['chair', ['prompt', 'open-start', 'status-line']]]) {
+        await goTo(page, name);
+        await by(page, 'no-data').waitFor();
+        for (const testId of shown) {
+          const cover = await by(page, testId).evaluate((element) => {
+            element.scrollIntoView({ block: 'center' });
+            const { left, top, width, height } = element.getBoundingClientRect();
+            const above = document.elementFromPoint(left + width / 2, top + height / 2);
+            return element === above || element.contains(above) || above?.contains(element) === true ? '' : (above?.outerHTML.slice(0, 120) ?? 'outside');
+          });
+          assert.equal(cover, '', `${name} at ${size.width} px: ${testId} is covered`);
+        }
+        assert.equal(await by(page, 'loud-status').count(), 0, 'the picture says it once');
+      }
+      assert.ok((await excess(page)).across <= 0, `${size.width} px`);
     }
   });
 

@@ -17,14 +17,18 @@ const sixTrials = {
 const subject = { age_years: '52', weight_kg: '70', height_cm: '175', arm_length_cm: '68', max_reach_cm: '125' };
 const classes = ['none', 'minor', 'moderate', 'maximum'];
 
+const titles = { 120: '120 %', 150: '150 %', max: 'Maximum reach' };
+const shapes = { done: '✓', redone: '↻', rejected: '✕' };
+
 /** Returns the expected row of the page's table for a trial of `dtsctl session show`. Reasons for "uncertain" are not compared. */
 const rowOf = ({ trial, attempt, condition, outcome, result }) => {
-  const target = result?.target_cm > 0 ? `${condition}, ${fixed(result.target_cm, 0)}\u00a0cm` : condition;
+  const target = result?.target_cm > 0 ? `${titles[condition]}, ${fixed(result.target_cm, 0)}\u00a0cm` : titles[condition];
+  const ending = outcome === 'done' && result?.reach === undefined ? '! no reach' : `${shapes[outcome]} ${outcome}`;
   const movement = result?.movement;
   const isMinor = movement?.reasons.includes('minor') && movement.trunk_class === 1;
   const word = movement === undefined ? 'no reach' : isMinor ? 'none or minor' : (classes[movement.trunk_class] ?? 'uncertain');
   const deg = movement?.trunk_class >= 0 ? movement.trunk_deg : null; // without a class no angle is shown
-  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, target, outcome, word, deg === null ? '–' : fixed(deg, 1)];
+  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, target, ending, word, deg === null ? '–' : fixed(deg, 1)];
 };
 
 describe('a session of the reaching task', () => {

@@ -63,7 +63,7 @@ const secondsSince = (text, atMs) => {
   return passed > day / 2 ? passed - day : passed;
 };
 
-const isDimmed = (page) => page.locator('.live-old').evaluate((live) => Number(getComputedStyle(live.querySelector('.live-picture')).opacity) < 1);
+const isDimmed = (page) => page.locator('.live-old').evaluate((live) => Number(getComputedStyle(live.querySelector('.live-picture canvas')).opacity) < 1);
 
 describe('recovery', () => {
   let bench;

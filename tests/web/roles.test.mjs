@@ -11,12 +11,14 @@ const password = 'correct horse battery';
 const notAllowed = 4; // ErrorCode of control.proto
 
 // Enough of protobuf for a forged request: fields shorter than 128 bytes.
-const field = (number, bytes) => [(number << 3) | 2, bytes.length, ...bytes];
+const field = (number, bytes) => [...key(number), bytes.length, ...bytes];
+/** Returns the key of a field with bytes; from field 16 on it has two bytes. */
+const key = (number) => (number < 16 ? [(number << 3) | 2] : [0x80 | (((number << 3) | 2) & 0x7f), number >> 4]);
 const text = (words) => [...Buffer.from(words)];
 /** Returns FromBrowser.request with a command: its field number in Request, and its content. */
 const forged = (requestId, command, content) => field(4, [...field(1, text(requestId)), ...field(command, content)]);
 const commands = {
-  startSession: [4, field(1, text('floor'))],
+  startSession: [4, [...field(1, text('floor')), ...field(2, text('free'))]],
   stopSession: [5, field(1, text('floor'))],
   mark: [6, field(1, text('forged'))],
   tare: [7, field(1, text('floor'))],
@@ -24,6 +26,9 @@ const commands = {
   trial: [13, [...field(1, text('floor')), 0x10, 1]],
   resumeSession: [14, field(1, text('20260101T000000Z-floor-1'))],
   getAudit: [15, []],
+  correctSession: [21, field(1, text('20260101T000000Z-floor-1'))],
+  deleteSession: [22, field(1, text('20260101T000000Z-floor-1'))],
+  eraseSubject: [25, field(1, text('P1'))],
 };
 
 const keepSockets = () => {
@@ -94,6 +99,9 @@ describe('roles', () => {
     for (const key of ['a', 'r', 'x', 'Space']) await page.keyboard.press(key);
     await goTo(page, `sessions/${id}`);
     await waitForText(page, 'session-facts', 'V1');
+    for (const name of ['open-correct', 'open-delete']) await isDisabled(page, name, 'Requires the role operator');
+    await goTo(page, 'subjects/V1');
+    await isDisabled(page, 'open-erase', 'Requires the role operator');
     await daemon.ctl('mark', 'the end');
     const session = (await daemon.json('status')).rigs.find(({ rig }) => rig.name === 'floor').session;
     assert.equal(session.trial.phase, 'waiting');

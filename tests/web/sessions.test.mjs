@@ -68,6 +68,9 @@ describe('sessions', () => {
     await waitForText(page, 'sway-note', 'final, trial 1');
     const velocity = await textOf(page, 'sway-MVELO');
     await by(page, 'stop-session').click();
+    await waitForText(page, 'toast', 'Session stops in 5 s');
+    await by(page, 'stop-session').click(); // Stop now
+    await waitForText(page, 'last-session', 'Result: P017, Quiet standing');
     await by(page, 'open-start').click();
     await waitFor(async () => (await by(page, 'start-protocol').inputValue()) === 'quiet-standing', 'the last protocol of the rig is preselected');
     await page.keyboard.press('Escape');
@@ -97,7 +100,7 @@ describe('sessions', () => {
   test('the list shows what dtsctl lists, and filters', async () => {
     const id = await daemon.measuredStanding('P017');
     await daemon.ctl('session', 'stop');
-    await daemon.ctl('session', 'start', '--rig', 'floor', '--subject', 'Q2');
+    await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'free', '--subject', 'Q2');
     const page = await tabs.open('sessions');
     await waitForText(page, 'session-count', '3 sessions');
     await by(page, 'session-row').filter({ hasText: 'running' }).waitFor();
@@ -112,8 +115,11 @@ describe('sessions', () => {
       const lengthS = session.parts.reduce((sum, part) => sum + part.duration_s, 0);
       const started = new Date(Number(BigInt(session.started_utc_ns) / 1_000_000n));
       assert.equal(await rows[index].getAttribute('data-session'), session.session_id);
-      assert.equal(cells[1], started.toLocaleString('en-GB', { dateStyle: 'short', timeStyle: 'short', timeZone: 'UTC' }));
-      assert.deepEqual(cells.slice(2, 6), [session.subject, protocolNames[session.protocol], session.rig, `${fixed(lengthS, 1)} s`]);
+      const day = started.toLocaleString('en-GB', { day: 'numeric', month: 'short', timeZone: 'UTC' });
+      assert.equal(cells[1], `${session.subject}, ${protocolNames[session.protocol]}, ${day}\n${session.session_id}`);
+      assert.equal(cells[2], session.subject);
+      assert.equal(cells[3], started.toLocaleString('en-GB', { dateStyle: 'short', timeStyle: 'short', timeZone: 'UTC' }));
+      assert.deepEqual(cells.slice(4, 6), [session.rig, `${fixed(lengthS, 1)} s`]);
       const trials = session.planned_trials > 0 && session.state !== 'running' ? `\\n.*${session.valid_trials} of ${session.planned_trials} valid` : '';
       assert.match(cells[6], new RegExp(`^. ${session.state}${trials}$`));
       assert.equal(cells[7], session.label ?? '');
@@ -135,8 +141,10 @@ describe('sessions', () => {
     const frame = by(page, 'report-frame');
     await frame.waitFor();
 
+    const head = await textOf(page, 'session-usefulness');
+    for (const fact of ['complete', '1 of 12 valid']) assert.ok(head.includes(fact), `${fact} in ${head}`);
     const facts = await textOf(page, 'session-facts');
-    for (const fact of ['complete', '1 of 12 valid', 'P017', 'Quiet standing', 'floor', 'from the browser']) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
+    for (const fact of ['P017', 'Quiet standing', 'floor', 'from the browser']) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
     assert.match(await page.locator('h1').innerText(), /^P017, Quiet standing, \d/);
     assert.equal(await textOf(page, 'session-id'), `Session ID ${id}`);
     for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, 3));
@@ -173,6 +181,21 @@ describe('sessions', () => {
 
     assert.deepEqual(readFileSync(taken['xdf-1']), readFileSync(parts[0].file));
     for (const name of ['csv', 'bids']) assert.equal(readFileSync(taken[name]).subarray(0, 4).toString('latin1'), 'PK\x03\x04');
+    await page.close();
+  });
+
+  test('a stop is undone with U, and sent at once when the page is left', async () => {
+    const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'free', '--subject', 'Q3')).trim();
+    const page = await tabs.open('floor');
+    await by(page, 'stop-session').click();
+    await waitForText(page, 'toast', 'Session stops in 5 s');
+    await page.keyboard.press('u');
+    await by(page, 'toast').waitFor({ state: 'detached' });
+    assert.equal((await daemon.session(id)).state, 'running');
+    await by(page, 'stop-session').click();
+    await by(page, 'toast').waitFor();
+    await by(page, 'tab-health').click();
+    assert.equal((await daemon.endedSession(id)).state, 'complete');
     await page.close();
   });
 

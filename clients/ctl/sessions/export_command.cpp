@@ -34,8 +34,9 @@ core::Result<record::Exported> export_one(const RecordedFile& file, const Sessio
     losses.push_back({{"file", file.path}, {"losses", lost}});
     console.talk << console.program << ": " << cli::printable(file.path) << ": " << lost << "; the events show where" << std::endl;
   }
-  if (wishes.format == "csv") return record::export_csv(*recording, wishes.out.empty() ? "." : wishes.out, work.progress());
-  return record::export_bids(*recording, wishes.out.empty() ? "bids" : wishes.out, work.progress());
+  DTS_TRY_ASSIGN(const auto corrections, record::corrections_beside(file.path, recording->session().value_or(record::SessionFacts{})));
+  if (wishes.format == "csv") return record::export_csv(*recording, wishes.out.empty() ? "." : wishes.out, work.progress(), corrections);
+  return record::export_bids(*recording, wishes.out.empty() ? "bids" : wishes.out, work.progress(), corrections);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ Result<RecordedFile> file_of(const v1::SessionRecord& session, const v1::Session
   const std::string what = "part " + std::to_string(part.part()) + " of session '" + session.session_id() + "'";
   if (part.state() == v1::PART_STATE_RECORDING) {
     return client::fail(ErrorCode::WrongState, what + " is still being recorded",
-                        "stop the session first: dtsctl session stop --rig " + session.rig() +
+                        "stop it first: dtsctl session stop --rig " + session.rig() +
                             "; to use the file as it is now, give its name: dtsctl session show " + session.session_id());
   }
   if (part.state() == v1::PART_STATE_MISSING || part.file().empty()) {
@@ -73,6 +73,9 @@ Result<std::vector<RecordedFile>> find_recordings(const Arguments& arguments) {
   }
   DTS_TRY_ASSIGN(auto dts, connect(arguments));
   DTS_TRY_ASSIGN(const auto session, dts.show_session(argument));
+  if (session.is_deleted()) {
+    return client::fail(ErrorCode::WrongState, "session '" + argument + "' is deleted", "restore it: dtsctl session restore " + argument);
+  }
   if (session.parts_size() == 0) return client::fail(ErrorCode::NotFound, "session '" + argument + "' has no recording");
   std::vector<RecordedFile> files;
   for (const v1::SessionPart& part : session.parts()) {

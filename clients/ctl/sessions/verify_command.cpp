@@ -48,7 +48,12 @@ void count(record::Recording& recording, Verified& verified) {
   if (counts.planned_trials == 0) return;  // without planned trials there is nothing to find
   record::TrialCollector trials(recording.find_stream("raw"));
   for (auto item = recording.next(); item && *item; item = recording.next()) trials.add(**item);
-  const auto rows = trials.rows();
+  auto rows = trials.rows();
+  const auto corrections = record::corrections_beside(verified.file.path, *recording.session());
+  for (record::TrialRow& row : rows) {
+    const std::string* outcome = corrections ? corrections->outcome(recording.session()->part, row.trial, row.attempt) : nullptr;
+    if (outcome != nullptr) row.outcome = *outcome;
+  }
   counts.valid_trials = static_cast<std::uint64_t>(std::ranges::count_if(rows, record::is_valid));
 }
 

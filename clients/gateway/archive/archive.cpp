@@ -83,11 +83,14 @@ class ArchiveImpl final : public Archive {
       : find_session_(std::move(find_session)),
         work_bytes_(work_bytes),
         cache_(std::move(cache)),
-        reports_(worker_, [this](const std::string& key, const ReportPointer& made) { shelf_.keep(key, made); }),
+        reports_(worker_,
+                 [this](const std::string& key, const ReportPointer& made) {
+                   if (is_present(key)) shelf_.keep(key, made);
+                 }),
         exports_(worker_,
                  [this](const std::string& key, const MadeExport& made) {
                    // If there is no room, `find` returns nothing for the waiting requests, and they are answered with "try again".
-                   static_cast<void>(cache_->keep(key, made.folder->path() / "export.zip", made.bytes));
+                   if (is_present(key)) static_cast<void>(cache_->keep(key, made.folder->path() / "export.zip", made.bytes));
                  }),
         worker_(io) {}
 
@@ -107,7 +110,19 @@ class ArchiveImpl final : public Archive {
     });
   }
 
+  void forget() override {
+    ++generation_;
+    shelf_.clear();
+    cache_->clear();
+  }
+
  private:
+  /// Returns the key of a thing in the caches. After `forget`, keys of the same things differ.
+  [[nodiscard]] std::string key_of(const std::string& what, const v1::SessionRecord& session) const {
+    return std::to_string(generation_) + "\n" + what + "\n" + session.session_id() + "\n" + fingerprint_of(session);
+  }
+  [[nodiscard]] bool is_present(const std::string& key) const { return key.starts_with(std::to_string(generation_) + "\n"); }
+
   void answer(const ArchivePath& path, const v1::SessionRecord& session, const Respond& respond) {
     if (path.kind == ArchivePath::Kind::Recording) return send_recording(session, path.part, respond);
     auto files = files_of(session);
@@ -129,7 +144,7 @@ class ArchiveImpl final : public Archive {
   /// An empty `page` means the list of pages.
   void send_report(const v1::SessionRecord& session, const std::string& page, std::vector<std::string> files, const Respond& respond) {
     const auto show = [page](const report::Report& made) { return page.empty() ? list_pages(made) : show_page(made, page); };
-    const std::string key = session.session_id() + "\n" + fingerprint_of(session);
+    const std::string key = key_of("report", session);
     if (const ReportPointer made = shelf_.find(key)) return respond(show(*made));
     const bool is_accepted = reports_.ask(
         key, [files = std::move(files)](const std::stop_token& stop) { return make_pages(files, stop); },
@@ -138,7 +153,7 @@ class ArchiveImpl final : public Archive {
   }
 
   void send_export(const v1::SessionRecord& session, ExportFormat format, std::vector<std::string> files, const Respond& respond) {
-    const std::string key = name(format) + "\n" + session.session_id() + "\n" + fingerprint_of(session);
+    const std::string key = key_of(name(format), session);
     const std::string file_name = session.session_id() + "-" + name(format) + ".zip";
     if (ExportCache::Held held = cache_->find(key)) return respond(zip_answer(std::move(held), file_name));
     const ExportOrder order{.session_id = session.session_id(), .format = format, .files = std::move(files), .most_bytes = work_bytes_};
@@ -165,6 +180,7 @@ class ArchiveImpl final : public Archive {
 
   FindSession find_session_;
   std::uint64_t work_bytes_;
+  std::uint64_t generation_ = 0;  ///< Counts the calls of `forget`.
   std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
   std::unique_ptr<ExportCache> cache_;
   ReportShelf shelf_{kReportBytes};

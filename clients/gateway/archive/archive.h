@@ -41,6 +41,8 @@ class Archive {
 
   /// Handles a path below /api/sessions/; the caller has checked that the user may view.
   virtual void handle(HttpRequest request, Respond respond) = 0;
+  /// Removes all cached reports and exports, and does not keep what is being made now: a subject was erased.
+  virtual void forget() = 0;
 
  protected:
   Archive() = default;

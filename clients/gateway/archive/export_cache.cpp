@@ -56,6 +56,15 @@ bool ExportCache::make_room(std::uint64_t bytes) {
   return true;
 }
 
+void ExportCache::clear() noexcept {
+  for (const Place& place : places_) {
+    std::error_code ignored;
+    fs::remove(place.held->file, ignored);
+  }
+  places_.clear();
+  bytes_ = 0;
+}
+
 fs::path ExportCache::new_folder() { return folder_ / ("work-" + std::to_string(++names_)); }
 
 }  // namespace dts::gateway

@@ -34,6 +34,8 @@ class ExportCache {
   [[nodiscard]] Held find(const std::string& key);
   /// Moves `file`, which must be below the folder, into the cache. Returns false and leaves the file if exports in use leave no room.
   [[nodiscard]] bool keep(const std::string& key, const std::filesystem::path& file, std::uint64_t bytes);
+  /// Removes all exports. One that is being sent is removed too: what was opened can still be read to its end.
+  void clear() noexcept;
   /// Returns an unused name for a folder inside the cache's folder.
   [[nodiscard]] std::filesystem::path new_folder();
 

@@ -34,8 +34,9 @@ core::Status export_part(const ExportOrder& order, const std::string& file, cons
     // Wrong values look plausible; only the checksums reveal them. A table must not have values from a damaged file.
     return tl::make_unexpected(verified.error());
   }
-  const auto exported = order.format == ExportFormat::Csv ? record::export_csv(*recording, folder.string(), progress)
-                                                          : record::export_bids(*recording, folder.string(), progress);
+  DTS_TRY_ASSIGN(const auto corrections, record::corrections_beside(file, recording->session().value_or(record::SessionFacts{})));
+  const auto exported = order.format == ExportFormat::Csv ? record::export_csv(*recording, folder.string(), progress, corrections)
+                                                          : record::export_bids(*recording, folder.string(), progress, corrections);
   if (!exported) return tl::make_unexpected(exported.error());
   return {};
 }

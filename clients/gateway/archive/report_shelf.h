@@ -22,6 +22,10 @@ class ReportShelf {
   [[nodiscard]] ReportPointer find(const std::string& key);
   /// A report larger than the whole shelf is not kept.
   void keep(const std::string& key, ReportPointer report);
+  void clear() noexcept {
+    places_.clear();
+    bytes_ = 0;
+  }
 
  private:
   struct Place {

@@ -54,9 +54,15 @@ Result<std::string> readable_file(const v1::SessionRecord& session, const v1::Se
   return check_recording(part.file(), what).map([&part] { return part.file(); });
 }
 
+Result<void> check_kept(const v1::SessionRecord& session) {
+  if (!session.is_deleted()) return {};
+  return client::fail(ErrorCode::WrongState, "session '" + session.session_id() + "' is deleted", "restore the session first");
+}
+
 }  // namespace
 
 Result<std::vector<std::string>> files_of(const v1::SessionRecord& session) {
+  DTS_TRY(check_kept(session));
   if (session.state() == "running") {
     return client::fail(ErrorCode::WrongState, "session '" + session.session_id() + "' is running", "stop the session first");
   }
@@ -70,6 +76,7 @@ Result<std::vector<std::string>> files_of(const v1::SessionRecord& session) {
 }
 
 Result<std::string> file_of(const v1::SessionRecord& session, std::uint32_t number) {
+  DTS_TRY(check_kept(session));
   const auto part = std::ranges::find(session.parts(), number, &v1::SessionPart::part);
   if (part != session.parts().end()) return readable_file(session, *part);
   return client::fail(ErrorCode::NotFound, "session '" + session.session_id() + "' has no part " + std::to_string(number));
@@ -81,6 +88,7 @@ std::string fingerprint_of(const v1::SessionRecord& session) {
     print += std::to_string(part.part()) + "/" + std::to_string(part.state()) + "/" + std::to_string(part.bytes()) + "/" + part.sha256() +
              "/" + part.file() + "\n";
   }
+  for (const v1::Correction& correction : session.corrections()) print += correction.SerializeAsString();
   return print;
 }
 

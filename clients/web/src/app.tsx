@@ -17,6 +17,7 @@ const Page = ({ link }: { link: Link }): JSX.Element => {
       return <ChairPage link={link} />;
     case 'sessions':
     case 'compare':
+    case 'subjects':
       return <SessionsPage link={link} path={path.value} />;
     case 'health':
       return <HealthPage link={link} />;

@@ -41,7 +41,7 @@ const StageDescription& Steadiness::description() {
                    .minimum = 100.0,
                    .maximum = 10'000.0},
                   {.name = "settle_ms",
-                   .sentence = "Without a trial: how long a person must stand before the measurement begins.",
+                   .sentence = "Without a trial: how long a person must stand still before the measurement begins.",
                    .default_value = 1000.0,
                    .minimum = 0.0,
                    .maximum = 60'000.0}}};
@@ -76,7 +76,7 @@ void Steadiness::process(const core::Block& in, core::Block& /*out*/) noexcept {
   const auto load_n = in.column(2);
   for (std::size_t i = 0; i < in.count(); ++i) {
     const bool is_empty = load_n[i] <= 0.0;  // a COP without load is meaningless; with an unknown load (NaN) it may be valid
-    watch_.process(in.first_scan.value + i, is_empty ? kNaN : ml_mm[i], ap_mm[i], events_);
+    watch_.process(in.first_scan.value + i, {.ml_mm = is_empty ? kNaN : ml_mm[i], .ap_mm = ap_mm[i], .load_n = load_n[i]}, events_);
   }
   for (core::SwayEvent& event : std::span(events_.events).first(events_.count)) translate(event, in);
 }
@@ -84,6 +84,7 @@ void Steadiness::process(const core::Block& in, core::Block& /*out*/) noexcept {
 void Steadiness::update_window(std::uint32_t segment) noexcept {
   const SteadinessWindow& latest = windows_->latest();
   const bool is_new = latest.number != letter_ && !is_same_window(latest, window_);
+  if (latest.number != letter_ && latest.is_restart) watch_.restart(events_);
   letter_ = latest.number;
   if (!is_new && segment == segment_) return;
   if (is_new) window_ = latest;
@@ -136,7 +137,7 @@ void Steadiness::forget() noexcept {
   watch_.expect({}, none);
 }
 
-std::size_t Steadiness::state_size() const noexcept { return 5 + SwayWatch::kStateSize; }
+std::size_t Steadiness::state_size() const noexcept { return 5 + watch_.state_size(); }
 
 void Steadiness::save(std::span<double> state) const noexcept {
   StateWriter writer(state);

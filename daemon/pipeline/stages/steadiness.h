@@ -10,13 +10,14 @@
 namespace dts::pipeline {
 
 /// Reports running values of quiet standing (`core::SwayEvent`; posturography sheet sections 2 and 3, "live") from the causally filtered
-/// centre of pressure at 100 Hz, or the nearest rate that divides the input's: over a growing window, every 0.5 s and at its end. Input:
+/// centre of pressure at 100 Hz, or the nearest rate that divides the input's: over a window, every 0.5 s and at its end. Input:
 /// ml_mm, ap_mm, load_n. Makes no stream.
 ///
-/// A window is a trial's measuring time, from `SteadinessWindows`. Without a trial, it begins when a person has stood for 1 s and ends when
-/// the centre of pressure is missing for more than 50 ms. A trial's window continues after such a gap, without the missing samples. A new
-/// segment ends every window without a last event. Events name the scans that their values describe, corrected for the input's delay and
-/// the filter's own 80 ms; so a window's last event is 80 ms after its end.
+/// A window is a trial's measuring time so far, from `SteadinessWindows`. Without a trial, it is the last 30 s at most
+/// (`core::kRecentSwayS`), since a person stands still: see `SwayWatch` for how stepping on is left out. It ends when the load changes or
+/// the centre of pressure is missing for more than 50 ms, and begins again when a trial or a session begins. A trial's window continues
+/// after such a gap, without the missing samples. A new segment ends every window without a last event. Events name the scans that their
+/// values describe, corrected for the input's delay and the filter's own 80 ms; so a window's last event is 80 ms after its end.
 class Steadiness final : public Stage {
  public:
   Steadiness(const StageOptions& options, const StageContext& context);
@@ -28,6 +29,7 @@ class Steadiness final : public Stage {
   void tell(core::FrameEvents& events) noexcept override;
   void reset() noexcept override;
   [[nodiscard]] std::size_t state_size() const noexcept override;
+  [[nodiscard]] std::size_t state_added_since_0_1() const noexcept override { return watch_.state_added_since_0_1(); }
   void save(std::span<double> state) const noexcept override;
   [[nodiscard]] bool restore(std::span<const double> state) noexcept override;
 

@@ -5,11 +5,15 @@
 #include <array>
 #include <cmath>
 
+#include "core/special_numbers.h"
+#include "core/sway.h"
+
 namespace dts::pipeline {
 namespace {
 
 constexpr double kCutOffHz = 10.0;
-constexpr double kFarthestMm = 1e5;                               // farther away is not on a plate
+constexpr double kFarthestMm = 1e5;  // farther away is not on a plate
+constexpr double kLargestLoadN = 1e6;
 constexpr double kLargestInFilter = 1e9;                          // limit for values from a file
 constexpr std::uint64_t kLargestIndex = std::uint64_t{1} << 53U;  // the largest that a state can hold
 
@@ -27,7 +31,7 @@ void push_newest(SwayWatch::Events& events, const core::SwayEvent& event) noexce
 
 }  // namespace
 
-void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_ms) noexcept {
+void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_ms) {
   const double hz = rate.hz();
   divisor_ = static_cast<std::uint64_t>(std::max(1.0, std::round(hz / kAnalysisRateHz)));
   every_ = rate.scans_in_ms(every_ms);
@@ -37,7 +41,10 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
   const posturography::LowPass low_pass = posturography::butterworth4(kCutOffHz, hz);
   ml_filter_.fill(posturography::CausalLowPass(low_pass));
   ap_filter_.fill(posturography::CausalLowPass(low_pass));
-  sums_ = posturography::RunningSwaySums(hz / static_cast<double>(divisor_));
+  longest_transient_ = rate.scans_in_ms(kLongestTransientMs);
+  const double analysis_hz = hz / static_cast<double>(divisor_);
+  sums_ = posturography::RunningSwaySums(analysis_hz);
+  recent_ = posturography::RecentSwaySums(analysis_hz, static_cast<std::size_t>(std::lround(core::kRecentSwayS * 1e3 / every_ms)));
   trial_ = {};
   reset();
 }
@@ -45,16 +52,21 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
 void SwayWatch::expect(const Trial& trial, Events& events) noexcept {
   const bool goes_on = trial.number == trial_.number && trial.begin == trial_.begin;  // the end may differ
   if (window_ == Window::OfTrial && !goes_on) close(events);
+  if (trial.number != 0 && !goes_on) restart(events);
   trial_ = trial;
 }
 
-void SwayWatch::process(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept {
-  if (!is_place(ml_mm, ap_mm)) return miss(now, events);
-  if (!is_standing_) settle(now, ml_mm, ap_mm);
-  if (gap_ > 0) bridge(now, ml_mm, ap_mm, events);
-  measure(now, ml_mm, ap_mm, events);
-  last_ml_mm_ = ml_mm;
-  last_ap_mm_ = ap_mm;
+void SwayWatch::restart(Events& events) noexcept {
+  if (window_ == Window::Free) close(events);
+}
+
+void SwayWatch::process(std::uint64_t now, const Sample& sample, Events& events) noexcept {
+  if (!is_place(sample.ml_mm, sample.ap_mm)) return miss(now, events);
+  if (!is_standing_) settle(now, sample);
+  if (gap_ > 0) bridge(now, sample, events);
+  measure(now, sample, events);
+  last_ml_mm_ = sample.ml_mm;
+  last_ap_mm_ = sample.ap_mm;
 }
 
 void SwayWatch::miss(std::uint64_t now, Events& events) noexcept {
@@ -63,21 +75,51 @@ void SwayWatch::miss(std::uint64_t now, Events& events) noexcept {
 }
 
 /// Fills a short gap by linear interpolation.
-void SwayWatch::bridge(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept {
+void SwayWatch::bridge(std::uint64_t now, const Sample& sample, Events& events) noexcept {
   const std::uint64_t missing = gap_;
   const auto steps = static_cast<double>(missing + 1);
   for (std::uint64_t k = 1; k <= missing; ++k) {
     const double part = static_cast<double>(k) / steps;
-    measure(now - missing + k - 1, last_ml_mm_ + part * (ml_mm - last_ml_mm_), last_ap_mm_ + part * (ap_mm - last_ap_mm_), events);
+    measure(now - missing + k - 1,
+            {.ml_mm = last_ml_mm_ + part * (sample.ml_mm - last_ml_mm_),
+             .ap_mm = last_ap_mm_ + part * (sample.ap_mm - last_ap_mm_),
+             .load_n = core::kNaN},
+            events);
   }
   gap_ = 0;
 }
 
-void SwayWatch::settle(std::uint64_t now, double ml_mm, double ap_mm) noexcept {
+void SwayWatch::settle(std::uint64_t now, const Sample& sample) noexcept {
   is_standing_ = true;
-  since_ = now;
-  for (posturography::CausalLowPass& pass : ml_filter_) pass.settle_at(ml_mm);
-  for (posturography::CausalLowPass& pass : ap_filter_) pass.settle_at(ap_mm);
+  since_ = loaded_since_ = still_since_ = now;
+  steady_load_n_ = 0.0;
+  still_ml_mm_ = sample.ml_mm;
+  still_ap_mm_ = sample.ap_mm;
+  for (posturography::CausalLowPass& pass : ml_filter_) pass.settle_at(sample.ml_mm);
+  for (posturography::CausalLowPass& pass : ap_filter_) pass.settle_at(sample.ap_mm);
+}
+
+/// Detects that a foot came on the plate or left it.
+void SwayWatch::check_load(std::uint64_t now, double load_n, Events& events) noexcept {
+  if (!(load_n > 0.0 && load_n < kLargestLoadN)) return;  // unknown
+  if (std::abs(load_n - steady_load_n_) <= kSteadyLoad * steady_load_n_) return;
+  if (steady_load_n_ > 0.0) {
+    loaded_since_ = now;
+    restart(events);
+  }
+  steady_load_n_ = load_n;
+}
+
+void SwayWatch::check_place(std::uint64_t described, double ml_mm, double ap_mm) noexcept {
+  if (std::abs(ml_mm - still_ml_mm_) <= kSteadyMm && std::abs(ap_mm - still_ap_mm_) <= kSteadyMm) return;
+  still_since_ = described;
+  still_ml_mm_ = ml_mm;
+  still_ap_mm_ = ap_mm;
+}
+
+bool SwayWatch::is_still(std::uint64_t described) const noexcept {
+  if (described < loaded_since_ + settle_) return false;
+  return described >= still_since_ + settle_ || described >= loaded_since_ + longest_transient_;
 }
 
 /// The gap is too long to be bridged: the person left the plate when it began.
@@ -90,15 +132,20 @@ void SwayWatch::lose(std::uint64_t now, Events& events) noexcept {
   for (std::uint64_t k = 1; k <= missing; ++k) follow_trial(now - missing + k, events);
 }
 
-void SwayWatch::measure(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept {
+void SwayWatch::measure(std::uint64_t now, const Sample& sample, Events& events) noexcept {
+  double ml_mm = sample.ml_mm;
+  double ap_mm = sample.ap_mm;
   for (posturography::CausalLowPass& pass : ml_filter_) ml_mm = pass.step(ml_mm);
   for (posturography::CausalLowPass& pass : ap_filter_) ap_mm = pass.step(ap_mm);
+  check_load(now, sample.load_n, events);
   if (now - since_ < lag_) return;  // describes a time before the person stood there
   const std::uint64_t described = now - lag_;
   follow_trial(described, events);
-  if (window_ == Window::None && described - since_ >= settle_) open(Window::Free, described);
+  check_place(described, ml_mm, ap_mm);
+  if (window_ == Window::None && is_still(described)) open(Window::Free, described);
   if (window_ == Window::None || (described - first_) % divisor_ != 0) return;
-  sums_.add(ml_mm, ap_mm);
+  if (window_ == Window::OfTrial) sums_.add(ml_mm, ap_mm);
+  if (window_ == Window::Free) recent_.add(ml_mm, ap_mm, described);
   newest_ = described;
   has_news_ = true;
   if (described >= due_) report(events);
@@ -117,6 +164,7 @@ void SwayWatch::open(Window window, std::uint64_t described) noexcept {
   due_ = described + every_;
   has_news_ = false;
   sums_.reset();
+  recent_.reset();
 }
 
 void SwayWatch::close(Events& events) noexcept {
@@ -128,18 +176,20 @@ void SwayWatch::close(Events& events) noexcept {
 void SwayWatch::report(Events& events) noexcept {
   core::SwayEvent event;
   event.scan = core::ScanIndex{newest_};
-  event.first_scan = core::ScanIndex{first_};
-  event.trial = window_ == Window::OfTrial ? trial_.number : 0;
-  event.values = sums_.values();
-  push_newest(events, event);
+  const bool is_trial = window_ == Window::OfTrial;
+  event.first_scan = core::ScanIndex{is_trial ? first_ : recent_.first_index()};
+  event.trial = is_trial ? trial_.number : 0;
+  event.values = is_trial ? sums_.values() : recent_.values();
+  if (event.values.samples > 0) push_newest(events, event);  // none: restored from a recording of dtsd 0.1
+  recent_.end_chunk();
   has_news_ = false;
   due_ = first_ + ((newest_ - first_) / every_ + 1) * every_;
 }
 
 void SwayWatch::reset() noexcept {
   is_standing_ = false;
-  since_ = gap_ = 0;
-  last_ml_mm_ = last_ap_mm_ = 0.0;
+  since_ = gap_ = loaded_since_ = still_since_ = 0;
+  last_ml_mm_ = last_ap_mm_ = steady_load_n_ = still_ml_mm_ = still_ap_mm_ = 0.0;
   for (posturography::CausalLowPass& pass : ml_filter_) pass.set_state({});
   for (posturography::CausalLowPass& pass : ap_filter_) pass.set_state({});
   open(Window::None, 0);
@@ -163,6 +213,12 @@ void SwayWatch::save(StateWriter& writer) const noexcept {
   writer.put_count(newest_);
   writer.put(has_news_ ? 1.0 : 0.0);
   for (const double number : sums_.state()) writer.put(number);
+  writer.put_count(loaded_since_);
+  writer.put(steady_load_n_);
+  writer.put_count(still_since_);
+  writer.put(still_ml_mm_);
+  writer.put(still_ap_mm_);
+  recent_.save(writer.take(recent_.state_size()));
 }
 
 bool SwayWatch::restore(StateReader& reader, const Trial& trial) noexcept {
@@ -186,9 +242,15 @@ bool SwayWatch::restore(StateReader& reader, const Trial& trial) noexcept {
   has_news_ = reader.flag();
   std::array<double, posturography::RunningSwaySums::kStateSize> sums{};
   for (double& number : sums) number = reader.any();
+  loaded_since_ = reader.count(kLargestIndex);
+  steady_load_n_ = reader.number(0.0, kLargestLoadN);
+  still_since_ = reader.count(kLargestIndex);
+  still_ml_mm_ = reader.number(-kLargestInFilter, kLargestInFilter);
+  still_ap_mm_ = reader.number(-kLargestInFilter, kLargestInFilter);
+  const bool is_recent_possible = recent_.restore(reader.take(recent_.state_size()));
   const bool has_its_trial = window_ != Window::OfTrial || trial_.number != 0;
   const bool is_window_possible = newest_ >= first_ && (window_ != Window::Free || is_standing_) && (gap_ == 0 || is_standing_);
-  if (reader.is_right() && sums_.set_state(sums) && has_its_trial && is_window_possible) return true;
+  if (reader.is_right() && is_recent_possible && sums_.set_state(sums) && has_its_trial && is_window_possible) return true;
   reset();
   return false;
 }

@@ -23,7 +23,6 @@ using core::ErrorCode;
 constexpr std::size_t kLongestId = 128;
 constexpr std::size_t kMostSessions = 10'000;
 constexpr std::array<std::string_view, 4> kEndStates{"complete", "incomplete", "interrupted", "aborted"};
-constexpr std::array<std::string_view, 4> kOutcomes{"done", "redone", "rejected", "aborted"};
 
 tl::unexpected<core::Error> no_session(const std::string& id) {
   return core::fail(ErrorCode::NotFound, "no session " + id.substr(0, kLongestId), "see dtsctl session list");
@@ -72,6 +71,13 @@ class Catalogue::Implementation {
   [[nodiscard]] bool has_part(const std::string& id, std::uint32_t part) const {
     return database.query("SELECT 1 FROM parts WHERE session_id = ? AND part = ?", id, part).step();
   }
+  [[nodiscard]] std::vector<Correction> corrections_of(const std::string& id) const {
+    return rows_of(database.query(std::string(kCorrectionColumns) + "WHERE session_id = ? ORDER BY number", id), read_correction);
+  }
+  [[nodiscard]] std::vector<TrialRow> trials_of(const std::string& id) const {
+    return rows_of(database.query(std::string(kTrialColumns) + "WHERE session_id = ? ORDER BY part, trial, attempt", id), read_trial);
+  }
+  void apply(const Corrections& corrections) const;
   [[nodiscard]] std::vector<PartRow> parts_of(const std::string& id) const {
     return rows_of(database.query(std::string(kPartColumns) + "WHERE session_id = ? ORDER BY part", id), read_part);
   }
@@ -95,7 +101,7 @@ core::Status Catalogue::Implementation::enter_session(const SessionFacts& facts)
     return {};
   }
   const SessionRow& session = known.front();
-  if (session.rig != facts.rig || session.protocol != facts.protocol || session.subject != facts.subject) {
+  if (session.rig != facts.rig || session.protocol != facts.protocol || session.recorded_subject != facts.subject) {
     return core::fail(ErrorCode::WrongState, "session " + facts.session_id + " is known with another rig, protocol or subject");
   }
   database.run(
@@ -110,6 +116,34 @@ void Catalogue::Implementation::enter_part(const SessionFacts& facts, const std:
       "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns,"
       " calibration_id, losses) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?, '')",
       facts.session_id, facts.part, file, static_cast<int>(PartState::Recording), facts.started_utc_ns, facts.calibration_id);
+}
+
+/// Sets the values of a session and its trials as its corrections say.
+void Catalogue::Implementation::apply(const Corrections& corrections) const {
+  const std::string& id = corrections.session_id;
+  database.run("UPDATE sessions SET corrected_subject = NULL, corrected_label = NULL, notes = '', is_deleted = 0 WHERE id = ?", id);
+  if (const std::string* subject = corrections.value(CorrectedField::Subject)) {
+    database.run("UPDATE sessions SET corrected_subject = ? WHERE id = ?", *subject, id);
+  }
+  if (const std::string* label = corrections.value(CorrectedField::Label)) {
+    database.run("UPDATE sessions SET corrected_label = ? WHERE id = ?", *label, id);
+  }
+  if (const std::string* notes = corrections.value(CorrectedField::Notes)) {
+    database.run("UPDATE sessions SET notes = ? WHERE id = ?", *notes, id);
+  }
+  if (const std::string* deleted = corrections.value(CorrectedField::Deleted)) {
+    database.run("UPDATE sessions SET is_deleted = ? WHERE id = ?", *deleted == "yes" ? 1 : 0, id);
+  }
+  for (TrialRow trial : trials_of(id)) {
+    const std::string recorded = trial.recorded_outcome.empty() ? trial.outcome : trial.recorded_outcome;
+    const std::string* const outcome = corrections.outcome(trial.part, trial.trial, trial.attempt);
+    const bool is_corrected = outcome != nullptr && *outcome != recorded;
+    if (!is_corrected && trial.recorded_outcome.empty()) continue;
+    trial.outcome = is_corrected ? *outcome : recorded;
+    database.run(
+        "UPDATE trials SET corrected_outcome = NULLIF(?, ''), is_valid = ? WHERE session_id = ? AND part = ? AND trial = ? AND attempt = ?",
+        is_corrected ? trial.outcome : std::string(), is_valid(trial) ? 1 : 0, id, trial.part, trial.trial, trial.attempt);
+  }
 }
 
 Catalogue::Catalogue(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
@@ -169,7 +203,7 @@ core::Status Catalogue::end_session(const std::string& id, const std::string& st
 }
 
 core::Status Catalogue::put_trial(const TrialRow& trial) try {
-  if (std::ranges::find(kOutcomes, trial.outcome) == kOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
+  if (std::ranges::find(kTrialOutcomes, trial.outcome) == kTrialOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
     return core::fail(ErrorCode::InvalidArgument,
                       "a trial has a number, an attempt and one of the outcomes done, redone, rejected, aborted");
   }
@@ -181,6 +215,14 @@ core::Status Catalogue::put_trial(const TrialRow& trial) try {
       trial.session_id, trial.part, trial.trial, trial.attempt, trial.block, trial.condition, trial.outcome, trial.segment,
       trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment), trial.result, is_valid(trial) ? 1 : 0);
   transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Status Catalogue::remove_trial(const TrialRow& trial) try {
+  implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ? AND trial = ? AND attempt = ?", trial.session_id,
+                                trial.part, trial.trial, trial.attempt);
   return {};
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
@@ -226,6 +268,7 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
   for (const TrialRow& trial : found.trials) {
     if (done) done = put_trial(trial);
   }
+  if (done) implementation_->apply({found.part.session_id, implementation_->corrections_of(found.part.session_id)});
   for (const ResultRow& result : found.results) {
     if (done) done = put_result(result);  // results belong to the session, not to a part
   }
@@ -241,13 +284,18 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
 }
 
 core::Result<std::vector<SessionRow>> Catalogue::sessions(const SessionFilter& filter) const try {
-  auto found = rows_of(implementation_->database.query(
-                           std::string(kSessionColumns) +
-                               "WHERE (?1 = '' OR sessions.rig = ?1) AND (?2 = '' OR subjects.pseudonym = ?2) AND"
-                               " (?3 = '' OR protocols.name = ?3) ORDER BY sessions.started_utc_ns DESC, sessions.id DESC LIMIT ?4",
-                           filter.rig, filter.subject, filter.protocol, std::min(filter.limit, kMostSessions)),
+  auto found = rows_of(implementation_->database.query(std::string(kSessionColumns) +
+                                                           "WHERE (?1 = '' OR sessions.rig = ?1) AND"
+                                                           " (?2 = '' OR shown_subject = ?2) AND"
+                                                           " (?3 = '' OR protocols.name = ?3) AND sessions.is_deleted BETWEEN ?5 AND ?6"
+                                                           " ORDER BY sessions.started_utc_ns DESC, sessions.id DESC LIMIT ?4",
+                                                       filter.rig, filter.subject, filter.protocol, std::min(filter.limit, kMostSessions),
+                                                       filter.shown == Shown::Deleted ? 1 : 0, filter.shown == Shown::Kept ? 0 : 1),
                        read_session);
-  for (SessionRow& session : found) session.parts = implementation_->parts_of(session.id);
+  for (SessionRow& session : found) {
+    session.parts = implementation_->parts_of(session.id);
+    session.corrections = implementation_->corrections_of(session.id);
+  }
   return found;
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
@@ -258,8 +306,8 @@ core::Result<SessionRow> Catalogue::session(const std::string& id) const try {
   if (found.empty()) return no_session(id);
   SessionRow session = std::move(found.front());
   session.parts = implementation_->parts_of(id);
-  session.trials = rows_of(
-      implementation_->database.query(std::string(kTrialColumns) + "WHERE session_id = ? ORDER BY part, trial, attempt", id), read_trial);
+  session.trials = implementation_->trials_of(id);
+  session.corrections = implementation_->corrections_of(id);
   return session;
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
@@ -283,6 +331,78 @@ core::Result<std::vector<PartRow>> Catalogue::unfinished_parts() const try {
 
 core::Result<std::vector<PartRow>> Catalogue::parts() const try {
   return rows_of(implementation_->database.query(std::string(kPartColumns) + "ORDER BY session_id, part"), read_part);
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Status Catalogue::set_corrections(const Corrections& corrections) try {
+  const Database& database = implementation_->database;
+  const std::string& id = corrections.session_id;
+  Transaction transaction(database);
+  if (!database.query("SELECT 1 FROM sessions WHERE id = ?", id).step()) return no_session(id);
+  database.run("DELETE FROM corrections WHERE session_id = ?", id);
+  for (const Correction& one : corrections.all) {
+    database.run(
+        "INSERT INTO corrections (session_id, number, utc_ns, who, field, part, trial, attempt, old_value, new_value, reason)"
+        " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        id, one.number, one.utc_ns, one.who, static_cast<int>(one.field), one.part, one.trial, one.attempt, one.old_value, one.new_value,
+        one.reason);
+  }
+  implementation_->apply(corrections);
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Status Catalogue::set_results(const std::string& session_id, const std::vector<ResultRow>& results) try {
+  Transaction transaction(implementation_->database);
+  implementation_->database.run("DELETE FROM results WHERE session_id = ?", session_id);
+  for (const ResultRow& result : results) {
+    if (auto put = put_result(result); !put) return put;
+  }
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Status Catalogue::erase(const std::vector<std::string>& session_ids) try {
+  const Database& database = implementation_->database;
+  {
+    Transaction transaction(database);
+    for (const std::string& id : session_ids) {
+      for (const char* table : {"results", "corrections", "trials", "parts"}) {  // rows that refer to others are removed first
+        database.run(std::string("DELETE FROM ") + table + " WHERE session_id = ?", id);
+      }
+      database.run("DELETE FROM sessions WHERE id = ?", id);
+    }
+    database.run("DELETE FROM subjects WHERE id NOT IN (SELECT subject_id FROM sessions WHERE subject_id IS NOT NULL)");
+    transaction.commit();
+  }
+  database.execute("PRAGMA wal_checkpoint(TRUNCATE)");  // the log still had the rows
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<std::vector<SubjectRow>> Catalogue::subjects() const try {
+  return rows_of(implementation_->database.query(
+                     "SELECT COALESCE(sessions.corrected_subject, subjects.pseudonym, '') AS subject, count(*), sum(sessions.is_deleted),"
+                     " min(sessions.started_utc_ns), max(sessions.started_utc_ns),"
+                     " COALESCE(sum((SELECT sum(bytes) FROM parts WHERE parts.session_id = sessions.id)), 0)"
+                     " FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id GROUP BY subject HAVING subject <> ''"
+                     " ORDER BY subject"),
+                 read_subject);
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<std::vector<Corrections>> Catalogue::corrections() const try {
+  auto ids = implementation_->database.query("SELECT DISTINCT session_id FROM corrections ORDER BY session_id");
+  std::vector<Corrections> all;
+  while (ids.step()) all.push_back({ids.text(0), implementation_->corrections_of(ids.text(0))});
+  return all;
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
 }

@@ -10,6 +10,8 @@
 
 #include "core/losses.h"
 #include "core/result.h"
+#include "dts/v1/sessions.pb.h"
+#include "record/catalogue/corrections.h"
 #include "record/session_facts.h"
 #include "record/xdf/recovery.h"
 
@@ -59,11 +61,14 @@ struct TrialRow {
   std::uint64_t last_scan = 0;
   std::uint32_t last_segment = 0;  ///< Of `last_scan`. If less than `segment`, stored as `segment`; if greater, the trial has a gap.
   std::string result{};            ///< The event with the trial's result as JSON, see `event_of_text`; empty: no result.
+  std::string recorded_outcome{};  ///< If `outcome` was corrected: as recorded. `put_trial` ignores this field.
 
   friend bool operator==(const TrialRow&, const TrialRow&) = default;
 };
 
-/// Returns true if the trial was done and its steadiness result, if it has one, is valid.
+/// Returns why the trial of a result is not valid; UNSPECIFIED if it is valid, or if the event is not a result.
+[[nodiscard]] v1::TrialFault fault_of(const v1::Event& result);
+/// Returns true if the trial was done and its result, if it has one, has no fault.
 [[nodiscard]] bool is_valid(const TrialRow& trial);
 
 struct SessionRow {
@@ -79,6 +84,12 @@ struct SessionRow {
   std::vector<PartRow> parts{};
   std::vector<TrialRow> trials{};
   std::string protocol_definition{};
+  // `subject`, `label` and the outcomes of trials are the corrected ones.
+  std::string recorded_subject{};
+  std::string recorded_label{};
+  std::string notes{};
+  bool is_deleted = false;  ///< Hidden from lists.
+  std::vector<Correction> corrections{};
 
   friend bool operator==(const SessionRow&, const SessionRow&) = default;
 };
@@ -106,11 +117,26 @@ struct FoundRecording {
   std::int64_t ended_utc_ns = 0;
 };
 
+enum class Shown : std::uint8_t { Kept = 1, Deleted, Both };
+
 struct SessionFilter {
   std::string rig{};  ///< Empty: all.
   std::string subject{};
   std::string protocol{};
   std::size_t limit = 100;  ///< Most sessions to return, newest first; at most 10,000.
+  Shown shown = Shown::Kept;
+};
+
+/// A subject and the sum of its sessions, deleted ones included.
+struct SubjectRow {
+  std::string subject;
+  std::uint32_t sessions = 0;
+  std::uint32_t deleted_sessions = 0;
+  std::int64_t first_utc_ns = 0;  ///< Starts of the oldest and the newest session.
+  std::int64_t last_utc_ns = 0;
+  std::uint64_t bytes = 0;
+
+  friend bool operator==(const SubjectRow&, const SubjectRow&) = default;
 };
 
 /// One entry of the audit trail. `hash` is SHA-256 over the hash of the previous entry and the fields of this one, so that changed, removed
@@ -152,17 +178,32 @@ class Catalogue {
   [[nodiscard]] core::Status end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
   /// Adds a trial, or replaces the row of the same trial and attempt. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status put_trial(const TrialRow& trial);
+  /// Removes the row of this part, trial and attempt, if there is one: the trial is under way again.
+  [[nodiscard]] core::Status remove_trial(const TrialRow& trial);
   [[nodiscard]] core::Status put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
                                              const std::string& text);
   /// Adds a result, or replaces the result of the same name. Fails with NotFound if there is no such session, and with InvalidArgument if
   /// the value is not finite.
   [[nodiscard]] core::Status put_result(const ResultRow& result);
   /// Adds a recording completely or not at all. If the part is known, replaces its row and its trials by those of the file. Changes the
-  /// session's state only if this part is newer than all known parts.
+  /// session's state only if this part is newer than all known parts. The corrections of the session stay.
   [[nodiscard]] core::Status enter(const FoundRecording& found);
 
-  [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(const SessionFilter& filter) const;  ///< With parts, without trials.
-  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;                      ///< With all rows. Fails with NotFound.
+  /// Replaces all corrections of a session and sets its values accordingly, completely or not at all. Fails with NotFound if there is no
+  /// such session.
+  [[nodiscard]] core::Status set_corrections(const Corrections& corrections);
+  /// Replaces all results of a session, completely or not at all. Fails like `put_result`.
+  [[nodiscard]] core::Status set_results(const std::string& session_id, const std::vector<ResultRow>& results);
+  /// Removes all rows of sessions, and subjects without a session, completely or not at all. Unknown sessions are ignored. The bytes of
+  /// removed rows are overwritten, also in the log of the database.
+  [[nodiscard]] core::Status erase(const std::vector<std::string>& session_ids);
+
+  [[nodiscard]] core::Result<std::vector<SubjectRow>> subjects() const;  ///< Sorted.
+  /// Returns the sessions that have corrections.
+  [[nodiscard]] core::Result<std::vector<Corrections>> corrections() const;
+  [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(
+      const SessionFilter& filter) const;                                       ///< With parts and corrections, without trials.
+  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;  ///< With all rows. Fails with NotFound.
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;
@@ -189,17 +230,19 @@ class Catalogue {
 [[nodiscard]] std::string reason_of(const Verification& verified, const std::string& file);
 
 struct Rebuilt {
-  std::size_t added = 0;                ///< Parts that the catalogue did not know.
-  std::size_t missing = 0;              ///< Parts whose file does not exist any more.
-  std::vector<std::string> unreadable;  ///< "file: why"
-  std::size_t read_again = 0;           ///< Parts whose losses the catalogue did not know.
-  std::size_t found_again = 0;          ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
+  std::size_t added = 0;                 ///< Parts that the catalogue did not know.
+  std::size_t missing = 0;               ///< Parts whose file does not exist any more.
+  std::vector<std::string> unreadable;   ///< "file: why"
+  std::size_t read_again = 0;            ///< Parts whose losses the catalogue did not know.
+  std::size_t found_again = 0;           ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
+  std::vector<std::string> corrected{};  ///< Sessions with corrections that were read from their files, or whose recordings were read.
 };
 /// Adds every recording (*.xdf, *.xdf.part) in `folder` and its subfolders that the catalogue does not know, with its trials. Marks parts
 /// whose file does not exist any more as Missing. Identifies a recording by the facts in its header, not by its file name. If one part has
 /// several files, uses the closed one, or else the repaired copy. Adds a recording without footers as Interrupted. Reads the headers of
-/// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Fails with
-/// NotFound, and marks no part, if the folder does not exist.
+/// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Then reads the
+/// corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added. Writes a
+/// file that is missing. Fails with NotFound, and marks no part, if the folder does not exist.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);
 
 }  // namespace dts::record

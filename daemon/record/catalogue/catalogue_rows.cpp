@@ -9,11 +9,20 @@
 
 namespace dts::record {
 
+v1::TrialFault fault_of(const v1::Event& result) {
+  if (result.has_trial_result()) return result.trial_result().has_reach() ? v1::TRIAL_FAULT_UNSPECIFIED : v1::TRIAL_FAULT_NO_REACH;
+  if (!result.has_sway() || result.sway().is_preliminary()) return v1::TRIAL_FAULT_UNSPECIFIED;
+  const v1::Sway& sway = result.sway();
+  if ((sway.flags() & v1::SWAY_FLAG_STEPPED_OFF) != 0) return v1::TRIAL_FAULT_STEPPED_OFF;
+  if ((sway.flags() & v1::SWAY_FLAG_MOVED) != 0) return v1::TRIAL_FAULT_FEET_MOVED;
+  return sway.is_valid() ? v1::TRIAL_FAULT_UNSPECIFIED : v1::TRIAL_FAULT_NO_VALUES;
+}
+
 bool is_valid(const TrialRow& trial) {
   if (trial.outcome != "done") return false;
   const auto result = event_of_text(trial.result);
   if (!result) return trial.result.empty();  // a result that cannot be read proves nothing
-  return !result->has_sway() || result->sway().is_valid();
+  return fault_of(*result) == v1::TRIAL_FAULT_UNSPECIFIED;
 }
 
 std::string state_of(const SessionRow& session) {
@@ -36,6 +45,10 @@ SessionRow read_session(Statement& row) {
   session.started_utc_ns = row.integer(7);
   session.ended_utc_ns = row.integer(8);
   session.protocol_definition = row.text(9);
+  session.recorded_subject = row.text(10);
+  session.recorded_label = row.text(11);
+  session.notes = row.text(12);
+  session.is_deleted = row.integer_in(13, 0, 1) == 1;
   return session;
 }
 
@@ -71,7 +84,35 @@ TrialRow read_trial(Statement& row) {
   trial.last_scan = row.count(9);
   trial.last_segment = row.count32(10);
   trial.result = row.text(11);
+  trial.recorded_outcome = row.text(12);
   return trial;
+}
+
+Correction read_correction(Statement& row) {
+  Correction correction;
+  correction.number = row.count32(0);
+  correction.utc_ns = row.integer(1);
+  correction.who = row.text(2);
+  correction.field =
+      static_cast<CorrectedField>(row.integer_in(3, static_cast<int>(CorrectedField::Subject), static_cast<int>(CorrectedField::Deleted)));
+  correction.part = row.count32(4);
+  correction.trial = row.count32(5);
+  correction.attempt = row.count32(6);
+  correction.old_value = row.text(7);
+  correction.new_value = row.text(8);
+  correction.reason = row.text(9);
+  return correction;
+}
+
+SubjectRow read_subject(Statement& row) {
+  SubjectRow subject;
+  subject.subject = row.text(0);
+  subject.sessions = row.count32(1);
+  subject.deleted_sessions = row.count32(2);
+  subject.first_utc_ns = row.integer(3);
+  subject.last_utc_ns = row.integer(4);
+  subject.bytes = row.count(5);
+  return subject;
 }
 
 ResultRow read_result(Statement& row) {

@@ -38,19 +38,26 @@ Rank rank(std::string_view file) {
   return file.ends_with(".recovered.xdf") ? kRepaired : kClosed;
 }
 
-core::Result<std::vector<std::string>> recordings_in(const std::string& folder) {
-  std::vector<std::string> files;
+struct FoundFiles {
+  std::vector<std::string> recordings{};
+  std::vector<std::string> corrections{};
+};
+
+core::Result<FoundFiles> files_in(const std::string& folder) {
+  FoundFiles files;
   std::error_code error;
   fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
     const std::string file = entry->path().string();
     std::error_code unknown;
-    const bool is_named_so = file.ends_with(".xdf") || file.ends_with(".xdf.part");
-    if (is_named_so && entry->is_regular_file(unknown)) files.push_back(file);  // opening a pipe would block
+    if (!entry->is_regular_file(unknown)) continue;  // opening a pipe would block
+    if (file.ends_with(".xdf") || file.ends_with(".xdf.part")) files.recordings.push_back(file);
+    if (file.ends_with(kCorrectionsEnding)) files.corrections.push_back(file);
   }
   if (error)
     return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "check that the disk with the recordings is mounted");
-  std::ranges::sort(files, {}, [](const std::string& file) { return std::pair{rank(file), file}; });
+  std::ranges::sort(files.recordings, {}, [](const std::string& file) { return std::pair{rank(file), file}; });
+  std::ranges::sort(files.corrections);
   return files;
 }
 
@@ -143,15 +150,18 @@ class Rebuild {
   [[nodiscard]] core::Status fill_in_losses();
   [[nodiscard]] core::Status consider(const std::string& file);
   [[nodiscard]] core::Status mark_missing();
+  [[nodiscard]] core::Status read_corrections_in(const std::vector<std::string>& files);
   [[nodiscard]] Rebuilt take_result() { return std::move(result_); }
 
  private:
   [[nodiscard]] bool is_better(const PartRow& known, const std::string& file) const;
   [[nodiscard]] core::Status enter(const core::Result<FoundRecording>& found, const std::string& file, bool is_known);
+  [[nodiscard]] core::Status write_missing(const Corrections& known);
 
   Catalogue& catalogue_;
   std::map<std::pair<std::string, std::uint32_t>, PartRow> parts_;
   std::set<std::string> files_;
+  std::set<std::string> entered_;  ///< Sessions of which a recording was entered.
   Rebuilt result_;
 };
 
@@ -197,6 +207,7 @@ core::Status Rebuild::enter(const core::Result<FoundRecording>& found, const std
   if (entered) {
     ++(is_known ? result_.found_again : result_.added);
     parts_.insert_or_assign({found->part.session_id, found->part.part}, found->part);
+    entered_.insert(found->part.session_id);
     return {};
   }
   const ErrorCode code = entered.error().code;
@@ -205,6 +216,47 @@ core::Status Rebuild::enter(const core::Result<FoundRecording>& found, const std
   if (!is_of_the_file) return entered;
   result_.unreadable.push_back(file + ": " + entered.error().what);
   return {};
+}
+
+/// Makes the corrections in the catalogue and in the files beside the recordings equal. A bad file is listed in `unreadable`.
+core::Status Rebuild::read_corrections_in(const std::vector<std::string>& files) {
+  DTS_TRY_ASSIGN(const auto listed, catalogue_.corrections());
+  std::map<std::string, Corrections> known;
+  for (const Corrections& one : listed) known.emplace(one.session_id, one);
+  std::set<std::string> changed = entered_;
+  for (const std::string& file : files) {
+    auto read = read_corrections(file);
+    if (!read) {
+      result_.unreadable.push_back(read.error().what);
+      continue;
+    }
+    const auto ours = known.extract(read->session_id);
+    if (!ours.empty() && ours.mapped().all.size() > read->all.size()) {  // dtsd ended before it wrote the file, or the file is an old copy
+      DTS_TRY(write_corrections(file, ours.mapped()));
+    } else if (ours.empty() || ours.mapped() != *read) {
+      if (auto set = catalogue_.set_corrections(*read); !set) {
+        if (set.error().code != ErrorCode::NotFound) return set;
+        result_.unreadable.push_back(file + ": " + set.error().what);  // the recordings are elsewhere; keep the file
+        continue;
+      }
+      changed.insert(read->session_id);
+    }
+    if (changed.contains(read->session_id)) result_.corrected.push_back(read->session_id);
+  }
+  for (const auto& [id, one] : known) {
+    DTS_TRY(write_missing(one));
+    if (entered_.contains(id)) result_.corrected.push_back(id);
+  }
+  return {};
+}
+
+core::Status Rebuild::write_missing(const Corrections& known) {
+  const auto part = std::ranges::find(parts_, known.session_id, [](const auto& entry) { return entry.first.first; });
+  if (part == parts_.end() || part->second.state == PartState::Missing) return {};
+  const std::string file = corrections_file(part->second.file, known.session_id);
+  std::error_code unknown;
+  if (fs::exists(fs::symlink_status(file, unknown))) return {};  // unreadable: listed, and never replaced
+  return write_corrections(file, known);
 }
 
 core::Status Rebuild::mark_missing() {
@@ -241,14 +293,15 @@ core::Result<FoundRecording> read_recording(const std::string& file) {
 }
 
 core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
-  DTS_TRY_ASSIGN(const auto files, recordings_in(folder));
+  DTS_TRY_ASSIGN(const auto files, files_in(folder));
   DTS_TRY_ASSIGN(auto known, catalogue.parts());
   Rebuild rebuilding(catalogue, std::move(known));
   DTS_TRY(rebuilding.fill_in_losses());
-  for (const std::string& file : files) {
+  for (const std::string& file : files.recordings) {
     DTS_TRY(rebuilding.consider(file));
   }
   DTS_TRY(rebuilding.mark_missing());
+  DTS_TRY(rebuilding.read_corrections_in(files.corrections));
   return rebuilding.take_result();
 }
 

@@ -122,7 +122,31 @@ constexpr const char* kVersion5 = "UPDATE parts SET losses = '' WHERE losses = '
 /// keeps an older dtsd, which would show no result, from opening this catalogue.
 constexpr const char* kVersion6 = "SELECT 1;";
 
-constexpr std::array<const char*, 6> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6};
+/// What people corrected, see corrections.h. The other columns stay as recorded; NULL means not corrected.
+constexpr const char* kVersion7 = R"sql(
+ALTER TABLE sessions ADD COLUMN corrected_subject TEXT;
+ALTER TABLE sessions ADD COLUMN corrected_label TEXT;
+ALTER TABLE sessions ADD COLUMN notes TEXT NOT NULL DEFAULT '';
+ALTER TABLE sessions ADD COLUMN is_deleted INTEGER NOT NULL DEFAULT 0 CHECK (is_deleted IN (0, 1));
+ALTER TABLE trials ADD COLUMN corrected_outcome TEXT CHECK (corrected_outcome IN ('done', 'redone', 'rejected', 'aborted'));
+
+CREATE TABLE corrections (
+  session_id TEXT NOT NULL REFERENCES sessions (id),
+  number INTEGER NOT NULL CHECK (number >= 1),
+  utc_ns INTEGER NOT NULL,
+  who TEXT NOT NULL,
+  field INTEGER NOT NULL CHECK (field BETWEEN 1 AND 5),  -- CorrectedField
+  part INTEGER NOT NULL CHECK (part >= 0),
+  trial INTEGER NOT NULL CHECK (trial >= 0),
+  attempt INTEGER NOT NULL CHECK (attempt >= 0),
+  old_value TEXT NOT NULL,
+  new_value TEXT NOT NULL,
+  reason TEXT NOT NULL,
+  PRIMARY KEY (session_id, number)
+) STRICT;
+)sql";
+
+constexpr std::array<const char*, 7> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6, kVersion7};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

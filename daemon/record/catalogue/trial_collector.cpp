@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <variant>
 
 #include "dts/wire/event_json.h"
@@ -25,6 +27,7 @@ bool is_end(v1::TrialEventKind step) {
   return step == v1::TRIAL_EVENT_KIND_DONE || step == v1::TRIAL_EVENT_KIND_REDONE || step == v1::TRIAL_EVENT_KIND_REJECTED ||
          step == v1::TRIAL_EVENT_KIND_ABORTED;
 }
+bool is_step_of_trial(v1::TrialEventKind step) { return is_start(step) || is_end(step) || step == v1::TRIAL_EVENT_KIND_UNDONE; }
 
 /// Sets the start of the trial. Called for ready, go and measure, so that the last of them is the start.
 void begin(const v1::Event& event, TrialRow& row) {
@@ -34,12 +37,14 @@ void begin(const v1::Event& event, TrialRow& row) {
   row.first_scan = event.scan();
 }
 
-/// Sets the outcome. A trial that was done and later rejected or redone keeps its end.
-void end(const v1::Event& event, TrialRow& row) {
-  if (row.outcome.empty()) {
+/// Sets the outcome. A trial that was done and later rejected or redone keeps its end. A Done that was due before an undo may precede the
+/// undo in the file.
+void end(const v1::Event& event, bool was_done, TrialRow& row) {
+  if (!was_done) {
     row.last_segment = event.segment();
     row.last_scan = event.scan();
   }
+  if (event.trial().step() == v1::TRIAL_EVENT_KIND_DONE && !row.outcome.empty()) return;
   row.outcome = wire::enumerator_word(*v1::TrialEventKind_descriptor(), event.trial().step());
 }
 
@@ -65,7 +70,7 @@ void TrialCollector::add(const v1::Event& event) {
 
 void TrialCollector::add_step(const v1::Event& event) {
   const v1::TrialChange& change = event.trial();
-  if (!is_number(change.trial()) || !is_number(change.attempt()) || !(is_start(change.step()) || is_end(change.step()))) return;
+  if (!is_number(change.trial()) || !is_number(change.attempt()) || !is_step_of_trial(change.step())) return;
   if (rows_.size() >= kMostTrials && !rows_.contains({change.trial(), change.attempt()})) return;
   TrialRow& row = rows_[{change.trial(), change.attempt()}];
   if (row.trial == 0) {  // the first event of this trial, of any step
@@ -73,11 +78,22 @@ void TrialCollector::add_step(const v1::Event& event) {
     row.attempt = change.attempt();
     begin(event, row);
   }
+  const bool was_done = done_.contains({change.trial(), change.attempt()});
+  if (change.step() == v1::TRIAL_EVENT_KIND_DONE) done_.insert({change.trial(), change.attempt()});
   if (is_end(change.step())) {
-    end(event, row);
-  } else if (row.outcome.empty()) {
+    end(event, was_done, row);
+  } else if (change.step() == v1::TRIAL_EVENT_KIND_UNDONE) {
+    undo(row);
+  } else if (!was_done) {
     begin(event, row);
   }
+}
+
+/// The attempt continues, or is done. The attempt that a redo began did not take place.
+void TrialCollector::undo(TrialRow& row) {
+  const auto of_row = rows_.find({row.trial, row.attempt});
+  row.outcome = done_.contains(of_row->first) ? wire::enumerator_word(*v1::TrialEventKind_descriptor(), v1::TRIAL_EVENT_KIND_DONE) : "";
+  rows_.erase(std::next(of_row), rows_.upper_bound({row.trial, std::numeric_limits<std::uint32_t>::max()}));
 }
 
 void TrialCollector::add_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,12 +32,14 @@ class TrialCollector {
   using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< Segment, scan.
   void add(const v1::Event& event);
   void add_step(const v1::Event& event);
+  void undo(TrialRow& row);
   void add_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt);
   void add_session_result(const v1::SessionResult& result);
 
   std::optional<std::size_t> raw_;
   Place newest_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt. Empty outcome: the trial has not ended.
+  std::set<std::pair<std::uint32_t, std::uint32_t>> done_;            ///< Trial and attempt, also if they were redone or rejected later.
   std::map<std::string, ResultRow> session_results_;
 };
 

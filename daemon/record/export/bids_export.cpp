@@ -35,8 +35,14 @@ struct Motion {
 
 class BidsSink : public ExportSink {
  public:
-  BidsSink(const Recording& recording, double origin_s, OutputFiles& files)
-      : recording_(recording), names_(recording), origin_s_(origin_s), files_(files), motions_(recording.streams().size()) {}
+  BidsSink(const Recording& recording, const Corrections& corrections, double origin_s, OutputFiles& files)
+      : recording_(recording),
+        corrections_(corrections),
+        subject_(corrected(recording.session().value_or(SessionFacts{}), corrections).subject),
+        names_(recording, subject_),
+        origin_s_(origin_s),
+        files_(files),
+        motions_(recording.streams().size()) {}
 
   [[nodiscard]] core::Status create_files();
   [[nodiscard]] core::Status write(const RecordedScans& scans) override;
@@ -52,6 +58,8 @@ class BidsSink : public ExportSink {
   [[nodiscard]] core::Status add_scans();
 
   const Recording& recording_;
+  const Corrections& corrections_;
+  std::string subject_;  ///< After corrections.
   BidsNames names_;
   double origin_s_;
   OutputFiles& files_;
@@ -153,7 +161,7 @@ std::string lower_case(std::string text) {
 }
 
 core::Status BidsSink::add_participant() {
-  const std::string row = names_.subject() + "\t" + tsv_cell(recording_.session().value_or(SessionFacts{}).subject) + "\n";
+  const std::string row = names_.subject() + "\t" + tsv_cell(subject_) + "\n";
   DTS_TRY_ASSIGN(auto list, read_list(files_.path("participants.tsv"), kParticipants));
   if (list.find("\n" + row) != std::string::npos) return {};
   if (lower_case(list).find("\n" + lower_case(names_.subject()) + "\t") != std::string::npos) {
@@ -191,7 +199,8 @@ core::Status BidsSink::write_documents() {
   }
   // Our facts that BIDS does not define: BIDS validators ignore the folder sourcedata.
   return files_
-      .put("sourcedata/" + names_.subject() + "/" + file_stem(recording_) + "_recording.json", recording_document(recording_, false))
+      .put("sourcedata/" + names_.subject() + "/" + file_stem(recording_) + "_recording.json",
+           recording_document(recording_, corrections_, false))
       .and_then([&] { return add_participant(); })
       .and_then([&] { return add_scans(); });
 }
@@ -222,10 +231,11 @@ core::Status prepare_dataset(const Recording& recording, OutputFiles& files) {
 
 }  // namespace
 
-core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress) {
+core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress,
+                                   const Corrections& corrections) {
   DTS_TRY_ASSIGN(const auto origin_s, find_origin(recording));
   OutputFiles files(folder);
-  BidsSink sink(recording, origin_s, files);
+  BidsSink sink(recording, corrections, origin_s, files);
   DTS_TRY(prepare_dataset(recording, files)
               .and_then([&] { return sink.create_files(); })
               .and_then([&] { return walk(recording, sink, progress); })

@@ -22,10 +22,10 @@ std::string bids_label(std::string_view text, std::string_view otherwise) {
   return label.empty() ? std::string(otherwise) : label;
 }
 
-BidsNames::BidsNames(const Recording& recording) {
+BidsNames::BidsNames(const Recording& recording, const std::string& subject) {
   const SessionFacts session = recording.session().value_or(SessionFacts{});
   rig_ = session.rig;
-  subject_ = "sub-" + bids_label(session.subject, "unknown");
+  subject_ = "sub-" + bids_label(subject, "unknown");
   session_ = "ses-" + bids_label(session.session_id, "unknown");
   task_ = bids_label(session.protocol, "free");
   if (session.part > 1) run_ = "_run-" + std::to_string(session.part);

@@ -17,7 +17,8 @@ namespace dts::record {
 ///     sub-P017/ses-20261121T144525Zfloor1/motion/sub-P017_ses-20261121T144525Zfloor1_task-free_tracksys-floorcop[_run-2]_motion.tsv
 class BidsNames {
  public:
-  explicit BidsNames(const Recording& recording);
+  /// `subject`: of the session, after corrections.
+  BidsNames(const Recording& recording, const std::string& subject);
 
   [[nodiscard]] const std::string& subject() const noexcept { return subject_; }  ///< "sub-P017"
   [[nodiscard]] const std::string& task() const noexcept { return task_; }        ///< "free"

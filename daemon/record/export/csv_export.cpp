@@ -44,8 +44,13 @@ char* put_place(char* at, std::int64_t time_ns, std::uint64_t segment, std::uint
 
 class CsvSink : public ExportSink {
  public:
-  CsvSink(const Recording& recording, double origin_s, OutputFiles& files)
-      : recording_(recording), origin_s_(origin_s), files_(files), columns_(recording.streams().size()), trials_(recording) {}
+  CsvSink(const Recording& recording, const Corrections& corrections, double origin_s, OutputFiles& files)
+      : recording_(recording),
+        corrections_(corrections),
+        origin_s_(origin_s),
+        files_(files),
+        columns_(recording.streams().size()),
+        trials_(recording) {}
 
   [[nodiscard]] core::Status create_files();
   [[nodiscard]] core::Status write(const RecordedScans& scans) override;
@@ -60,6 +65,7 @@ class CsvSink : public ExportSink {
   [[nodiscard]] std::string unused_name(const std::string& stream);
 
   const Recording& recording_;
+  const Corrections& corrections_;
   double origin_s_;
   OutputFiles& files_;
   std::vector<Column> columns_;
@@ -137,17 +143,19 @@ core::Status CsvSink::write(const TimedEvent& timed) {
 
 core::Status CsvSink::write_documents() {
   const std::string stem = file_stem(recording_);
-  const std::string trials = trials_.text();
-  if (auto put = files_.put(stem + "_recording.json", recording_document(recording_, true)); !put || trials.empty()) return put;
+  const std::string trials = trials_.text(corrections_);
+  if (auto put = files_.put(stem + "_recording.json", recording_document(recording_, corrections_, true)); !put || trials.empty())
+    return put;
   return files_.put(stem + "_trials.csv", trials);
 }
 
 }  // namespace
 
-core::Result<Exported> export_csv(Recording& recording, const std::string& folder, const Progress& progress) {
+core::Result<Exported> export_csv(Recording& recording, const std::string& folder, const Progress& progress,
+                                  const Corrections& corrections) {
   DTS_TRY_ASSIGN(const auto origin_s, find_origin(recording));
   OutputFiles files(folder);
-  CsvSink sink(recording, origin_s, files);
+  CsvSink sink(recording, corrections, origin_s, files);
   DTS_TRY(sink.create_files());
   DTS_TRY(walk(recording, sink, progress));
   DTS_TRY(sink.write_documents());

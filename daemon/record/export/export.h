@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "record/catalogue/corrections.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 
@@ -16,18 +17,23 @@ struct Exported {
   std::uint64_t bytes = 0;
 };
 
+// `corrections`: of the recording's session, see `corrections_beside`. Exports have the corrected values, and beside them the recorded
+// ones.
+
 /// Writes one CSV file per stream, `<session>_<stream>.csv` (a second part: `<session>.2_<stream>.csv`), with the header
 /// `t_s,segment,scan,<channels>`. Every channel name ends with its unit; undefined values are empty cells. Also writes
 /// `<session>_events.csv` with `t_s,segment,scan,event,text,details`. t_s counts from the recording's first scan; numbers read back as
 /// exactly the recorded values. Creates `folder`. Fails with WrongState instead of overwriting a file. If it fails, or `progress` stops it,
 /// it leaves no files behind.
-[[nodiscard]] core::Result<Exported> export_csv(Recording& recording, const std::string& folder, const Progress& progress = {});
+[[nodiscard]] core::Result<Exported> export_csv(Recording& recording, const std::string& folder, const Progress& progress = {},
+                                                const Corrections& corrections = {});
 
 /// Writes a BIDS dataset to `folder` (BIDS 1.9, motion): dataset_description.json, README, participants.tsv/.json, and in
 /// `sub-<subject>/ses-<session>/motion/` for each regular stream `..._task-<protocol>_tracksys-<rig><stream>_motion.tsv`, its
 /// `_channels.tsv` and `_motion.json`, and `_events.tsv/.json`. Reduces BIDS labels to letters and digits, as BIDS requires. A LATENCY
 /// channel holds the time, so that gaps are visible. Never overwrites: adds to an existing dataset of ours if the subject or the session
 /// is new.
-[[nodiscard]] core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress = {});
+[[nodiscard]] core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress = {},
+                                                 const Corrections& corrections = {});
 
 }  // namespace dts::record

@@ -12,12 +12,29 @@ namespace {
 
 /// Who may do what, written down a second time: a role changed in control.proto must be changed here too.
 const std::map<std::string, v1::Role> kNeeded{
-    {"status", v1::ROLE_VIEWER},           {"list_rigs", v1::ROLE_VIEWER},      {"start_session", v1::ROLE_OPERATOR},
-    {"stop_session", v1::ROLE_OPERATOR},   {"mark", v1::ROLE_OPERATOR},         {"tare", v1::ROLE_OPERATOR},
-    {"get_devices", v1::ROLE_VIEWER},      {"test_device", v1::ROLE_ENGINEER},  {"list_sessions", v1::ROLE_VIEWER},
-    {"show_session", v1::ROLE_VIEWER},     {"list_protocols", v1::ROLE_VIEWER}, {"trial", v1::ROLE_OPERATOR},
-    {"resume_session", v1::ROLE_OPERATOR}, {"get_audit", v1::ROLE_ENGINEER},    {"list_keys", v1::ROLE_ENGINEER},
-    {"add_key", v1::ROLE_ENGINEER},        {"revoke_key", v1::ROLE_ENGINEER},   {"note_login", v1::ROLE_ENGINEER},
+    {"status", v1::ROLE_VIEWER},
+    {"list_rigs", v1::ROLE_VIEWER},
+    {"start_session", v1::ROLE_OPERATOR},
+    {"stop_session", v1::ROLE_OPERATOR},
+    {"mark", v1::ROLE_OPERATOR},
+    {"tare", v1::ROLE_OPERATOR},
+    {"get_devices", v1::ROLE_VIEWER},
+    {"test_device", v1::ROLE_ENGINEER},
+    {"list_sessions", v1::ROLE_VIEWER},
+    {"show_session", v1::ROLE_VIEWER},
+    {"list_protocols", v1::ROLE_VIEWER},
+    {"trial", v1::ROLE_OPERATOR},
+    {"resume_session", v1::ROLE_OPERATOR},
+    {"get_audit", v1::ROLE_ENGINEER},
+    {"list_keys", v1::ROLE_ENGINEER},
+    {"add_key", v1::ROLE_ENGINEER},
+    {"revoke_key", v1::ROLE_ENGINEER},
+    {"note_login", v1::ROLE_ENGINEER},
+    {"correct_session", v1::ROLE_OPERATOR},
+    {"delete_session", v1::ROLE_OPERATOR},
+    {"list_subjects", v1::ROLE_VIEWER},
+    {"show_subject", v1::ROLE_VIEWER},
+    {"erase_subject", v1::ROLE_ENGINEER},
 };
 
 v1::Request request_of(const google::protobuf::FieldDescriptor& command) {

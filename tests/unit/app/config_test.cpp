@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 
 #include "files/rig_file.h"
 
@@ -80,6 +81,37 @@ TEST_F(ConfigFiles, Complete_HasNoProblemAndTheDefaults) {
   EXPECT_EQ(rig.sensor_channels, std::vector<std::size_t>{0});
   EXPECT_EQ(rig.model.sensors[0].curve.name(), "test");
   EXPECT_EQ(loaded.config.realtime.policy(1).fifo_priority, 49);
+}
+
+TEST_F(ConfigFiles, LabelRule_HasADefaultAndIsChecked) {
+  const auto rule_of = [this](const std::string& privacy) {
+    auto loaded = load_config(write("dtsd.toml", privacy + kRig));
+    EXPECT_THAT(loaded.problems, IsEmpty());
+    return loaded.config.label_rule;
+  };
+  const session::LabelRule plain = rule_of("");
+  ASSERT_TRUE(plain.pattern);
+  EXPECT_TRUE(plain.pattern->matches("eyes closed"));
+  EXPECT_FALSE(plain.pattern->matches("Anna Schmidt, born 1950"));
+  EXPECT_THAT(plain.hint, HasSubstr("do not enter names or birth dates"));
+  const session::LabelRule own = rule_of("[privacy]\nlabel_pattern = \"(pre|post)-[0-9]{1,2}\"\nlabel_hint = \"pre-1 or post-1\"\n");
+  EXPECT_TRUE(own.pattern->matches("post-12"));
+  EXPECT_FALSE(own.pattern->matches("eyes closed"));
+  EXPECT_EQ(own.hint, "pre-1 or post-1");
+  EXPECT_NE(rule_of("[privacy]\nlabel_pattern = \"[a-z]+\"\n").hint, plain.hint);
+  EXPECT_THAT(problems_of(std::string("[privacy]\nlabel_pattern = \"[a\"\n") + kRig),
+              Contains(HasSubstr("dtsd.toml:2:17: the pattern has a mistake at character 3: ']' is missing")));
+}
+
+TEST_F(ConfigFiles, ShippedConfigurations_ShowTheDefaultLabelRule) {
+  for (const char* name : {"/config/dtsd.toml", "/config/dtsd-clinic.toml"}) {
+    std::ifstream stream(std::string(DTS_SOURCE_DIR) + name);
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_THAT(text, HasSubstr("# label_pattern = '" + std::string(session::kDefaultLabelPattern) + "'"));
+    std::string hint(session::kDefaultLabelHint);
+    for (std::size_t at = 0; (at = hint.find('"', at)) != std::string::npos; at += 2) hint.insert(at, 1, '\\');
+    EXPECT_THAT(text, HasSubstr("# label_hint = \"" + hint + "\""));
+  }
 }
 
 TEST_F(ConfigFiles, MissingFile_IsOneProblem) { EXPECT_EQ(load_config((folder_ / "nowhere.toml").string()).problems.size(), 1U); }

@@ -66,6 +66,37 @@ TEST_F(TableTest, NarrowTerminal_LastColumnsStandBelow) {
             "longer  12345\n");
 }
 
+TEST_F(TableTest, NarrowTerminal_DropsTheLeastImportantColumnsAndCutsNothing) {
+  Table table({"ID", ">COUNT", "NOTE", "STATE"});
+  table.add({{"20261121T144525Z-floor-1"}, {"1"}, {"the first"}, {"complete"}});
+  table.may_drop({"NOTE", "COUNT", "no such column"});
+  console_.is_out_terminal = true;
+  const auto printed = [&](std::size_t columns) {
+    out_.str({});
+    console_.columns = columns;
+    table.print(console_);
+    return out_.str();
+  };
+
+  EXPECT_EQ(printed(60),
+            "ID                        COUNT  NOTE       STATE\n"
+            "20261121T144525Z-floor-1      1  the first  complete\n");
+  EXPECT_EQ(printed(45),
+            "ID                        COUNT  STATE\n"
+            "20261121T144525Z-floor-1      1  complete\n");
+  EXPECT_EQ(printed(35),
+            "ID                        STATE\n"
+            "20261121T144525Z-floor-1  complete\n");
+  EXPECT_EQ(printed(20),
+            "ID\n  STATE\n"
+            "20261121T144525Z-floor-1\n  complete\n")
+      << "wrapped by the terminal, but whole";
+  console_.is_out_terminal = false;
+  EXPECT_EQ(printed(20),
+            "ID                        COUNT  NOTE       STATE\n"
+            "20261121T144525Z-floor-1      1  the first  complete\n");
+}
+
 TEST_F(TableTest, WideEnoughTerminalOrNone_OneLineARow) {
   Table table({"NAME", "NOTE"});
   table.add({{"a"}, {"the first"}});

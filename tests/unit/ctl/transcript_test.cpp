@@ -230,8 +230,8 @@ TEST_P(TranscriptTest, EveryCommand_PrintsWhatItDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Transcripts, TranscriptTest,
-                         ::testing::Values("catalogue", "compare", "doctor", "files", "keys_and_protocols", "rigs", "sessions", "top",
-                                           "usage", "watch"),
+                         ::testing::Values("catalogue", "compare", "doctor", "edit", "files", "keys_and_protocols", "rigs", "sessions",
+                                           "top", "usage", "watch"),
                          [](const auto& given) { return given.param; });
 
 }  // namespace

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <thread>
 
 #include "ctl/silence.h"
@@ -50,6 +51,25 @@ TEST_F(WatchTest, SilenceBetweenEvents_IsNotToldAgainAndAgain) {
 
   EXPECT_EQ(status, cli::kOk);
   EXPECT_EQ(talk(), "");
+}
+
+TEST_F(WatchTest, CountWithCsv_IsOfTheRowsOfItsStream) {
+  const int status = play({"watch", "floor/", "--count", "3", "--csv"}, "floor/", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/cop", block(1, 0, 2, 1));
+    for (int event = 0; event < 5; ++event) daemon.send("floor/marker", testing::marker("not in the table"));
+    daemon.send("floor/cop", block(1, 2, 2, 2));
+  });
+
+  EXPECT_EQ(status, cli::kOk);
+  EXPECT_EQ(std::ranges::count(out(), '\n'), 1 + 3) << out();
+}
+
+TEST_F(WatchTest, UserWhoPressesQ_EndsWatchAndTopOnATerminal) {
+  console_.is_quit_asked = [] { return true; };
+  console_.can_redraw = true;
+  EXPECT_EQ(play({"watch", "floor/cop"}, "floor/cop", [](FakePublisher&) {}), cli::kOk);
+  EXPECT_EQ(play({"top"}, "dtsd/status", [](FakePublisher&) {}), cli::kOk);
 }
 
 TEST_F(WatchTest, DaemonEndsWhileItIsWatched_IsSaid) {

@@ -89,16 +89,18 @@ sentence = "Stand still"
 rig_kind = "chair"
 [[field]]
 name = "arm_length_cm"
-sentence = "From the acromion"
+label = "Arm length"
 required = true
 minimum = 30
 maximum = 110
 [[field]]
 name = "max_reach_cm"
+label = "Reach"
 minimum = 1
 maximum = 200
 [[field]]
 name = "side"
+label = "Side"
 choices = ["left", "right"]
 [trials]
 trials_per_block = 3
@@ -122,35 +124,48 @@ maximum_reach = true
 constexpr const char* kSession = "name = \"x\"\nsettle_s = 1\nduration_s = 2\n";
 
 TEST_F(ProtocolFiles, EveryKey_ReachesItsField) {
-  EXPECT_EQ(
-      read_protocol(write("x.toml", kTrials), problems_),
-      (session::Protocol{
-          .name = "x",
-          .sentence = "Stand still",
-          .rig_kind = "chair",
-          .fields = {{.name = "arm_length_cm", .sentence = "From the acromion", .is_required = true, .minimum = 30, .maximum = 110},
-                     {.name = "max_reach_cm", .minimum = 1, .maximum = 200},
-                     {.name = "side", .choices = {"left", "right"}}},
-          .trials = session::TrialPlan{.conditions = {{.name = "a", .labels = {{"eyes", "open"}, {"feet", "two"}}, .target_percent = 80.0},
-                                                      {.name = "b", .is_maximum_reach = true}},
-                                       .trials_per_block = 3,
-                                       .blocks = 2,
-                                       .order = session::TrialOrder::Randomised,
-                                       .starts_by_itself = true,
-                                       .cue_delay_min_s = 1.0,
-                                       .cue_delay_max_s = 2.0,
-                                       .settle_s = 5.0,
-                                       .duration_s = 20.0,
-                                       .rest_s = 3.0,
-                                       .block_rest_s = 60.0},
-          .definition = kTrials}));
+  std::string every = kTrials;
+  const auto insert = [&every](const std::string& line, const std::string& added) { every.insert(every.find(line) + line.size(), added); };
+  insert("name = \"x\"\n", "title = \"Standing\"\n");
+  insert("label = \"Arm length\"\n", "unit = \"cm\"\nhelp = \"From the acromion\"\n");
+  insert("name = \"a\"\n", "title = \"Eyes open\"\n");
+  EXPECT_EQ(read_protocol(write("x.toml", every), problems_),
+            (session::Protocol{.name = "x",
+                               .title = "Standing",
+                               .sentence = "Stand still",
+                               .rig_kind = "chair",
+                               .fields = {{.name = "arm_length_cm",
+                                           .label = "Arm length",
+                                           .unit = "cm",
+                                           .help = "From the acromion",
+                                           .is_required = true,
+                                           .minimum = 30,
+                                           .maximum = 110},
+                                          {.name = "max_reach_cm", .label = "Reach", .minimum = 1, .maximum = 200},
+                                          {.name = "side", .label = "Side", .choices = {"left", "right"}}},
+                               .trials = session::TrialPlan{.conditions = {{.name = "a",
+                                                                            .title = "Eyes open",
+                                                                            .labels = {{"eyes", "open"}, {"feet", "two"}},
+                                                                            .target_percent = 80.0},
+                                                                           {.name = "b", .title = "b", .is_maximum_reach = true}},
+                                                            .trials_per_block = 3,
+                                                            .blocks = 2,
+                                                            .order = session::TrialOrder::Randomised,
+                                                            .starts_by_itself = true,
+                                                            .cue_delay_min_s = 1.0,
+                                                            .cue_delay_max_s = 2.0,
+                                                            .settle_s = 5.0,
+                                                            .duration_s = 20.0,
+                                                            .rest_s = 3.0,
+                                                            .block_rest_s = 60.0},
+                               .definition = every}));
   const auto text = [this](const std::string& definition) { return read_protocol_text(definition, "p", problems_); };
-  EXPECT_EQ(text(kSession), (session::Protocol{.name = "x", .settle_s = 1.0, .duration_s = 2.0, .definition = kSession}));
+  EXPECT_EQ(text(kSession), (session::Protocol{.name = "x", .title = "x", .settle_s = 1.0, .duration_s = 2.0, .definition = kSession}));
   const std::string least = "name = \"x\"\n";
-  EXPECT_EQ(text(least), (session::Protocol{.name = "x", .definition = least})) << "until it is stopped";
+  EXPECT_EQ(text(least), (session::Protocol{.name = "x", .title = "x", .definition = least})) << "until it is stopped";
   const std::string few =
       least + "[trials]\ncue_delay_min_s = 1\nrest_s = 2\n[[trials.condition]]\nname = \"a\"\n[[trials.condition]]\nname = \"b\"\n";
-  EXPECT_EQ(text(few).trials, (session::TrialPlan{.conditions = {{.name = "a"}, {.name = "b"}},
+  EXPECT_EQ(text(few).trials, (session::TrialPlan{.conditions = {{.name = "a", .title = "a"}, {.name = "b", .title = "b"}},
                                                   .trials_per_block = 2,
                                                   .cue_delay_min_s = 1.0,
                                                   .cue_delay_max_s = 1.0,
@@ -196,7 +211,8 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
     return repeated(count, [](int k) { return "l" + std::to_string(k) + " = \"a\", "; }) + "eyes = \"open\" }";
   };
   const auto fields = [&repeated](int count) {
-    return repeated(count, [](int k) { return "[[field]]\nname = \"f" + std::to_string(k) + "\"\nminimum = 0\nmaximum = 0\n"; });
+    return repeated(count,
+                    [](int k) { return "[[field]]\nname = \"f" + std::to_string(k) + "\"\nlabel = \"F\"\nminimum = 0\nmaximum = 0\n"; });
   };
   const auto conditions = [&repeated](int count) {
     return repeated(count, [](int k) { return "[[trials.condition]]\nname = \"c" + std::to_string(k) + "\"\n"; });
@@ -217,6 +233,15 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
           {"sentence", "sentence = \" ~\u00e4\"", ""},
           {"sentence", "sentence = \"" + std::string(200, 's') + "\"", ""},
           {"sentence", "sentence = \"" + std::string(201, 's') + "\"", "p:2:12: sentence must be one line of at most 200 bytes"},
+          {"sentence", "title = \"" + std::string(65, 's') + "\"", "p:2:9: title must be one line of at most 64 bytes"},
+          {"label", "", "p:4:1: [[field]] label is missing"},
+          {"label",
+           "label = \"" + std::string(64, 's') + "\"\nunit = \"" + std::string(16, 's') + "\"\nhelp = \"" + std::string(200, 's') + "\"",
+           ""},
+          {"label", "label = \"" + std::string(65, 's') + "\"", "p:6:9: label must be one line of at most 64 bytes"},
+          {"label", "label = \"L\"\nunit = \"" + std::string(17, 's') + "\"", "p:7:8: unit must be one line of at most 16 bytes"},
+          {"label", "label = \"L\"\nhelp = \"a\\tb\"", "p:7:8: help must be one line of at most 200 bytes"},
+          {"label", "sentence = \"L\"", "p:4:1: [[field]] label is missing\np:6:1: unknown key 'sentence' in [[field]]"},
           {"rig_kind", "rig_kind = \"bed\"", "p:3:12: rig_kind = \"bed\" is not known; known: \"floor\", \"chair\""},
           {"rig_kind", "rig_kin = \"floor\"", "p:3:1: unknown key 'rig_kin'"},
           {"rig_kind", "settle_s = 1", "p:3:12: settle_s is set for each trial in this protocol: write it below [trials]"},
@@ -225,53 +250,54 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
           {"[[field]]", fields(30) + "[[field]]", "p:4:1: more than 32 fields"},
           {"name = \"arm", "name = \"max_reach_cm\"",
            "p:11:8: 'max_reach_cm' is listed twice\n"
-           "p:17:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
+           "p:19:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
           {"name = \"arm", "name = \"arm-length\"",
            "p:5:8: name must be 1 to 32 of the characters a-z, 0-9 and _\n"
-           "p:17:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
-          {"name = \"max", "name = \"reach\"", "p:17:1: a target at maximum_reach needs a [[field]] named max_reach_cm, in centimetres"},
+           "p:19:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
+          {"name = \"max", "name = \"reach\"", "p:19:1: a target at maximum_reach needs a [[field]] named max_reach_cm, in centimetres"},
           {"name = \"max", "name = \"max_reach_cm\"\nchoices = [\"left\", \"right\"]",
-           "p:14:1: unknown key 'maximum' in [[field]]\n"
-           "p:13:1: unknown key 'minimum' in [[field]]\n"
-           "p:18:1: a target at maximum_reach needs a [[field]] named max_reach_cm, in centimetres"},
+           "p:15:1: unknown key 'maximum' in [[field]]\n"
+           "p:14:1: unknown key 'minimum' in [[field]]\n"
+           "p:20:1: a target at maximum_reach needs a [[field]] named max_reach_cm, in centimetres"},
           {"required", "required = 1", "p:7:12: [[field]] required must be true or false"},
           {"required", "requierd = true", "p:7:1: unknown key 'requierd' in [[field]]; did you mean 'required'?"},
           {"minimum", "", "p:4:1: [[field]] minimum is missing"},
           {"maximum", "", "p:4:1: [[field]] maximum is missing"},
           {"minimum", "minimum = 110", ""},
           {"minimum", "minimum = 110.1", "p:9:11: maximum is less than minimum"},
-          {"choices", "", "p:14:1: [[field]] needs minimum and maximum, or choices"},
-          {"choices", "choices = [\"one\"]", "p:16:11: choices must be 2 to 32 words"},
+          {"choices", "", "p:15:1: [[field]] needs minimum and maximum, or choices"},
+          {"choices", "choices = [\"one\"]", "p:18:11: choices must be 2 to 32 words"},
           {"choices", "choices = [" + words(32) + "]", ""},
-          {"choices", "choices = [" + words(33) + "]", "p:16:11: choices must be 2 to 32 words"},
-          {"choices", "choices = [\"one\", \"one\"]", "p:16:11: 'one' is listed twice"},
-          {"choices", "choices = [\"one\", \"Two\"]", "p:16:11: a choice must be 1 to 32 of the characters a-z, 0-9 and -"},
-          {"choices", "choices = [\"one\", \"two\"]\nminimum = 1", "p:17:1: unknown key 'minimum' in [[field]]"},
-          {"[trials]", "[trails]", "p:17:2: unknown key 'trails'; did you mean 'trials'?"},
+          {"choices", "choices = [" + words(33) + "]", "p:18:11: choices must be 2 to 32 words"},
+          {"choices", "choices = [\"one\", \"one\"]", "p:18:11: 'one' is listed twice"},
+          {"choices", "choices = [\"one\", \"Two\"]", "p:18:11: a choice must be 1 to 32 of the characters a-z, 0-9 and -"},
+          {"choices", "choices = [\"one\", \"two\"]\nminimum = 1", "p:19:1: unknown key 'minimum' in [[field]]"},
+          {"[trials]", "[trails]", "p:19:2: unknown key 'trails'; did you mean 'trials'?"},
           {"trials_per_block", "trials_per_block = 201\ntrial_per_block = 3",
-           "p:18:20: [trials] trials_per_block = 201 is out of range; allowed: 1 .. 200\n"
-           "p:19:1: unknown key 'trial_per_block' in [trials]; did you mean 'trials_per_block'?"},
-          {"order", "order = \"random\"", "p:20:9: [trials] order = \"random\" is not known; known: \"as-listed\", \"randomised\""},
+           "p:20:20: [trials] trials_per_block = 201 is out of range; allowed: 1 .. 200\n"
+           "p:21:1: unknown key 'trial_per_block' in [trials]; did you mean 'trials_per_block'?"},
+          {"order", "order = \"random\"", "p:22:9: [trials] order = \"random\" is not known; known: \"as-listed\", \"randomised\""},
           {"order", "order = \"as-listed\"", ""},
-          {"starts_by_itself", "starts_by_itself = 1", "p:21:20: [trials] starts_by_itself must be true or false"},
+          {"starts_by_itself", "starts_by_itself = 1", "p:23:20: [trials] starts_by_itself must be true or false"},
           {"cue_delay_min_s", "cue_delay_min_s = 2.0", ""},
-          {"cue_delay_min_s", "cue_delay_min_s = 2.1", "p:23:19: cue_delay_max_s is less than cue_delay_min_s"},
-          {"duration_s", "duration_s = nan", "p:25:14: [trials] duration_s = nan is out of range; allowed: 0 .. 3600"},
+          {"cue_delay_min_s", "cue_delay_min_s = 2.1", "p:25:19: cue_delay_max_s is less than cue_delay_min_s"},
+          {"duration_s", "duration_s = nan", "p:27:14: [trials] duration_s = nan is out of range; allowed: 0 .. 3600"},
           {"[[trials.condition]]", conditions(30) + "[[trials.condition]]", ""},
           {"[[trials.condition]]", conditions(31) + "[[trials.condition]]",
-           "p:17:1: [trials] needs 1 to 32 conditions: [[trials.condition]]"},
-          {"name = \"a\"", "name = \"b\"", "p:33:8: 'b' is listed twice"},
-          {"labels", "labels = { phase = \"x\" }", "p:30:20: label 'phase' is reserved"},
-          {"labels", "labels = { eyes = \"Wide Open\" }", "p:30:19: a label must be 1 to 32 of the characters a-z, 0-9 and -"},
-          {"labels", "labels = { Eyes = \"open\" }", "p:30:19: a label's name must be 1 to 32 of the characters a-z, 0-9 and _"},
+           "p:19:1: [trials] needs 1 to 32 conditions: [[trials.condition]]"},
+          {"name = \"a\"", "name = \"b\"", "p:35:8: 'b' is listed twice"},
+          {"labels", "labels = { phase = \"x\" }", "p:32:20: label 'phase' is reserved"},
+          {"labels", "labels = { eyes = \"Wide Open\" }", "p:32:19: a label must be 1 to 32 of the characters a-z, 0-9 and -"},
+          {"labels", "labels = { Eyes = \"open\" }", "p:32:19: a label's name must be 1 to 32 of the characters a-z, 0-9 and _"},
           {"labels", "labels = { " + labels(7), ""},
-          {"labels", "labels = { " + labels(8), "p:30:10: more than 8 labels"},
-          {"labels", "labels = \"open\"", "p:30:10: [[condition]] labels must be a table: [labels]"},
+          {"labels", "labels = { " + labels(8), "p:32:10: more than 8 labels"},
+          {"labels", "title = \"" + std::string(65, 's') + "\"", "p:32:9: title must be one line of at most 64 bytes"},
+          {"labels", "labels = \"open\"", "p:32:10: [[condition]] labels must be a table: [labels]"},
           {"target_percent", "target_percent = 301\ntarget_procent = 3",
-           "p:31:18: [[condition]] target_percent = 301 is out of range; allowed: 1 .. 300\n"
-           "p:32:1: unknown key 'target_procent' in [[condition]]; did you mean 'target_percent'?"},
+           "p:33:18: [[condition]] target_percent = 301 is out of range; allowed: 1 .. 300\n"
+           "p:34:1: unknown key 'target_procent' in [[condition]]; did you mean 'target_percent'?"},
           {"target_percent", "target_percent = 80\nmaximum_reach = true",
-           "p:32:17: a target has maximum_reach or target_percent, not both"},
+           "p:34:17: a target has maximum_reach or target_percent, not both"},
       },
       read);
   expect_ranges(kTrials,
@@ -299,6 +325,11 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
                     {"duration_s", "", "0", "604800", "-0.1", "604801"},
                 },
                 read);
+}
+
+TEST_F(ProtocolFiles, PlannedTrials_OfARecordingByDtsd01AreRead) {
+  const std::string field_of_0_1 = "name = \"x\"\n[[field]]\nname = \"age_years\"\nsentence = \"Age\"\nminimum = 3\nmaximum = 120\n";
+  EXPECT_EQ(planned_trials(field_of_0_1 + "[trials]\nblocks = 3\n[[trials.condition]]\nname = \"a\"\n"), 3U);
 }
 
 TEST_F(ProtocolFiles, PlannedTrials_OfATextThatPlansNoneOrDoesNotReadAreNone) {

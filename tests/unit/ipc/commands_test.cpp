@@ -47,7 +47,7 @@ class CommandsTest : public session::RecordingsTest {
     replace(request_text, "ID", session_id_);
     auto request = message_of<v1::Request>(request_text);
     request.set_request_id("q");
-    CommandHandler::Answer answer = handler_->execute(request);
+    CommandHandler::Answer answer = handler_->execute(request, author_of("local", request));
     if (answer.pending) {
       EXPECT_TRUE(eventually([&] {
         auto response = handler_->finish(*answer.pending);
@@ -128,11 +128,17 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"trial {}", error("INVALID_ARGUMENT"), "local trial invalid_argument"},
       {"trial { action: TRIAL_ACTION_NEXT }", error("WRONG_STATE"), "local trial_next wrong_state"},
       {"start_session { rig: 'chair' }", error("NOT_FOUND"), "local start_session not_found"},
+      {"start_session { rig: 'floor' }",
+       error("INVALID_ARGUMENT") +
+           " what: \"a session needs a protocol, and none is given\" hint: \"add --protocol NAME, one of: free, stand\"",
+       "local start_session [floor] invalid_argument"},
       {"start_session { rig: 'floor' subject: 'Jane Doe' }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
       {"start_session { rig: 'floor' duration_s: -1 }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
       {"start_session { rig: 'floor' settle_s: -1 }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
-      {"start_session { rig: 'floor' " + fields(65) + "}", error("LIMIT_EXCEEDED"), "local start_session [floor] limit_exceeded"},
-      {"start_session { rig: 'floor' " + fields(64) + "}", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
+      {"start_session { rig: 'floor' protocol: 'free' " + fields(65) + "}", error("LIMIT_EXCEEDED"),
+       "local start_session [floor] limit_exceeded"},
+      {"start_session { rig: 'floor' protocol: 'free' " + fields(64) + "}", error("INVALID_ARGUMENT"),
+       "local start_session [floor] invalid_argument"},
       {start, started, "local start_session [ID] ok"},
   });
   ASSERT_TRUE(is_in(session::SessionState::Running));
@@ -146,6 +152,8 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"trial { action: TRIAL_ACTION_REDO }", trial + "MEASURING trial: 1 attempt: 2", "local trial_redo [ID] ok"},
       {"trial { action: TRIAL_ACTION_NEXT rig: 'floor' }", trial + "WAITING trial: 1 attempt: 2", "local trial_next [ID] ok"},
       {"trial { action: TRIAL_ACTION_REJECT }", trial + "WAITING trial: 1", "local trial_reject [ID] ok"},
+      {"trial { action: TRIAL_ACTION_UNDO }", trial + "WAITING trial: 1", "local trial_undo [ID] ok"},
+      {"trial { action: TRIAL_ACTION_UNDO }", error("WRONG_STATE"), "local trial_undo [ID] wrong_state"},
       {"stop_session { is_abort: true reason: 'tired' }",
        "session { session_id: \"ID\" rig: \"floor\" state: SESSION_STATE_IDLE protocol: \"stand\" subject: \"P7\"",
        "local abort_session [ID] ok"},
@@ -159,6 +167,36 @@ TEST_F(CommandsTest, OnARigThatStreams) {
   static_cast<void>(record(10));
   expect({{"stop_session {}", "session { session_id: \"ID\" rig: \"floor\" state: SESSION_STATE_IDLE protocol: \"free\"",
            "local stop_session [ID] ok"}});
+  expect({
+      {"correct_session { session_id: 'ID' subject: 'P9' reason: 'typo' } on_behalf_of: 'anna'",
+       "session_record { session_id: \"ID\" rig: \"floor\" protocol: \"free\" subject: \"P9\"", "local:anna correct_session [ID] ok"},
+      {"correct_session { session_id: 'ID' subject: 'P9' reason: 'typo' }", error("INVALID_ARGUMENT"),
+       "local correct_session [ID] invalid_argument"},
+      {"correct_session { session_id: 'Jane Doe' subject: 'P9' reason: 'typo' }", error("NOT_FOUND"), "local correct_session not_found"},
+      {"delete_session { session_id: 'ID' reason: 'test' }", "session_record { session_id: \"ID\"", "local delete_session [ID] ok"},
+      {"list_sessions { deleted: true }", "sessions { sessions { session_id: \"ID\""},
+      {"delete_session { session_id: 'ID' is_restore: true }", "session_record { session_id: \"ID\"", "local restore_session [ID] ok"},
+      {"list_sessions { deleted: true }", "sessions { }"},
+      {"list_subjects {}", "subjects { subjects { subject: \"P7\" sessions: 1 "},
+      {"show_subject { subject: 'P9' }", "subject { about { subject: \"P9\" sessions: 1 "},
+      {"show_subject { subject: 'Jane Doe' }", error("NOT_FOUND")},
+      {"show_subject {}", error("NOT_FOUND")},
+      {"erase_subject { subject: 'Jane Doe' }", error("NOT_FOUND"), "local erase_subject not_found"},
+      {"erase_subject {}", error("NOT_FOUND"), "local erase_subject not_found"},
+  });
+  const auto corrected = message_of<v1::Response>(ask("show_session { session_id: 'ID' }")).session_record();
+  ASSERT_EQ(corrected.corrections_size(), 3);
+  EXPECT_EQ(corrected.corrections(0).who() + " " + corrected.corrections(0).new_value(), "local:anna P9");
+  const auto in_list = message_of<v1::Response>(ask("list_sessions { subject: 'P9' }")).sessions().sessions(0);
+  ASSERT_EQ(in_list.corrections_size(), 3);
+  EXPECT_EQ(in_list.corrections(0).new_value() + in_list.corrections(0).reason(), "") << "lists have no texts";
+  static_cast<void>(record(10, {.subject = "P55"}));
+  ASSERT_TRUE(stop());
+  static_cast<void>(new_entries());
+  expect(
+      {{"erase_subject { subject: 'P55' } on_behalf_of: 'ina'", "erased { sessions: 1 files: 2 ", "local:ina erase_subject [1 session] ok"},
+       {"show_subject { subject: 'P55' }", error("NOT_FOUND")}});
+  EXPECT_EQ(message_of<v1::Response>(ask("status {}")).status().erasures_total(), 1U);
   const auto listed = [&](const std::string& filter) {
     return message_of<v1::Response>(ask("list_sessions { " + filter + " }")).sessions().sessions_size();
   };

@@ -185,8 +185,8 @@ TEST_F(ControlTest, CommandWithAnIdOfBefore_IsNotExecutedAgain) {
 
 TEST_F(ControlTest, EveryCommandThatChangesSomething_IsRemembered) {
   zmq::socket_t local = client();
-  for (const std::string command :
-       {"start_session", "stop_session", "mark", "trial", "resume_session", "add_key", "revoke_key", "note_login", "tare"}) {
+  for (const std::string command : {"start_session", "stop_session", "mark", "trial", "resume_session", "add_key", "revoke_key",
+                                    "note_login", "correct_session", "delete_session", "erase_subject", "tare"}) {
     const std::string id = "request_id: '" + command + "' ";
     static_cast<void>(ask(local, id + command + " {}"));
     EXPECT_TRUE(ask(local, id + command + " {} on_behalf_of: 'x'")
@@ -237,7 +237,7 @@ TEST_F(ControlTest, StatusLeavesOnceASecond_AndAfterEveryChange) {
   tick();
   EXPECT_EQ(data_->turn(), "dtsd/status=v ");
   zmq::socket_t local = client();
-  EXPECT_NE(ask(local, "request_id: 'q' start_session { rig: 'floor' }").find("SESSION_STATE_STARTING"), std::string::npos);
+  EXPECT_NE(ask(local, "request_id: 'q' start_session { rig: 'floor' protocol: 'free' }").find("SESSION_STATE_STARTING"), std::string::npos);
   tick();
   EXPECT_EQ(data_->turn(), "floor/session dtsd/status=v ");
   tick();

@@ -118,16 +118,63 @@ TEST(EncodeSession, RowsBesideTheSession) {
 }
 
 TEST(EncodeSession, Protocol_NamesTrialsConditionsAndFields) {
-  session::Protocol protocol{.name = "reach", .sentence = "Reach out.", .rig_kind = "chair", .settle_s = 1, .duration_s = 2};
-  protocol.fields = {{.name = "arm_length_cm", .sentence = "Arm", .is_required = true, .minimum = 30, .maximum = 100},
-                     {.name = "group", .sentence = "Group", .choices = {"a", "b"}}};
+  session::Protocol protocol{
+      .name = "reach", .title = "Reaching", .sentence = "Reach out.", .rig_kind = "chair", .settle_s = 1, .duration_s = 2};
+  protocol.fields = {
+      {.name = "arm_length_cm", .label = "Arm length", .unit = "cm", .help = "Arm", .is_required = true, .minimum = 30, .maximum = 100},
+      {.name = "group", .label = "Group", .choices = {"a", "b"}}};
   const std::string head = "name: \"reach\" sentence: \"Reach out.\" settle_s: 1 duration_s: 2 ";
   const std::string tail =
-      "fields { name: \"arm_length_cm\" sentence: \"Arm\" is_required: true minimum: 30 maximum: 100 } "
-      "fields { name: \"group\" sentence: \"Group\" choices: \"a\" choices: \"b\" } rig_kind: \"chair\"";
-  EXPECT_EQ(text(protocol_info(protocol)), head + tail);
-  protocol.trials = session::TrialPlan{.conditions = {{.name = "80"}, {.name = "120"}}, .trials_per_block = 3, .blocks = 4};
-  EXPECT_EQ(text(protocol_info(protocol)), head + "trials: 12 conditions: \"80\" conditions: \"120\" " + tail);
+      "fields { name: \"arm_length_cm\" label: \"Arm length\" is_required: true minimum: 30 maximum: 100 unit: \"cm\" help: \"Arm\" } "
+      "fields { name: \"group\" label: \"Group\" choices: \"a\" choices: \"b\" } rig_kind: \"chair\" title: \"Reaching\"";
+  EXPECT_EQ(text(protocol_info(protocol)), head + tail + " length_s: 3");
+  protocol.trials = session::TrialPlan{
+      .conditions = {{.name = "80", .title = "Near", .target_percent = 80}, {.name = "max", .title = "Far", .is_maximum_reach = true}},
+      .trials_per_block = 3,
+      .blocks = 4,
+      .starts_by_itself = true,
+      .settle_s = 5,
+      .duration_s = 20};
+  EXPECT_EQ(text(protocol_info(protocol)),
+            head + "trials: 12 " + tail +
+                " condition_list { name: \"80\" title: \"Near\" settle_s: 5 duration_s: 20 target_percent: 80 } condition_list { name: "
+                "\"max\" title: \"Far\" settle_s: 5 duration_s: 20 is_maximum_reach: true } length_s: 300 starts_by_itself: true");
+}
+
+TEST(EncodeSession, TrialOfASnapshot_IsEnoughForAClientThatConnectsNow) {
+  session::TrialView view{.phase = session::TrialPhase::Waiting, .trial = 2, .attempt = 1, .of = 4, .condition = "b"};
+  view.settle_s = 5;
+  view.duration_s = 20;
+  view.target_cm = 105;
+  view.target_percent = 150;
+  view.undo_s = 3.5;
+  view.is_next_wanted = true;
+  const std::string head =
+      "phase: TRIAL_PHASE_WAITING trial: 2 attempt: 1 block: 1 of: 4 condition: \"b\" settle_s: 5 duration_s: 20 "
+      "target_cm: 105 target_percent: 150 ";
+  EXPECT_EQ(text(trial_status(view)), head + "undo_s: 3.5 is_next_wanted: true");
+  using enum session::TrialEventKind;
+  for (const auto& [kind, word] : {std::pair{Done, "DONE"}, {Redone, "REDONE"}, {Rejected, "REJECTED"}, {Aborted, "ABORTED"}}) {
+    view.last_ended = session::EndedAttempt{.outcome = kind, .trial = 2, .attempt = 3, .fault = v1::TRIAL_FAULT_STEPPED_OFF};
+    EXPECT_EQ(text(trial_status(view)),
+              head + "last_outcome: TRIAL_OUTCOME_" + word +
+                  " last_trial: 2 last_attempt: 3 undo_s: 3.5 last_fault: TRIAL_FAULT_STEPPED_OFF is_next_wanted: true");
+  }
+}
+
+TEST(EncodeSession, FaultOfATrial_IsThatOfItsResult) {
+  const auto fault = [](const std::string& outcome, const std::string& event) {
+    record::SessionRow row{.id = "s1"};
+    row.trials = {{.session_id = "s1", .trial = 4, .outcome = outcome, .result = wire::to_json(message_of<v1::Event>(event))}};
+    return session_record(row, 0).trials(0).fault();
+  };
+  EXPECT_EQ(fault("done", "sway { trial: 4 is_valid: true }"), v1::TRIAL_FAULT_UNSPECIFIED);
+  EXPECT_EQ(fault("done", "sway { trial: 4 is_valid: false flags: 2048 }"), v1::TRIAL_FAULT_STEPPED_OFF);
+  EXPECT_EQ(fault("rejected", "sway { trial: 4 is_valid: false flags: 2048 }"), v1::TRIAL_FAULT_UNSPECIFIED);
+  EXPECT_EQ(fault("done", "sway { trial: 4 is_valid: false flags: 4096 }"), v1::TRIAL_FAULT_FEET_MOVED);
+  EXPECT_EQ(fault("done", "sway { trial: 4 problem: 'no samples' }"), v1::TRIAL_FAULT_NO_VALUES);
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 }"), v1::TRIAL_FAULT_NO_REACH);
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 reach { number: 1 } }"), v1::TRIAL_FAULT_UNSPECIFIED);
 }
 
 TEST(EncodeSession, ProtocolOfASession_IsNamedOnlyOnceThereWasOne) {

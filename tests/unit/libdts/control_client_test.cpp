@@ -244,6 +244,16 @@ std::vector<Command> commands() {
       {"add_key { name: \"a\" role: ROLE_VIEWER }", "keys { keys { name: \"a\" } }",
        [](Client& dts) { return text_of(dts.add_key(from_text<v1::AddKeyRequest>("name: 'a' role: ROLE_VIEWER"))); }},
       {"revoke_key { name: \"a\" }", "keys { control_endpoint: \"y\" }", [](Client& dts) { return text_of(dts.revoke_key("a")); }},
+      {"correct_session { session_id: \"s7\" label: \"\" reason: \"r\" }", "session_record { session_id: \"s7\" }",
+       [](Client& dts) {
+         return text_of(dts.correct_session(from_text<v1::CorrectSessionRequest>("session_id: 's7' label: '' reason: 'r'")));
+       }},
+      {"delete_session { session_id: \"s8\" is_restore: true }", "session_record { session_id: \"s8\" }",
+       [](Client& dts) { return text_of(dts.delete_session(from_text<v1::DeleteSessionRequest>("session_id: 's8' is_restore: true"))); }},
+      {"list_subjects { }", "subjects { subjects { subject: \"P017\" } }", [](Client& dts) { return text_of(dts.list_subjects()); }},
+      {"show_subject { subject: \"P017\" }", "subject { about { subject: \"P017\" } }",
+       [](Client& dts) { return text_of(dts.show_subject("P017")); }},
+      {"erase_subject { subject: \"P017\" }", "erased { sessions: 2 }", [](Client& dts) { return text_of(dts.erase_subject("P017")); }},
       {"note_login { user: \"a\" }", "note_login { }", {}}};
 }
 
@@ -292,6 +302,15 @@ TEST_F(ControlClientTest, EveryCommand_CarriesItsArgumentsAndReturnsItsAnswer) {
   EXPECT_EQ(text_of(dts.stop_session("floor")), senseless);
   EXPECT_EQ(text_of(dts.forward(testing::from_text<v1::Request>("stop_session { }"))), senseless);
   EXPECT_EQ(text_of(dts.forward({})), "the request has no command that this version knows");
+}
+
+TEST_F(ControlClientTest, CommandThatIsTooLong_InvalidArgumentAndNothingIsSent) {
+  const FakeController daemon(endpoint_, answer_status);
+
+  const auto mark = client().mark(std::string(10'000, 'x'), "floor");
+  ASSERT_FALSE(mark);
+  EXPECT_EQ(mark.error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(mark.error().hint, "shorten its texts");
 }
 
 TEST_F(ControlClientTest, TextThatIsNotUtf8_InvalidArgumentAndNothingIsSent) {

@@ -117,6 +117,20 @@ TEST(Steadiness, Windows_AreExactToTheScan) {
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }}, {220, [](Watching& w) { w.windows().close(); }}},
        "1:0..50=51 1:0..100=101 1:0..150=151 1:0..200=201 1:0..211=212 0:212..262=51 0:212..312=101 0:212..362=151 "},
+      {"a session begins",
+       {},
+       {{200, [](Watching& w) { w.windows().restart(); }}},
+       "0:100..150=51 0:100..191=92 0:192..242=51 0:192..292=101 0:192..342=151 "},
+      {"a trial is announced while a person stands",
+       {},
+       {{200, [](Watching& w) { w.windows().open(1, 0, {300}, {400}); }}},
+       "0:100..150=51 0:100..191=92 0:192..242=51 0:192..292=101 0:192..299=108 1:300..350=51 "},
+      {"a trial that was voided goes on",
+       {},
+       {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }},
+        {100, [](Watching& w) { w.windows().close(); }},
+        {200, [](Watching& w) { w.windows().reopen(); }}},
+       "1:0..50=51 1:0..91=92 0:100..150=51 0:100..191=92 1:192..242=51 1:192..292=101 1:192..342=151 "},
       {"end earlier than planned",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {20}, {183}); }}, {150, [](Watching& w) { w.windows().end_at(0, {150}); }}},
@@ -159,6 +173,75 @@ TEST(Steadiness, Windows_AreExactToTheScan) {
     }
     EXPECT_EQ(text_of(events), row.expected) << row.name;
   }
+}
+
+/// A person who steps on at scan 0: first one foot with half of the load for `first_foot_scans`, at the plate's edge, then both feet. The
+/// COP swings back and forth by 80 mm for 1 s before it is quiet.
+Signal stepping_on(std::size_t first_foot_scans, std::size_t scans) {
+  Signal signal = swaying_cop(100.0, scans, 3);
+  for (std::size_t i = 0; i < first_foot_scans + 100 && i < scans; ++i) {
+    const bool is_one_foot = i < first_foot_scans;
+    const double after = static_cast<double>(i) - static_cast<double>(first_foot_scans);
+    signal.values[0][i] += is_one_foot ? 120.0 : 80.0 * std::exp(-after / 40.0) * std::cos(after / 5.0);
+    if (is_one_foot) signal.values[2][i] = 300.0;
+  }
+  return signal;
+}
+
+TEST(Steadiness, SteppingOn_IsLeftOut) {
+  for (const std::size_t first_foot : {std::size_t{0}, std::size_t{30}, std::size_t{400}}) {
+    const auto events = Watching().watch(stepping_on(first_foot, first_foot + 1000));
+
+    ASSERT_FALSE(events.empty());
+    const core::SwayEvent& last = events.back();
+    EXPECT_GE(last.first_scan.value, first_foot + 100) << first_foot;
+    EXPECT_LE(last.first_scan.value, first_foot + 300) << first_foot;
+    EXPECT_LT(last.values.range_ml_mm, 35.0) << first_foot << ": of the sway alone; stepping on moved it by more than 80 mm";
+    for (const core::SwayEvent& event : events) {
+      EXPECT_LT(event.values.range_ml_mm, 35.0) << "at scan " << event.scan.value << ", first foot " << first_foot;
+    }
+  }
+}
+
+TEST(Steadiness, PersonWhoNeverStandsStill_IsMeasuredAfter5S) {
+  Signal signal = swaying_cop(100.0, 1000, 3);
+  for (std::size_t i = 0; i < signal.scans(); ++i) signal.values[0][i] += 60.0 * std::sin(0.1 * static_cast<double>(i));
+
+  const auto events = Watching().watch(signal);
+
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.front().first_scan.value, 500U);
+}
+
+TEST(Steadiness, FootThatIsLifted_EndsAWindowWithoutATrialOnly) {
+  Signal signal = swaying_cop(100.0, 600, 3);
+  std::fill(signal.values[2].begin() + 300, signal.values[2].end(), 400.0);
+  EXPECT_EQ(text_of(Watching().watch(signal)).substr(0, 48), "0:100..150=51 0:100..200=101 0:100..250=151 0:10");
+  EXPECT_EQ(Watching().watch(signal).back().first_scan.value, 400U) << "the load is steady again for 1 s";
+
+  Watching in_trial;
+  in_trial.windows().open(1, 0, {100}, {600});
+  EXPECT_EQ(in_trial.watch(signal).back().first_scan.value, 100U);
+}
+
+TEST(Steadiness, WindowWithoutATrial_IsTheLast30S) {
+  const Signal signal = swaying_cop(100.0, 12'000, 3);
+
+  const auto events = Watching().watch(signal);
+
+  core::SwayEvent last = events.back();
+  EXPECT_EQ(last.values.samples, 3000U);
+  EXPECT_EQ(last.scan.value - last.first_scan.value, 2999U);
+  for (const core::SwayEvent& event : events) EXPECT_LE(event.values.samples, 3001U);
+  Watching shorter;  // the same samples as the measurement of a trial: exact to the rounding of sums
+  shorter.windows().open(1, 0, last.first_scan, {last.scan.value + 1});
+  const core::SwayEvent same = shorter.watch(signal).back();
+  ASSERT_EQ(same.values.samples, last.values.samples);
+  EXPECT_NEAR(last.values.totex_mm, same.values.totex_mm, 1e-9 * same.values.totex_mm);
+  EXPECT_NEAR(last.values.rdist_mm, same.values.rdist_mm, 1e-9 * same.values.rdist_mm);
+  EXPECT_NEAR(last.values.pea95_f_mm2, same.values.pea95_f_mm2, 1e-9 * same.values.pea95_f_mm2);
+  EXPECT_EQ(last.values.range_ml_mm, same.values.range_ml_mm);
+  EXPECT_EQ(last.values.range_ap_mm, same.values.range_ap_mm);
 }
 
 TEST(Steadiness, LoadThatIsNotAboveZero_IsNobody) {
@@ -254,6 +337,24 @@ TEST(Steadiness, DecimatedAndDelayedInput_IsCountedInScansOfTheRawStream) {
   EXPECT_EQ(events[2].scan.value, 200U * 5 - 2);
   EXPECT_EQ(events[2].values.samples, 100U);
   EXPECT_EQ(events[2].host_time_ns, host_time_ns(rate_hz(500.0), events[2].scan.value));
+}
+
+TEST(Steadiness, StateOfDtsd01_BeginsAWindowAgain) {
+  const Signal signal = swaying_cop(100.0, 400, 3);
+  Watching before;
+  (void)before.watch(until(signal, 200));
+  std::vector<double> state(before.stage().state_size());
+  before.stage().save(state);
+  const std::size_t added = before.stage().state_added_since_0_1();
+  std::fill(state.end() - static_cast<std::ptrdiff_t>(added), state.end(), 0.0);  // as Pipeline::restore completes it
+
+  Watching after;
+  ASSERT_TRUE(after.stage().restore(state));
+  const auto events = after.watch(from(signal, 200));
+
+  ASSERT_FALSE(events.empty());
+  EXPECT_GE(events.front().first_scan.value, 192U);
+  EXPECT_EQ(events.back().values.samples, 151U + 8U);
 }
 
 TEST(Steadiness, MoreEventsInABlockThanThereIsRoomFor_LeavesTheNewest) {

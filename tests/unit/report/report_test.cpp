@@ -280,6 +280,36 @@ TEST_F(ReportTest, HostileTexts_AreEscaped) {
   EXPECT_THAT(page(report, "trial-01.html"), HasSubstr("{{title}}")) << "texts are no templates";
 }
 
+TEST_F(ReportTest, CorrectedValues_AreShownWithTheRecordedOnes) {
+  const std::string file = write(two_trials());
+  const record::SessionFacts facts = *record::Recording::open(file).value()->session();
+  record::Corrections corrections{.session_id = facts.session_id};
+  corrections.add({.who = "local:anna",
+                   .field = record::CorrectedField::Subject,
+                   .old_value = facts.subject,
+                   .new_value = "P099",
+                   .reason = "<script>alert(1)</script>"});
+  corrections.add({.who = "local",
+                   .field = record::CorrectedField::Outcome,
+                   .part = 1,
+                   .trial = 2,
+                   .attempt = 1,
+                   .old_value = "done",
+                   .new_value = "rejected",
+                   .reason = "talked"});
+  ASSERT_TRUE(record::write_corrections(record::corrections_file(file, facts.session_id), corrections));
+
+  const Report report = report_of(file);
+  const std::string session = page(report, "session.html");
+  EXPECT_THAT(session, HasSubstr("P099 (corrected; recorded: " + facts.subject + ")"));
+  EXPECT_THAT(session, HasSubstr("rejected: not valid (corrected; recorded: done)"));
+  EXPECT_THAT(session, HasSubstr("local:anna: &lt;script&gt;alert(1)"));
+  EXPECT_EQ(session.find("<script"), std::string::npos);
+  EXPECT_THAT(session, Not(HasSubstr("Romberg quotient</"))) << "one of its conditions has no valid trial";
+  EXPECT_THAT(page(report, "trial-01.html"), HasSubstr("P099"));
+  expect_well_formed(report);
+}
+
 TEST_F(ReportTest, Page_FetchesNothing) {
   for (const Page& each : report_of(write(two_trials())).pages) {
     EXPECT_THAT(each.text, AllOf(Not(HasSubstr("<script")), Not(HasSubstr("src=")), Not(HasSubstr("url(")), Not(HasSubstr("@import")),

@@ -20,7 +20,7 @@ Protocol reaching(std::vector<Condition> conditions = {}) {
   protocol.fields = {{.name = "age_years", .minimum = 3, .maximum = 120},
                      {.name = "arm_length_cm", .minimum = 20, .maximum = 120},
                      {.name = "max_reach_cm", .minimum = 10, .maximum = 250},
-                     {.name = "side", .sentence = "The arm that reaches", .is_required = true, .choices = {"left", "right"}}};
+                     {.name = "side", .label = "Reaching arm", .is_required = true, .choices = {"left", "right"}}};
   if (!conditions.empty()) protocol.trials = TrialPlan{.conditions = std::move(conditions), .trials_per_block = 15};
   return protocol;
 }
@@ -47,8 +47,8 @@ TEST(ProtocolFields, WhatDoesNotFit_IsToldAndNotRepeated) {
   };
   const std::vector<Row> rows{
       // Neither a value nor an unknown name: it might be a person's.
-      {{{"side", "left"}, {"Jane Doe", "Baker Street"}}, "field 2 of 2"},
-      {{{"side", "left"}, {"arm_lenght_cm", "60"}}, "did you mean 'arm_length_cm'?"},
+      {{{"side", "left"}, {"Jane Doe", "Baker Street"}}, "field 2 of 2 is not a field of protocol 'reach'"},
+      {{{"side", "left"}, {"arm_lenght_cm", "60"}}, "protocol 'reach' has no field 'arm_lenght_cm' (did you mean 'arm_length_cm'?)"},
       {{{"side", "left"}, {"side", "left"}}, "'side' is given twice"},
       {{{"side", "Jane"}}, "left, right"},
       {{{"side", "left"}, {"arm_length_cm", "19.9"}}, "20 .. 120"},
@@ -61,7 +61,7 @@ TEST(ProtocolFields, WhatDoesNotFit_IsToldAndNotRepeated) {
   for (const char* text : {"", "tall", "65,5", "65 cm", " 65", "65x", "nan", "inf", "1e999", "0x41", "+65"}) {
     EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", text}}), HasSubstr("'arm_length_cm' is not a number")) << text;
   }
-  EXPECT_THAT(refusal(free_protocol(), {{"age_years", "30"}}), HasSubstr("remove it: this protocol has no fields"));
+  EXPECT_EQ(refusal(free_protocol(), {{"weight", "30"}}), "protocol 'free' has no field 'weight' (remove it: this protocol has no fields)");
 }
 
 TEST(ProtocolFields, SeveralWrongOrMissing_AreToldTogether) {
@@ -69,8 +69,9 @@ TEST(ProtocolFields, SeveralWrongOrMissing_AreToldTogether) {
   protocol.fields.push_back({.name = "weight_kg", .is_required = true, .minimum = 20.0, .maximum = 250.0});
   const std::string message = refusal(protocol, {{"age_years", "500"}, {"arm_length_cm", "tall"}, {"hat", "red"}});
 
-  for (const char* part : {"field 3 of 3", "'age_years' is out of range", "age_years: allowed: 3 .. 120", "'arm_length_cm' is not a number",
-                           "needs more fields", "add --field side=left|right --field weight_kg=20..250"}) {
+  for (const char* part :
+       {"protocol 'reach' has no field 'hat'", "'age_years' is out of range", "age_years: allowed: 3 .. 120",
+        "'arm_length_cm' is not a number", "needs more fields", "add --field side=left|right --field weight_kg=20..250"}) {
     EXPECT_THAT(message, HasSubstr(part));
   }
 }
@@ -99,6 +100,9 @@ TEST(TargetDistance, ComesFromTheSubjectsMeasures) {
   const Fields fields{{"arm_length_cm", "65.5"}, {"max_reach_cm", "121"}};
   EXPECT_DOUBLE_EQ(target_cm({.name = "120", .target_percent = 120}, fields).value_or(0), 78.6);
   EXPECT_DOUBLE_EQ(target_cm({.name = "max", .is_maximum_reach = true}, fields).value_or(0), 121.0);
+  EXPECT_DOUBLE_EQ(target_percent({.name = "120", .target_percent = 120}, fields).value_or(0), 120.0);
+  EXPECT_DOUBLE_EQ(target_percent({.name = "max", .is_maximum_reach = true}, fields).value_or(0), 121.0 / 65.5 * 100.0);
+  EXPECT_FALSE(target_percent({.name = "max", .is_maximum_reach = true}, {{"max_reach_cm", "121"}})) << "the arm is not known";
   EXPECT_FALSE(target_cm({.name = "eyes-open"}, fields).has_value());
   EXPECT_FALSE(target_cm({.name = "120", .target_percent = 120}, {{"arm_length_cm", "long"}}).has_value());
 }

@@ -82,6 +82,26 @@ std::vector<double> counted(double first, std::size_t count) {
   return values;
 }
 
+TEST(RecordedStanding, UndoneTrial_IsTheSameAsWithoutTheInterruption) {
+  using enum TrialEventKind;
+  Standing file;
+  file.event(0, 1000.0, event_of("segment_start {}"));
+  file.event(0, 1001.0, step_at(Measure, 7, 1500));
+  file.event(0, 1002.0, step_at(Rejected, 7, 3000));
+  file.event(0, 1004.0, step_at(Undone, 7, 6000));
+  file.event(0, 1003.0, step_at(Done, 7, 4501));  // was due before the undo
+  file.event(0, 1004.1, step_at(Rejected, 7, 6100));
+  file.event(0, 1004.2, step_at(Undone, 7, 6200));
+  file.samples(0, 0, 1000.0, std::vector<bool>(450, true));
+
+  const RecordedStanding standing = file.read();
+
+  ASSERT_EQ(standing.trials.size(), 1U);
+  EXPECT_EQ(standing.trials[0].outcome, "done");
+  EXPECT_EQ(standing.trials[0].end_scan.value, 4501U);
+  EXPECT_EQ(standing.trials[0].cop.ml_mm, counted(100, 201));
+}
+
 TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
   using enum TrialEventKind;
   Standing file;

@@ -11,6 +11,7 @@
 
 #include "record/recording.h"
 #include "record/sha256.h"
+#include "session/recorded_sway.h"
 #include "supervisor_fixture.h"
 
 namespace dts::session {
@@ -83,7 +84,9 @@ TEST_F(RigSessionTest, SessionThatDoesNotFit_IsRefused) {
 TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
   start({standing()});
   ASSERT_TRUE(supervisor_->start_session("floor", {.protocol = "standing"}));
-  EXPECT_TRUE(supervisor_->trial("", TrialAction::Next)) << "counts as soon as the session runs";
+  const auto early = supervisor_->trial("", TrialAction::Next);
+  ASSERT_TRUE(early) << "counts as soon as the session runs";
+  EXPECT_TRUE(early->is_next_wanted);
   EXPECT_THAT(why_refused(supervisor_->trial("", TrialAction::Redo)), HasSubstr("the session is starting, not running"));
   static_cast<void>(taken_events(v1::Event::kTrial));
   pass(0.3, 0.3);
@@ -112,10 +115,69 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
   pass(1.5);
   ASSERT_TRUE(supervisor_->trial("floor", TrialAction::Next));
   static_cast<void>(taken_events(v1::Event::kTrial));
-  pass(2.1, 2.1);  // so late that nobody knows what came in between
+  pass(7.1, 7.1);  // so late that nobody knows what came in between
   const auto late = taken_events(v1::Event::kTrial);
   ASSERT_EQ(late.size(), 1U);
   EXPECT_EQ(late[0].scan(), rig().acquisition().next_scan - 1);
+}
+
+TEST_F(RigSessionTest, SessionWithoutAProtocol_IsRefusedWithTheList) {
+  start({Protocol{}, standing(), Protocol{.name = "chair", .rig_kind = "chair"}});
+  const auto refused = [&] { return why_refused(supervisor_->start_session("floor", {.protocol = ""}), ErrorCode::InvalidArgument); };
+  EXPECT_EQ(refused(), "a session needs a protocol, and none is given; add --protocol NAME, one of: free, standing");
+  static_cast<void>(record(10, {.protocol = "standing"}));
+  ASSERT_TRUE(stop());
+  EXPECT_THAT(refused(), testing::EndsWith("one of: free, standing; last used on rig 'floor': standing"));
+}
+
+TEST_F(RigSessionTest, RejectThatIsUndoneAfterTheTimeOfTheTrial_HasTheResultOfTheWholeTrial) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(8.0);
+  const auto rejected = supervisor_->trial("", TrialAction::Reject);
+  ASSERT_TRUE(rejected);
+  EXPECT_EQ(rejected->last_ended->outcome, TrialEventKind::Rejected);
+  EXPECT_EQ(rejected->undo_s, 5.0);
+  EXPECT_EQ(row(id).trials.at(0).outcome, "rejected");
+  pass(4.0);
+  const auto undone = supervisor_->trial("", TrialAction::Undo);
+  ASSERT_TRUE(undone);
+  EXPECT_EQ(undone->last_ended->outcome, TrialEventKind::Done);
+  EXPECT_EQ(undone->phase, TrialPhase::Resting);
+  ASSERT_TRUE(eventually([&] {
+    supervisor_->tick();
+    return !row(id).trials.empty() && !row(id).trials.at(0).result.empty();
+  }));
+  EXPECT_EQ(now().trial->last_ended->fault, v1::TRIAL_FAULT_UNSPECIFIED);
+  ASSERT_TRUE(stop());
+
+  const record::TrialRow trial = row(id).trials.at(0);
+  EXPECT_EQ(trial.outcome, "done");
+  EXPECT_EQ(trial.last_scan - trial.first_scan, 16'500U);
+  const auto recording = record::Recording::open(row(id).parts.at(0).file).value();
+  const auto standing = read_recorded_standing(*recording, [](double) {}).value();
+  ASSERT_EQ(standing.trials.size(), 1U);
+  EXPECT_EQ(standing.trials[0].outcome, "done");
+  ASSERT_TRUE(standing.trials[0].live && standing.trials[0].live->analysis);
+  const auto again = posturography::analyse(standing.trials[0].cop, {.preparation = posturography::kReportPreparation});
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->measures, standing.trials[0].live->analysis->measures);
+}
+
+TEST_F(RigSessionTest, RejectThatIsUndoneUnderWay_LeavesTheCatalogueAsBefore) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(2.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Reject));
+  ASSERT_EQ(row(id).trials.size(), 1U);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Undo));
+  EXPECT_TRUE(row(id).trials.empty()) << "it is under way";
+  EXPECT_EQ(now().trial->phase, TrialPhase::Measuring);
+  EXPECT_FALSE(now().trial->last_ended);
+  ASSERT_TRUE(stop());
+  EXPECT_EQ(row(id).trials.at(0).outcome, "aborted");
 }
 
 TEST_F(RigSessionTest, SessionStoppedDuringAnAnalysis_EndsWithTheResult) {

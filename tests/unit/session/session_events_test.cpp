@@ -208,7 +208,7 @@ TEST(SessionEvents, RunningSway_ArePreliminaryAndComplete) {
   EXPECT_EQ(text(events::make(event, "")),
             kAt +
                 "sway { is_preliminary: true trial: 3 first_scan: 100 end_scan: 901 profile: \"lp10\" rate_hz: 0.5 "
-                "samples: 1 duration_s: 2 flags: 0 is_valid: true first_segment: 1 end_segment: 1 }");
+                "samples: 1 duration_s: 2 flags: 0 is_valid: true first_segment: 1 end_segment: 1 window: SWAY_WINDOW_TRIAL }");
 }
 
 TEST(SessionEvents, FinalSway_SaysWhereItIsFrom_AndAProblemHasNoValues) {

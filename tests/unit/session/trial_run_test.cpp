@@ -28,6 +28,10 @@ TrialPlan timed() {
 /// No times at all: every trial lasts from one `next` to the following.
 TrialPlan untimed() { return {.conditions = {{.name = "a"}, {.name = "b"}}, .trials_per_block = 2}; }
 
+TrialPlan with_rest(TrialPlan plan, double rest_s) {
+  plan.rest_s = rest_s;
+  return plan;
+}
 TrialPlan by_itself(TrialPlan plan) {
   plan.starts_by_itself = true;
   return plan;
@@ -73,6 +77,7 @@ std::string told(TrialRun& run, const std::string& commands) {
     if (command == "next") status = run.next(now_ns);
     if (command == "redo") status = run.redo(now_ns);
     if (command == "reject") status = run.reject(now_ns);
+    if (command == "undo") status = run.undo(now_ns);
     if (command == "tick") run.tick(now_ns);
     if (command == "abort") run.abort(now_ns);
     EXPECT_EQ(!status, is_refusal) << word << " of " << commands;
@@ -159,6 +164,111 @@ TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
     TrialRun run(plan, 1, kArm, done);
     EXPECT_EQ(told(run, commands), expected) << why;
   }
+}
+
+TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
+  const std::string to_measuring = " ready 1.1a@0 go 1.1a@2 measure 1.1a@7";
+  const std::string to_rest = to_measuring + " done 1.1a@27 rest 1.1a@27(10s)";
+  const std::string next_b = " of 4 block 1, next b at 105 cm, ";
+  for (const auto& [why, plan, commands, expected, done] : std::vector<Script>{
+           {"nothing to take back", timed(), "!undo@0 next@0 !undo@1", " ready 1.1a@0 | ready 1.1a" + next_b + "1 s"},
+           {"measuring continues", timed(), "next@0 reject@10 undo@12 tick@27",
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) undone 1.1a@12 done 1.1a@27 rest 1.1a@27(10s) | resting 1.1a" + next_b +
+                "10 s"},
+           {"its time is over: done, and the rest begins now", timed(), "next@0 reject@26 undo@30",
+            to_measuring + " rejected 1.1a@26 rest 1.1a@26(10s) undone 1.1a@30 done 1.1a@27 rest 1.1a@30(10s) | resting 1.1a" + next_b +
+                "10 s"},
+           {"settling was over meanwhile: measures since then", timed(), "next@0 reject@6 undo@10",
+            " ready 1.1a@0 go 1.1a@2 rejected 1.1a@6 rest 1.1a@6(10s) undone 1.1a@10 measure 1.1a@7 | measuring 1.1a" + next_b + "17 s"},
+           {"a cue is not given in the past", timed(), "next@0 reject@1 undo@4 tick@5",
+            " ready 1.1a@0 rejected 1.1a@1 rest 1.1a@1(10s) undone 1.1a@4 go 1.1a@5 | settling 1.1a" + next_b + "5 s"},
+           {"after 5 s", timed(), "next@0 reject@10 !undo@15",
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) | resting 1.1a" + next_b + "5 s"},
+           {"after the next trial has begun", timed(), "next@0 reject@10 next@11 !undo@12",
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) ready 2.1b@11(105cm) | ready 2.1b of 4 block 1, next a, 1 s"},
+           {"twice", timed(), "next@0 reject@10 undo@11 !undo@12",
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) undone 1.1a@11 | measuring 1.1a" + next_b + "15 s"},
+           {"after the session", timed(), "next@0 reject@10 abort@11 !undo@12",
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) | waiting 1.1a" + next_b + "0 s"},
+           {"redo, and again with a new number", timed(), "next@0 redo@10 undo@11 tick@27 redo@28",
+            to_measuring +
+                " redone 1.1a@10 ready 1.2a@10 undone 1.1a@11 done 1.1a@27 rest 1.1a@27(10s) redone 1.1a@28 ready 1.3a@28 | ready 1.3a" +
+                next_b + "2 s"},
+           {"redo whose attempt has ended", untimed(), "next@0 redo@0 next@1 !undo@2",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 done 1.2a@1 | waiting 1.2a of 2 "
+            "block "
+            "1, next b, 0 s"},
+           {"a rest continues", timed(), "next@0 reject@30 undo@31",
+            to_rest + " rejected 1.1a@30 undone 1.1a@31 | resting 1.1a" + next_b + "6 s"},
+           {"the end of the plan", untimed(), "next@0 next@0 next@0 reject@1 undo@2 next@3",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 rejected 2.1b@1 finished@1 undone "
+            "2.1b@2 "
+            "done 2.1b@3 finished@3 | finished 2.1b of 2 block 1, 0 s, finished"},
+           {"a plan that starts by itself waits for it", by_itself(with_rest(timed(), 1)), "next@0 reject@10 tick@14.9 tick@15 !undo@15",
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(5s) ready 2.1b@15(105cm) | ready 2.1b of 4 block 1, next a, 2 s"},
+           {"also during a rest", by_itself(with_rest(timed(), 1)), "next@0 reject@27.5 tick@32.4 tick@32.5",
+            to_measuring +
+                " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 ready 2.1b@32.5(105cm) | ready 2.1b of 4 block 1, next a, 2 s"},
+           {"a rest that was over meanwhile", by_itself(with_rest(timed(), 1)), "next@0 reject@27.5 undo@30",
+            to_measuring +
+                " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 undone 1.1a@30 ready 2.1b@30(105cm) | ready 2.1b of 4 block 1, "
+                "next a, 2 s"},
+       }) {
+    TrialRun run(plan, 1, kArm, done);
+    EXPECT_EQ(told(run, commands), expected) << why;
+  }
+}
+
+/// "rejected 1.1, undo 3 s"; "" where no attempt has ended.
+std::string end_of(const TrialRun& run, double now_s) {
+  const TrialView view = run.view(std::llround(now_s * kNanosecondsPerSecond));
+  std::ostringstream text;
+  if (view.last_ended) text << name(view.last_ended->outcome) << ' ' << view.last_ended->trial << '.' << view.last_ended->attempt;
+  if (view.undo_s > 0.0) text << ", undo " << view.undo_s << " s";
+  return text.str();
+}
+
+TEST(TrialRun, View_ShowsHowTheNewestAttemptEnded) {
+  TrialRun run(timed(), 1, kArm);
+  (void)told(run, "next@0");
+  EXPECT_EQ(end_of(run, 0), "");
+  (void)told(run, "reject@10");
+  EXPECT_EQ(end_of(run, 12), "rejected 1.1, undo 3 s");
+  EXPECT_EQ(end_of(run, 15), "rejected 1.1");
+  (void)told(run, "undo@12");
+  EXPECT_EQ(end_of(run, 12), "");
+  (void)told(run, "tick@27");
+  EXPECT_EQ(end_of(run, 27), "done 1.1");
+  (void)told(run, "redo@28");
+  EXPECT_EQ(end_of(run, 28), "redone 1.1, undo 5 s");
+  (void)told(run, "undo@29");
+  EXPECT_EQ(end_of(run, 29), "done 1.1");
+  (void)told(run, "next@30 abort@31");
+  EXPECT_EQ(end_of(run, 31), "aborted 2.1");
+}
+
+TEST(TrialRun, View_HasTimesAndTargetOfTheCurrentTrial) {
+  TrialRun run(timed(), 1, kArm);
+  const TrialView before = run.view(0);
+  EXPECT_EQ(before.settle_s, 5.0);
+  EXPECT_EQ(before.duration_s, 20.0);
+  EXPECT_FALSE(before.target_cm) << "of the first trial";
+  (void)told(run, "next@0 next@30");
+  const TrialView second = run.view(30 * kNanosecondsPerSecond);
+  EXPECT_EQ(second.condition, "b");
+  EXPECT_EQ(second.target_cm.value_or(0), 105.0);
+  EXPECT_EQ(second.target_percent.value_or(0), 150.0);
+  EXPECT_FALSE(second.next_target_cm);
+}
+
+TEST(TrialPlanLength, IsTheSumOfAllTimesOrUnknown) {
+  EXPECT_EQ(length_s(timed()).value_or(0), 4 * (2 + 5 + 20) + 10 + 60 + 10.0);
+  EXPECT_FALSE(length_s(untimed()));
+  EXPECT_FALSE(length_s({}));
+  TrialPlan random = timed();
+  random.cue_delay_max_s = 4;
+  random.blocks = 1;
+  EXPECT_EQ(length_s(random).value_or(0), 2 * (3 + 5 + 20) + 10.0);
 }
 
 TEST(TrialRun, RedoRejectAndAbort_InEachPhase) {

@@ -81,7 +81,7 @@ TEST(UsbEndToEndTest, TheWatchedCopFollowsTheWeightsOnThePlate) {
 TEST(UsbEndToEndTest, ASessionSurvivesThePlug) {
   EmulatorProcess emulator({.scene = "sim:floor?contact=point&step_on_s=3600"});
   ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
-  ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor"}).status, 0);
+  ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor", "--protocol", "free"}).status, 0);
 
   const auto rig_now = [&] { return json::parse(emulator.ctl({"status", "--json"}).out).at("rigs").at(0); };
   for (int cycle = 1; cycle <= 3; ++cycle) {
@@ -110,7 +110,7 @@ TEST(UsbEndToEndTest, TheSyncPulseOfASessionIsSeenInTheDataAtItsScan) {
   auto subscriber = emulator.subscribe({"floor/trigger", "floor/aux"});
   std::map<std::uint64_t, float> line_v;
   std::optional<std::uint64_t> told;
-  ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor"}).status, 0);
+  ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor", "--protocol", "free"}).status, 0);
 
   const auto has_seen_the_pulse = [&] {
     const auto message = subscriber.receive(std::chrono::milliseconds(20));

@@ -72,7 +72,7 @@ plug_in() {
 }
 
 unplug_and_replug() {
-  dtsctl session start --rig floor >session 2>last.log || cat last.log
+  dtsctl session start --rig floor --protocol free >session 2>last.log || cat last.log
   note whole "$(cat session)"
   sleep 5
   check 'unplugged' emulator unplug
@@ -88,7 +88,7 @@ unplug_and_replug() {
 
 freeze() {
   local pid id
-  dtsctl session start --rig floor >session 2>last.log || cat last.log
+  dtsctl session start --rig floor --protocol free >session 2>last.log || cat last.log
   id=$(cat session)
   note resumed "$id"
   sleep 5

@@ -21,8 +21,8 @@ namespace dts::client {
 struct ControlOptions {
   std::string endpoint;  ///< `Endpoints::control`
   /// Time limit for a whole command, over all tries (30 ms..1 day). Default: 3 s, or the longer limit that the protocol sets for the
-  /// command: 15 s for `tare`, which the daemon answers when its average is complete, and 20 s for `stop_session`, which the daemon answers
-  /// when the recording is closed.
+  /// command: 15 s for `tare`, which the daemon answers when its average is complete, and 20 s for `stop_session` and `erase_subject`,
+  /// which the daemon answers when the recording is closed or the files are removed.
   std::optional<std::chrono::milliseconds> timeout;
   int tries = 3;           ///< How often a request is sent before it fails with Unreachable: 1..10.
   std::optional<Key> key;  ///< For a daemon on another machine.
@@ -89,6 +89,21 @@ class ControlClient {
   [[nodiscard]] Result<v1::ListSessionsResponse> list_sessions(const v1::ListSessionsRequest& request = {});
   /// Returns one session of the catalogue with its parts, trials and results. Fails with NotFound for an unknown ID.
   [[nodiscard]] Result<v1::SessionRecord> show_session(const std::string& session_id);
+  /// Corrects a closed session and returns it. Fails with NotFound for an unknown session or trial, with InvalidArgument for a value that
+  /// is not allowed or if nothing would change, with WrongState while the session runs or if it is deleted, and with LimitExceeded for more
+  /// than 1000 corrections.
+  [[nodiscard]] Result<v1::SessionRecord> correct_session(const v1::CorrectSessionRequest& request);
+  /// Hides a closed session from all lists, or shows it again, and returns it. Fails with NotFound for an unknown ID, with InvalidArgument
+  /// for a missing reason, and with WrongState while the session runs or if it is deleted already (or not).
+  [[nodiscard]] Result<v1::SessionRecord> delete_session(const v1::DeleteSessionRequest& request);
+  /// Returns all subject IDs with the number of their sessions.
+  [[nodiscard]] Result<v1::ListSubjectsResponse> list_subjects();
+  /// Returns everything that has this subject ID. Fails with NotFound if nothing has it.
+  [[nodiscard]] Result<v1::SubjectRecord> show_subject(const std::string& subject);
+  /// Erases a subject for ever and waits until its files are removed. Needs the role engineer. Fails with NotFound if nothing has this
+  /// subject ID, with WrongState while a session of the subject runs, with NotAllowed if a recording is a link or outside the daemon's
+  /// folder, and with Timeout if removing takes long: the daemon continues.
+  [[nodiscard]] Result<v1::EraseSubjectResponse> erase_subject(const std::string& subject);
   /// Returns the protocols with their conditions and required fields.
   [[nodiscard]] Result<v1::ListProtocolsResponse> list_protocols();
   /// Returns the newest entries of the audit trail (0: the newest 100). A broken chain is not an error here: see `problem` in the answer.

@@ -13,6 +13,7 @@ from .options import COMMANDS
 from .v1 import control_pb2
 from .wire_check import MAX_ANSWER_BYTES, check_answer
 
+_LONGEST_REQUEST_BYTES = 4096  # as the daemon's control socket
 _LONGEST_TEXT = 2000
 _TIMEOUT_S = 3.0
 
@@ -70,12 +71,15 @@ class ControlClient:
         probe(self._endpoint)
         request.request_id = secrets.token_hex(16)
         self._ignored = 0
+        message = request.SerializeToString()
+        if len(message) > _LONGEST_REQUEST_BYTES:  # the daemon ends the connection for a longer one
+            raise InvalidArgument(f"the command has {len(message)} bytes, and the daemon accepts {_LONGEST_REQUEST_BYTES}", "shorten its texts")
         for attempt in range(self._tries):
             if attempt > 0 or self._socket is None:
                 self._reopen()
             assert self._socket is not None
             # In the envelope of a REQ socket (an empty frame first): every ROUTER that serves REQ understands it.
-            self._socket.send_multipart([b"", request.SerializeToString()], zmq.NOBLOCK)
+            self._socket.send_multipart([b"", message], zmq.NOBLOCK)
             response = self._wait_for(self._socket, request.request_id, time.monotonic() + timeout_s / self._tries)
             if response is not None:
                 return response

@@ -20,7 +20,8 @@ from .streams import Samples
 from .subscriber import Subscriber, check_timeout
 from .v1 import control_pb2, sessions_pb2, stream_pb2
 
-TrialAction = Literal["next", "redo", "reject"]
+TrialAction = Literal["next", "redo", "reject", "undo"]
+Outcome = Literal["done", "redone", "rejected", "aborted"]
 
 _SUBSCRIBED_S = 5.0  # a daemon that runs answers a subscription at once
 _OVER = (stream_pb2.SESSION_STATE_UNSPECIFIED, stream_pb2.SESSION_STATE_IDLE, stream_pb2.SESSION_STATE_FAILED)
@@ -146,7 +147,7 @@ class Daemon:
     def start_session(
         self,
         rig: str,
-        protocol: str = "",
+        protocol: str,
         subject: str = "",
         label: str = "",
         duration_s: float = 0.0,
@@ -155,7 +156,7 @@ class Daemon:
     ) -> "Session":
         """Starts a session and its recording, and returns the session.
 
-        `protocol` is a name from `protocols`; empty means "free". `subject` is the subject ID, never a name. `label` is a note, never a
+        `protocol` is a name from `protocols`; "free" records until stopped. `subject` is the subject ID, never a name. `label` is a note, never a
         name. `duration_s` stops the session automatically; 0 means the duration of the protocol, or no limit. `settle_s` is the settling
         time before the measurement; 0 means the time of the protocol. Both are in seconds. `fields` are the values that the protocol
         requires.
@@ -198,13 +199,14 @@ class Daemon:
         """Executes one step of the protocol's trials and returns the state of the trials.
 
         "next" starts the next trial, or ends a trial without a fixed duration; "redo" discards the present or last trial and repeats it;
-        "reject" discards it and continues without it. An empty `rig` means the only rig that has a session. Raises `WrongState` if the rig
+        "reject" discards it and continues without it; "undo" takes back the last of both for 5 s. An empty `rig` means the only rig that has a session. Raises `WrongState` if the rig
         has no session with trials.
         """
         actions = {
             "next": sessions_pb2.TRIAL_ACTION_NEXT,
             "redo": sessions_pb2.TRIAL_ACTION_REDO,
             "reject": sessions_pb2.TRIAL_ACTION_REJECT,
+            "undo": sessions_pb2.TRIAL_ACTION_UNDO,
         }
         return self._control.call(control_pb2.Request(trial=sessions_pb2.TrialRequest(rig=rig, action=actions[action]))).trial
 
@@ -221,12 +223,15 @@ class Daemon:
         response = self._control.call(control_pb2.Request(list_protocols=sessions_pb2.ListProtocolsRequest()))
         return {protocol.name: protocol for protocol in response.protocols.protocols}
 
-    def sessions(self, rig: str = "", subject: str = "", protocol: str = "", limit: int = 0) -> list[sessions_pb2.SessionRecord]:
+    def sessions(
+        self, rig: str = "", subject: str = "", protocol: str = "", limit: int = 0, deleted: bool = False
+    ) -> list[sessions_pb2.SessionRecord]:
         """Returns sessions of the catalogue, newest first, with their parts and without their trials.
 
-        `rig`, `subject` (subject ID) and `protocol` select; empty means all. At most `limit` sessions; 0 means 100.
+        `rig`, `subject` (subject ID) and `protocol` select; empty means all. At most `limit` sessions; 0 means 100. `deleted` lists the
+        deleted sessions instead.
         """
-        wanted = sessions_pb2.ListSessionsRequest(rig=rig, subject=subject, protocol=protocol, limit=limit)
+        wanted = sessions_pb2.ListSessionsRequest(rig=rig, subject=subject, protocol=protocol, limit=limit, deleted=deleted)
         return list(self._control.call(control_pb2.Request(list_sessions=wanted)).sessions.sessions)
 
     def session(self, session_id: str) -> sessions_pb2.SessionRecord:
@@ -236,6 +241,63 @@ class Daemon:
         """
         wanted = sessions_pb2.ShowSessionRequest(session_id=session_id)
         return self._control.call(control_pb2.Request(show_session=wanted)).session_record
+
+    def correct_session(
+        self,
+        session_id: str,
+        reason: str,
+        subject: str | None = None,
+        label: str | None = None,
+        notes: str | None = None,
+        trial: int = 0,
+        attempt: int = 0,
+        outcome: Outcome | None = None,
+    ) -> sessions_pb2.SessionRecord:
+        """Corrects a closed session and returns it. The recording stays as it is; `.corrections` of the session has both values.
+
+        None leaves a value as it is, "" removes it. `trial` and `outcome` correct the outcome of a trial: of its newest attempt, or of
+        `attempt`. `reason` has 1 to 200 bytes and no name. Raises `NotFound` for an unknown session or trial, `InvalidArgument` for a value
+        that is not allowed or if nothing would change, and `WrongState` while the session runs.
+        """
+        wanted = sessions_pb2.CorrectSessionRequest(
+            session_id=session_id,
+            subject=subject,
+            label=label,
+            notes=notes,
+            trial=trial,
+            attempt=attempt,
+            outcome=outcome or "",
+            reason=reason,
+        )
+        return self._control.call(control_pb2.Request(correct_session=wanted)).session_record
+
+    def delete_session(self, session_id: str, reason: str) -> sessions_pb2.SessionRecord:
+        """Hides a closed session from all lists and returns it. `restore_session` shows it again. Raises `WrongState` while it runs."""
+        wanted = sessions_pb2.DeleteSessionRequest(session_id=session_id, reason=reason)
+        return self._control.call(control_pb2.Request(delete_session=wanted)).session_record
+
+    def restore_session(self, session_id: str, reason: str = "") -> sessions_pb2.SessionRecord:
+        """Shows a deleted session again and returns it. Raises `WrongState` if it is not deleted."""
+        wanted = sessions_pb2.DeleteSessionRequest(session_id=session_id, reason=reason, is_restore=True)
+        return self._control.call(control_pb2.Request(delete_session=wanted)).session_record
+
+    def subjects(self) -> list[sessions_pb2.SubjectInfo]:
+        """Returns all subject IDs with the number of their sessions."""
+        return list(self._control.call(control_pb2.Request(list_subjects=sessions_pb2.ListSubjectsRequest())).subjects.subjects)
+
+    def subject(self, subject: str) -> sessions_pb2.SubjectRecord:
+        """Returns everything that has this subject ID. Raises `NotFound` if nothing has it."""
+        wanted = sessions_pb2.ShowSubjectRequest(subject=subject)
+        return self._control.call(control_pb2.Request(show_subject=wanted)).subject
+
+    def erase_subject(self, subject: str) -> sessions_pb2.EraseSubjectResponse:
+        """Erases a subject for ever: recordings, catalogue, corrections. Waits until the files are removed.
+
+        `.left` of the answer names what a person must look at, `.backups` what to do with backups. Raises `NotFound` if nothing has this
+        subject ID, and `WrongState` while one of its sessions runs.
+        """
+        wanted = sessions_pb2.EraseSubjectRequest(subject=subject)
+        return self._control.call(control_pb2.Request(erase_subject=wanted)).erased
 
     def audit(self, limit: int = 0) -> sessions_pb2.GetAuditResponse:
         """Returns the newest entries of the audit trail; a `limit` of 0 means 100. A broken chain raises nothing: see `problem` in the

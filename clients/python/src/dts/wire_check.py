@@ -21,6 +21,7 @@ _MAX_TEXTS = 1000
 _MAX_SESSIONS = 10_000
 _MAX_PARTS = 1000
 _MAX_TRIALS = 10_000
+_MAX_CORRECTIONS = 10_000
 _LONGEST_NAME = 64
 _MAX_RATE_TERM = 10**12
 _MAX_SCAN = 2**62  # scan indices are signed 64 bits in NumPy
@@ -130,6 +131,11 @@ def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
         raise _damaged("the phase of a trial is unknown")
     _check_amount(trial.next_target_cm, "a trial's target")
     _check_amount(trial.remaining_s, "a trial's time")
+    _check_amount(trial.settle_s, "a trial's settling time")
+    _check_amount(trial.duration_s, "a trial's duration")
+    _check_amount(trial.target_cm, "a trial's target")
+    _check_amount(trial.target_percent, "a trial's target")
+    _check_amount(trial.undo_s, "a trial's time to undo")
 
 
 def _check_part(part: sessions_pb2.SessionPart) -> None:
@@ -145,6 +151,7 @@ def _check_record(session: sessions_pb2.SessionRecord) -> None:
         raise _damaged("a session has no ID")
     _check_count(session.parts, _MAX_PARTS, "parts")
     _check_count(session.trials, _MAX_TRIALS, "trials")
+    _check_count(session.corrections, _MAX_CORRECTIONS, "corrections")
     for part in session.parts:
         _check_part(part)
 
@@ -155,13 +162,25 @@ def _check_sessions(sessions: sessions_pb2.ListSessionsResponse) -> None:
         _check_record(session)
 
 
+def _check_subject(subject: sessions_pb2.SubjectRecord) -> None:
+    _check_count(subject.sessions, _MAX_SESSIONS, "sessions")
+    _check_count(subject.mentioning_sessions, _MAX_SESSIONS, "sessions")
+    for session in subject.sessions:
+        _check_record(session)
+
+
 def _check_protocol(protocol: sessions_pb2.ProtocolInfo) -> None:
     if not _is_name(protocol.name):
         raise _damaged("a protocol has no valid name")
-    _check_count(protocol.conditions, _MAX_TEXTS, "conditions")
+    _check_count(protocol.condition_list, _MAX_TEXTS, "conditions")
     _check_count(protocol.fields, _MAX_TEXTS, "fields")
     _check_amount(protocol.settle_s, "a protocol's settling time")
     _check_amount(protocol.duration_s, "a protocol's duration")
+    _check_amount(protocol.length_s, "a protocol's length")
+    for condition in protocol.condition_list:
+        _check_amount(condition.settle_s, "a condition's settling time")
+        _check_amount(condition.duration_s, "a condition's duration")
+        _check_amount(condition.target_percent, "a condition's target")
     for field in protocol.fields:
         if not (math.isfinite(field.minimum) and math.isfinite(field.maximum) and field.minimum <= field.maximum):
             raise _damaged(f"field '{field.name}' has no valid range")
@@ -184,6 +203,9 @@ _CHECKS: dict[str, Callable[[Any], None]] = {
     "device_test": _check_device_test,
     "sessions": _check_sessions,
     "session_record": _check_record,
+    "subjects": lambda subjects: _check_count(subjects.subjects, _MAX_SESSIONS, "subjects"),
+    "subject": _check_subject,
+    "erased": lambda erased: _check_count(erased.left, _MAX_SESSIONS, "notes"),
     "protocols": _check_protocols,
     "trial": _check_trial,
     "audit": lambda audit: _check_count(audit.entries, _MAX_SESSIONS, "entries"),

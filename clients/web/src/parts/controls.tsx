@@ -124,14 +124,28 @@ export const Panel = (props: { title: string; testId: string; onClose?: () => vo
   );
 };
 
-/** A labelled input; `children` returns the input with the given id. */
-export const Field = (props: { label: string; hint?: string; children: (id: string) => JSX.Element }): JSX.Element => {
+/** Attributes that tie an input to its label, hint and error. */
+export interface FieldLinks {
+  readonly id: string;
+  readonly 'aria-describedby': string | undefined;
+  readonly 'aria-invalid': boolean | undefined;
+}
+
+/** A labelled input; `children` returns the input with the given attributes. An error takes the place of the hint. */
+export const Field = (props: { label: string; hint?: string; error?: string | undefined; children: (links: FieldLinks) => JSX.Element }): JSX.Element => {
   const id = useId();
+  const { label, hint = '', error = '' } = props;
+  const noteId = `${id}-note`;
+  const note = error === '' ? hint : error;
   return (
-    <div class="field">
-      <label for={id}>{props.label}</label>
-      {props.children(id)}
-      {props.hint !== undefined && props.hint !== '' && <span class="field-hint">{props.hint}</span>}
+    <div class={`field${error === '' ? '' : ' field-wrong'}`}>
+      <label for={id}>{label}</label>
+      {props.children({ id, 'aria-describedby': note === '' ? undefined : noteId, 'aria-invalid': error === '' ? undefined : true })}
+      {note !== '' && (
+        <span id={noteId} class={error === '' ? 'field-hint' : 'field-error'} role={error === '' ? undefined : 'alert'}>
+          {note}
+        </span>
+      )}
     </div>
   );
 };

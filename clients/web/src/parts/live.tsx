@@ -30,11 +30,11 @@ export const useIsOld = (link: Link, rig: string): ReadonlySignal<boolean> => {
 };
 
 const reasonOf = (link: Link, rig: string): string => {
-  const { reasonGateway, reasonDaemon, reasonRig } = strings.common.data;
-  if (link.state.value === 'no-gateway' || link.state.value === 'connecting') return reasonGateway;
-  if (link.state.value === 'no-daemon') return reasonDaemon;
+  const { noGatewayHint, noDaemonHint } = strings.common.link;
+  if (link.state.value === 'no-gateway' || link.state.value === 'connecting') return noGatewayHint;
+  if (link.state.value === 'no-daemon') return noDaemonHint;
   const status = link.status.value?.rigs.find((one) => one.rig?.name === rig);
-  return status?.deviceMessage || reasonRig;
+  return status?.deviceMessage || strings.common.data.reasonRig;
 };
 
 const ageText = (ageMs: number): string =>

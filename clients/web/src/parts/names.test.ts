@@ -1,18 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
-import { expect, test, vi } from 'vitest';
+import { beforeEach, expect, test, vi } from 'vitest';
 
-import { SessionRecordSchema } from '../generated/dts/v1/sessions_pb';
-import { asSentence, protocolName, sessionTitle } from './names';
+import { ProtocolInfoSchema, SessionRecordSchema } from '../generated/dts/v1/sessions_pb';
+import { asSentence, conditionName, isLabel, labelRule, protocolName, protocols, sessionTitle, targetName } from './names';
+
+beforeEach(() => {
+  protocols.value = [create(ProtocolInfoSchema, { name: 'romberg', title: "Romberg's test", conditionList: [{ name: 'eyes-open', title: 'Eyes open, two feet' }, { name: '150', title: '150 % of arm length', targetPercent: 150 }] })];
+});
 
 test.each([
-  ['free', 'Free recording'],
-  ['quiet-standing', 'Quiet standing'],
+  ['romberg', "Romberg's test"],
   ['my_own-protocol', 'My own protocol'],
-  ['constructor', 'Constructor'],
   ['', ''],
 ])('protocolName.%j is %j', (name, expected) => {
   expect(protocolName(name)).toBe(expected);
+});
+
+test.each([
+  ['romberg', 'eyes-open', 'Eyes open, two feet'],
+  ['romberg', 'eyes-closed', 'Eyes closed'], // of an older version of the protocol
+  ['gone', 'eyes-open', 'Eyes open'],
+])('conditionName.Of %j: %j is %j', (protocol, condition, expected) => {
+  expect(conditionName(protocol, condition)).toBe(expected);
+});
+
+test.each([
+  ['150', '150 %'],
+  ['eyes-open', 'Eyes open, two feet'],
+])('targetName.%j is %j', (condition, expected) => {
+  expect(targetName('romberg', condition)).toBe(expected);
 });
 
 const started = (year: number): bigint => BigInt(new Date(year, 10, 23, 12).getTime()) * 1_000_000n;
@@ -24,8 +41,8 @@ test('sessionTitle.Names subject, protocol and day, the year only if it is anoth
   const titles = [record('P017', 2026), record('', 2026), record('P017', 2025)].map(sessionTitle);
   vi.useRealTimers();
 
-  expect(titles[0]).toMatch(/^P017, Romberg, (23 Nov|Nov 23)$/);
-  expect(titles[1]).toMatch(/^No subject ID, Romberg, /);
+  expect(titles[0]).toMatch(/^P017, Romberg's test, (23 Nov|Nov 23)$/);
+  expect(titles[1]).toMatch(/^No subject ID, Romberg's test, /);
   expect(titles[2]).toMatch(/2025/);
 });
 
@@ -36,4 +53,16 @@ test.each([
   ['', ''],
 ])('asSentence.%j is %j', (message, expected) => {
   expect(asSentence(message)).toBe(expected);
+});
+
+test.each([
+  ['[A-Z0-9]{1,8}', 'AB12', true],
+  ['[A-Z0-9]{1,8}', 'Anna Schmidt', false],
+  ['a|b', 'ab', false], // the whole text, not a part of it
+  ['[A-Z0-9]{1,8}', '', true], // no label
+  ['[', 'anything', true], // the daemon decides
+])('isLabel.By the rule %j, %j: %s', (pattern, text, expected) => {
+  labelRule.value = { hint: '', pattern };
+
+  expect(isLabel(text)).toBe(expected);
 });

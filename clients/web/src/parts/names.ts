@@ -1,8 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain names for what the daemon names by a key: protocols, conditions, sessions.
-import type { SessionRecord } from '../generated/dts/v1/sessions_pb';
+import { signal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+
+import type { ProtocolInfo, SessionRecord } from '../generated/dts/v1/sessions_pb';
+import type { Link } from '../link/types';
 import { strings } from '../strings';
-import { day } from './numbers';
+import { day, whole } from './numbers';
+
+/** The daemon's protocols; empty until it has answered. */
+export const protocols = signal<readonly ProtocolInfo[]>([]);
+
+/** The clinic's rule for labels and markers; empty until the daemon has answered. */
+export const labelRule = signal<{ readonly hint: string; readonly pattern: string }>({ hint: '', pattern: '' });
+
+/** Returns whether a label fits the clinic's rule. The daemon checks it again. */
+export const isLabel = (text: string): boolean => {
+  if (text === '' || labelRule.value.pattern === '') return true;
+  try {
+    return new RegExp(`^(?:${labelRule.value.pattern})$`, 'u').test(text);
+  } catch {
+    return true; // an expression that this browser cannot read
+  }
+};
+
+/** Asks for the protocols after each new connection: a restarted daemon may have others. The shell calls it once for all pages. */
+export const useProtocols = (link: Link): void => {
+  const state = link.state.value;
+  useEffect(() => {
+    if (state !== 'up') return;
+    link.send({ case: 'listProtocols', value: {} }).then(
+      (answer) => {
+        if (answer.case !== 'protocols') return;
+        protocols.value = answer.value.protocols;
+        labelRule.value = { hint: answer.value.labelHint, pattern: answer.value.labelPattern };
+      },
+      () => undefined, // the next connection asks again
+    );
+  }, [link, state]);
+};
 
 /** Turns a key into words: "eyes-closed-two-feet" becomes "eyes closed two feet". */
 export const spoken = (key: string): string => key.replaceAll(/[-_]/g, ' ');
@@ -14,13 +50,21 @@ const programs = /^(dts|sudo|systemctl|journalctl|chmod|chown)/;
 /** Writes a message of daemon or gateway as a sentence on the screen: with a capital, unless it begins with a command to type. */
 export const asSentence = (message: string): string => (programs.test(message) ? message : capitalised(message));
 
-/** "Quiet standing" for "quiet-standing"; a protocol of the user's own is shown by its own name. */
-export const protocolName = (name: string): string => {
-  const { protocols } = strings.common;
-  const known = Object.hasOwn(protocols, name) ? protocols[name] : undefined;
-  return known ?? capitalised(spoken(name));
+const protocolOf = (name: string): ProtocolInfo | undefined => protocols.value.find((one) => one.name === name);
+
+/** "Romberg's test" for "romberg": the protocol's title. One that the daemon no longer has is shown by its own name. Reads a signal. */
+export const protocolName = (name: string): string => protocolOf(name)?.title || capitalised(spoken(name));
+
+/** "Eyes open" for the condition "eyes-open" of a protocol: its title. Reads a signal. */
+export const conditionName = (protocol: string, condition: string): string =>
+  protocolOf(protocol)?.conditionList.find((one) => one.name === condition)?.title || capitalised(spoken(condition));
+
+/** "150 %" of the arm's length for a target of the reaching task, in a table of targets; else the condition's title. Reads a signal. */
+export const targetName = (protocol: string, condition: string): string => {
+  const percent = protocolOf(protocol)?.conditionList.find((one) => one.name === condition)?.targetPercent;
+  return percent === undefined ? conditionName(protocol, condition) : `${whole(percent)} %`;
 };
 
-/** "P017, Romberg, 23 Nov": what a person calls a session. The session ID is shown beside it. */
-export const sessionTitle = ({ subject, protocol, startedUtcNs }: SessionRecord): string =>
+/** "P017, Romberg's test, 23 Nov": what a person calls a session. The session ID is shown beside it. */
+export const sessionTitle = ({ subject, protocol, startedUtcNs }: Pick<SessionRecord, 'subject' | 'protocol' | 'startedUtcNs'>): string =>
   strings.sessions.titleOf(subject === '' ? strings.sessions.noSubject : subject, protocolName(protocol), day(startedUtcNs));

@@ -3,17 +3,21 @@ import { expect, test } from 'vitest';
 
 import { CommandError } from '../link/types';
 import { fakeLink } from '../testing';
-import { askLastProtocol, unitOfField } from './start_session';
+import { askLastProtocol, inputNamedIn } from './start_session';
+
+const fields = [
+  { name: 'weight_kg', label: 'Body weight' },
+  { name: 'sex', label: 'Sex' },
+];
 
 test.each([
-  ['weight_kg', 'Body weight', 'kg'],
-  ['age_years', 'Age in whole years', ''], // the label has it already
-  ['age_years', 'Age', 'years'],
-  ['sex', 'Sex', ''],
-  ['kg', 'Weight', ''], // a name, not a unit behind a name
-  ['trial_constructor', 'Other', ''],
-])('unitOfField.%s of "%s" is %j', (name, sentence, unit) => {
-  expect(unitOfField({ name, sentence })).toBe(unit);
+  ["Field 'weight_kg' must be between 10 and 250", 'weight_kg'],
+  ['Body weight must be between 10 and 250', 'weight_kg'],
+  ["The subject ID must have at most 64 letters, digits, '_', '.' or '-'", 'subject'],
+  ['Label is longer than 200 bytes', 'label'],
+  ['Disk full', ''],
+])('inputNamedIn.%j is beside %j', (message, expected) => {
+  expect(inputNamedIn(message, fields)).toBe(expected);
 });
 
 test.each<[string, () => Promise<unknown>, string]>([

@@ -1,36 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The form that starts a session: protocol, subject ID, and the fields that the protocol asks for.
-import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
-import { useEffect, useRef } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 
 import type { ProtocolField, ProtocolInfo } from '../generated/dts/v1/sessions_pb';
 import type { Link } from '../link/types';
 import { strings } from '../strings';
 import { CommandNotice, Field, Notice, Panel, useCommands } from './controls';
 import { useKeys } from './keys';
-import { protocolName } from './names';
-import { fixed, whole } from './numbers';
+import { isLabel, labelRule, protocolName, protocols } from './names';
+import { duration, fixed, whole } from './numbers';
 import type { StartForm } from './start_form';
 
 const words = strings.common.start;
-
-/** Returns all protocols. Asks again after each new connection: a restarted daemon may have others. */
-export const useProtocols = (link: Link): ReadonlySignal<readonly ProtocolInfo[]> => {
-  const protocols = useSignal<readonly ProtocolInfo[]>([]);
-  const state = link.state.value;
-  useEffect(() => {
-    if (state !== 'up') return;
-    link.send({ case: 'listProtocols', value: {} }).then(
-      (answer) => {
-        if (answer.case === 'protocols') protocols.value = answer.value.protocols;
-      },
-      () => undefined, // the next connection asks again
-    );
-  }, [link, state]);
-  return protocols;
-};
 
 /** Returns the protocol of the newest session of a rig, or "" if it has none. */
 export const askLastProtocol = async (link: Link, rig: string): Promise<string> => {
@@ -38,24 +21,32 @@ export const askLastProtocol = async (link: Link, rig: string): Promise<string> 
   return answer?.case === 'sessions' ? (answer.value.sessions[0]?.protocol ?? '') : '';
 };
 
-/** Returns the unit at the end of a field's name: "kg" for "weight_kg", "" for "sex" and for a label that has the unit already. */
-export const unitOfField = ({ name, sentence }: Pick<ProtocolField, 'name' | 'sentence'>): string => {
-  const suffix = name.slice(name.lastIndexOf('_') + 1);
-  if (suffix === name || !Object.hasOwn(words.units, suffix)) return '';
-  const unit = words.units[suffix] ?? '';
-  return sentence.split(' ').at(-1) === unit ? '' : unit;
-};
+type Values = Readonly<Record<string, string>>;
 
-const FieldInput = (props: { field: ProtocolField; value: string; onInput: (value: string) => void }): JSX.Element => {
-  const { name, sentence, isRequired, minimum, maximum, choices } = props.field;
-  const needed = isRequired ? words.required : words.optional;
-  const unit = choices.length > 0 ? '' : unitOfField(props.field);
-  const hint = choices.length > 0 ? needed : `${words.range(fixed(minimum, 0), fixed(maximum, 0), unit)}, ${needed}`;
+interface FieldProps {
+  field: ProtocolField;
+  value: string;
+  error: string | undefined;
+  onInput: (value: string) => void;
+}
+
+/** A field of a protocol: "Body weight (kg)", its range and what it means below. */
+const FieldInput = ({ field, value, error, onInput }: FieldProps): JSX.Element => {
+  const { name, label, unit, help, isRequired, minimum, maximum, choices } = field;
+  const isChoice = choices.length > 0;
+  const range = isChoice ? '' : words.range(fixed(minimum, 0), fixed(maximum, 0));
   return (
-    <Field label={unit === '' ? sentence : words.withUnit(sentence, unit)} hint={hint}>
-      {(id) =>
-        choices.length > 0 ? (
-          <select id={id} data-testid={`field-${name}`} required={isRequired} value={props.value} onChange={(event) => props.onInput(event.currentTarget.value)}>
+    <Field label={unit === '' ? label : words.withUnit(label, unit)} hint={[range, help].filter((part) => part !== '').join('. ')} error={error}>
+      {(links) =>
+        isChoice ? (
+          <select
+            {...links}
+            name={name}
+            data-testid={`field-${name}`}
+            required={isRequired}
+            value={value}
+            onChange={(event) => onInput(event.currentTarget.value)}
+          >
             <option value="">{words.choose}</option>
             {choices.map((choice) => (
               <option key={choice} value={choice}>
@@ -65,15 +56,16 @@ const FieldInput = (props: { field: ProtocolField; value: string; onInput: (valu
           </select>
         ) : (
           <input
-            id={id}
+            {...links}
+            name={name}
             data-testid={`field-${name}`}
             type="number"
             step="any"
             min={minimum}
             max={maximum}
             required={isRequired}
-            value={props.value}
-            onInput={(event) => props.onInput(event.currentTarget.value)}
+            value={value}
+            onInput={(event) => onInput(event.currentTarget.value)}
           />
         )
       }
@@ -81,28 +73,60 @@ const FieldInput = (props: { field: ProtocolField; value: string; onInput: (valu
   );
 };
 
-const TextInput = (props: { label: string; hint?: string; testId: string; value: string; onInput: (value: string) => void }): JSX.Element => (
-  <Field label={props.label} hint={props.hint ?? ''}>
-    {(id) => (
+interface TextProps {
+  name: 'subject' | 'label';
+  hint: string;
+  value: string;
+  error: string | undefined;
+  onInput: (value: string) => void;
+}
+
+const TextInput = ({ name, hint, value, error, onInput }: TextProps): JSX.Element => (
+  <Field label={words[name]} hint={hint} error={error}>
+    {(links) => (
       <input
-        id={id}
-        data-testid={props.testId}
+        {...links}
+        name={name}
+        data-testid={`start-${name}`}
         maxLength={64}
         autocomplete="off"
-        value={props.value}
-        onInput={(event) => props.onInput(event.currentTarget.value)}
+        value={value}
+        onInput={(event) => onInput(event.currentTarget.value)}
       />
     )}
   </Field>
 );
 
-const aboutOf = ({ sentence, trials, settleS, durationS = 0 }: ProtocolInfo): string =>
-  trials === 0 ? sentence : `${sentence}. ${durationS > 0 ? words.about(whole(trials), whole(settleS), whole(durationS)) : words.trials(whole(trials))}.`;
+/** "Standing still, eyes open and closed. 4 trials, 2:20 min without pauses." */
+const aboutOf = ({ sentence, trials, lengthS }: ProtocolInfo): string => {
+  if (trials === 0) return sentence;
+  const count = words.trials(whole(trials));
+  return `${sentence}. ${lengthS === undefined ? count : words.length(count, duration(lengthS))}.`;
+};
+
+/** Names of the inputs that are no fields of the protocol. */
+const ownInputs = new Set(['protocol', 'subject', 'label', 'duration']);
+
+/** Returns what is wrong with an input, with its label; nothing if it is right. */
+const wrongOf = (input: HTMLInputElement | HTMLSelectElement, label: string, unit: string): string | undefined => {
+  const { valueMissing, badInput, rangeUnderflow, rangeOverflow } = input.validity;
+  if (valueMissing && !badInput) return words.wrong.missing(label);
+  if (badInput) return words.wrong.number(label);
+  if (!rangeUnderflow && !rangeOverflow) return undefined;
+  const { min, max } = input as HTMLInputElement;
+  return max === '' ? words.wrong.number(label) : words.wrong.range(label, min, max, unit);
+};
+
+/** Returns the name of the input that a message of the daemon is about, or "" if it names none. */
+export const inputNamedIn = (message: string, fields: readonly Pick<ProtocolField, 'name' | 'label'>[]): string => {
+  const field = fields.find(({ name, label }) => message.includes(`'${name}'`) || message.includes(label));
+  if (field !== undefined) return field.name;
+  return /\bsubject ID\b/i.exec(message) !== null ? 'subject' : /\blabels?\b/i.exec(message) !== null ? 'label' : '';
+};
 
 export interface StartSessionProps {
   link: Link;
   rig: string;
-  protocols: readonly ProtocolInfo[];
   form: StartForm;
 }
 
@@ -112,54 +136,87 @@ export const StartTaken = ({ form, protocol }: { form: StartForm; protocol: stri
     <Notice kind="warning" what={words.taken(protocolName(protocol))} hint={words.takenHint} testId="start-taken" onDismiss={form.close} />
   ) : null;
 
-export const StartSession = ({ link, rig, protocols, form }: StartSessionProps): JSX.Element => {
+export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Element => {
   const typed = useSignal<string | undefined>(undefined);
   const lastUsed = useSignal('');
-  const subject = useSignal('');
-  const label = useSignal('');
-  const durationS = useSignal('');
+  const values = useSignal<Values>({});
+  const wrong = useSignal<Values>({});
   const first = useRef<HTMLSelectElement>(null);
-  const fields = useSignal<Readonly<Record<string, string>>>({});
   const commands = useCommands(link);
   const kind = link.status.value?.rigs.find((state) => state.rig?.name === rig)?.rig?.kind;
-  const fitting = protocols.filter(({ rigKind }) => rigKind === '' || rigKind === kind);
+  const fitting = protocols.value.filter(({ rigKind }) => rigKind === '' || rigKind === kind);
   const chosen = fitting.find(({ name }) => name === (typed.value ?? lastUsed.value));
+  const fields = chosen?.fields ?? [];
+  useLayoutEffect(() => first.current?.focus(), []);
   useEffect(() => {
-    first.current?.focus();
     void askLastProtocol(link, rig).then((name) => (lastUsed.value = name));
   }, [link, rig]);
   useKeys({ Escape: form.close });
+
+  const valueOf = (name: string): string => values.value[name] ?? '';
+  const set = (name: string) => (value: string): void => {
+    values.value = { ...values.value, [name]: value };
+    wrong.value = { ...wrong.value, [name]: '' };
+  };
+  const labelOf = (name: string): string =>
+    ownInputs.has(name) ? words[name as 'protocol' | 'subject' | 'label' | 'duration'] : (fields.find((one) => one.name === name)?.label ?? name);
+  const unitOf = (name: string): string => fields.find((one) => one.name === name)?.unit ?? '';
+  /** Shows what is wrong beside each input, and moves to the first. Returns whether all are right. */
+  const check = (element: HTMLFormElement): boolean => {
+    const inputs = [...element.elements].filter((one): one is HTMLInputElement | HTMLSelectElement => 'validity' in one && 'name' in one && one.name !== '');
+    const found: Record<string, string> = {};
+    for (const input of inputs) found[input.name] = wrongOf(input, labelOf(input.name), unitOf(input.name)) ?? '';
+    if (!isLabel(valueOf('label').trim())) found['label'] = `${words.label}: ${labelRule.value.hint || words.labelHint}`;
+    wrong.value = found;
+    const firstWrong = inputs.find(({ name }) => found[name] !== '');
+    firstWrong?.focus();
+    return firstWrong === undefined;
+  };
   const submit = async (event: Event): Promise<void> => {
     event.preventDefault();
-    if (commands.isBusy.value || chosen === undefined) return;
+    const element = event.currentTarget as HTMLFormElement;
+    if (commands.isBusy.value || !check(element) || chosen === undefined) return;
     form.send();
-    const asked = chosen.fields.map(({ name }) => [name, fields.value[name] ?? ''] as const).filter(([, value]) => value !== '');
+    const asked = fields.map(({ name }) => [name, valueOf(name)] as const).filter(([, value]) => value !== '');
     const answer = await commands.run({
       case: 'startSession',
       value: {
         rig,
         protocol: chosen.name,
-        subject: subject.value.trim(),
-        label: label.value.trim(),
-        durationS: chosen.trials > 0 ? 0 : Number(durationS.value), // 0: until it is stopped
+        subject: valueOf('subject').trim(),
+        label: valueOf('label').trim(),
+        durationS: chosen.trials > 0 ? 0 : Number(valueOf('duration')), // 0: until it is stopped
         fields: Object.fromEntries(asked),
       },
     });
-    if (answer !== undefined) form.close();
-    else form.failed();
+    if (answer !== undefined) return form.close();
+    form.failed();
+    const error = commands.error.peek();
+    const name = inputNamedIn(error?.message ?? '', fields);
+    if (error === undefined || name === '') return;
+    commands.dismiss(); // shown beside the input instead
+    wrong.value = { ...wrong.value, [name]: `${labelOf(name)}: ${error.message}. ${error.hint}` };
+    element.querySelector<HTMLElement>(`[name="${name}"]`)?.focus();
   };
+  const input = (field: ProtocolField): JSX.Element => (
+    <FieldInput key={field.name} field={field} value={valueOf(field.name)} error={wrong.value[field.name]} onInput={set(field.name)} />
+  );
   return (
     <Panel title={words.title} testId="start-session" onClose={form.close}>
-      <form class="column" onSubmit={(event) => void submit(event)}>
-        <Field label={words.protocol} hint={chosen === undefined ? words.protocolHint : aboutOf(chosen)}>
-          {(id) => (
+      <form class="column" noValidate onSubmit={(event) => void submit(event)}>
+        <Field label={words.protocol} hint={chosen === undefined ? '' : aboutOf(chosen)} error={wrong.value['protocol']}>
+          {(links) => (
             <select
-              id={id}
+              {...links}
               ref={first}
+              name="protocol"
               data-testid="start-protocol"
               required
               value={chosen?.name ?? ''}
-              onChange={(event) => (typed.value = event.currentTarget.value)}
+              onChange={(event) => {
+                typed.value = event.currentTarget.value;
+                wrong.value = {};
+              }}
             >
               <option value="">{words.chooseProtocol}</option>
               {fitting.map(({ name }) => (
@@ -170,35 +227,43 @@ export const StartSession = ({ link, rig, protocols, form }: StartSessionProps):
             </select>
           )}
         </Field>
-        <TextInput label={words.subject} hint={words.subjectHint} testId="start-subject" value={subject.value} onInput={(value) => (subject.value = value)} />
-        <TextInput label={words.label} hint={words.labelHint} testId="start-label" value={label.value} onInput={(value) => (label.value = value)} />
-        {chosen?.trials === 0 && (
-          <Field label={chosen.durationS !== undefined && chosen.durationS > 0 ? words.durationOr(fixed(chosen.durationS, 0)) : words.duration}>
-            {(id) => (
-              <input
-                id={id}
-                data-testid="start-duration"
-                type="number" // the browser rejects "60 s"; read as text it would mean manual stop
-                step="any"
-                min={0}
-                value={durationS.value}
-                onInput={(event) => (durationS.value = event.currentTarget.value)}
-              />
-            )}
-          </Field>
-        )}
-        {chosen?.fields.map((field) => (
-          <FieldInput
-            key={field.name}
-            field={field}
-            value={fields.value[field.name] ?? ''}
-            onInput={(value) => (fields.value = { ...fields.value, [field.name]: value })}
-          />
-        ))}
+        <TextInput name="subject" hint={words.subjectHint} value={valueOf('subject')} error={wrong.value['subject']} onInput={set('subject')} />
+        <div class="form-grid">{fields.filter(({ isRequired }) => isRequired).map(input)}</div>
         <CommandNotice commands={commands} testId="start-error" />
         <button type="submit" class="button button-main" data-testid="start-submit" disabled={commands.isBusy.value}>
           {commands.isBusy.value ? strings.common.busy : words.submit}
         </button>
+        <fieldset class="column start-optional">
+          <legend>{words.optional}</legend>
+          <TextInput
+            name="label"
+            hint={labelRule.value.hint || words.labelHint}
+            value={valueOf('label')}
+            error={wrong.value['label']}
+            onInput={set('label')}
+          />
+          {chosen?.trials === 0 && (
+            <Field
+              label={words.duration}
+              hint={chosen.durationS !== undefined && chosen.durationS > 0 ? words.durationOr(fixed(chosen.durationS, 0)) : words.durationHint}
+              error={wrong.value['duration']}
+            >
+              {(links) => (
+                <input
+                  {...links}
+                  name="duration"
+                  data-testid="start-duration"
+                  type="number" // "60 s" is no number; read as text it would mean manual stop
+                  step="any"
+                  min={0}
+                  value={valueOf('duration')}
+                  onInput={(event) => set('duration')(event.currentTarget.value)}
+                />
+              )}
+            </Field>
+          )}
+          <div class="form-grid">{fields.filter(({ isRequired }) => !isRequired).map(input)}</div>
+        </fieldset>
       </form>
     </Panel>
   );

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
+import type { MessageInitShape } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 
 import { RigStatusSchema, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
-import { DiskState, DiskStatusSchema } from '../generated/dts/v1/sessions_pb';
-import { DeviceState } from '../generated/dts/v1/stream_pb';
+import type { TrialStatusSchema } from '../generated/dts/v1/sessions_pb';
+import { DiskState, DiskStatusSchema, TrialFault, TrialOutcome, TrialPhase } from '../generated/dts/v1/sessions_pb';
+import { DeviceState, SessionState } from '../generated/dts/v1/stream_pb';
 import { conditionOf } from './condition';
 
 const nothingDropped = { blocks: 0, scans: 0, events: 0, scansLately: 0 };
@@ -27,6 +29,17 @@ test.each<[string, Parameters<typeof conditionOf>, object]>([
   ['TabThatWasSlow is quiet', ['up', 1, status(well), slow(0)], { kind: 'good' }],
 ])('conditionOf.%s', (_, given, expected) => {
   expect(conditionOf(...given)).toMatchObject(expected);
+});
+
+test.each<[string, MessageInitShape<typeof TrialStatusSchema>, string]>([
+  ['Rejected', { phase: TrialPhase.WAITING, lastOutcome: TrialOutcome.REJECTED, lastTrial: 2 }, '1 rig OK · floor: trial 2 rejected'],
+  ['SteppedOff', { phase: TrialPhase.WAITING, lastOutcome: TrialOutcome.DONE, lastFault: TrialFault.STEPPED_OFF, lastTrial: 2 }, '1 rig OK · floor: trial 2: person stepped off'],
+  ['Running', { phase: TrialPhase.SETTLING, lastOutcome: TrialOutcome.DONE, trial: 3, of: 4, lastTrial: 2 }, '1 rig OK · floor: trial 3 of 4'],
+  ['NotBegun', { phase: TrialPhase.WAITING }, '1 rig OK · floor: session running'],
+])('conditionOf.SessionWithTrial %s is named behind the rigs', (_, trial, text) => {
+  const running = create(RigStatusSchema, { rig: { name: 'floor' }, device: DeviceState.STREAMING, session: { state: SessionState.RUNNING, trial } });
+
+  expect(conditionOf('up', 1, status([running]), nothingDropped)).toMatchObject({ kind: 'good', text });
 });
 
 test('conditionOf.GatewayLost and silent daemon are different errors', () => {

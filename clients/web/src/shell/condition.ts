@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The status line: "2 rigs OK", or the worst problem.
 import type { RigStatus, StatusSnapshot } from '../generated/dts/v1/control_pb';
-import { DiskState } from '../generated/dts/v1/sessions_pb';
+import { DiskState, TrialPhase } from '../generated/dts/v1/sessions_pb';
 import { DeviceState } from '../generated/dts/v1/stream_pb';
 import type { Dropped, LinkState } from '../link/types';
+import { isActive } from '../parts/active';
 import { clockTime, fixed, whole } from '../parts/numbers';
+import { lastOutcome } from '../parts/outcomes';
 import { strings } from '../strings';
 
 export interface Condition {
@@ -23,6 +25,22 @@ const ofRig = (status: RigStatus): Condition | undefined => {
   if (status.device !== DeviceState.STREAMING) return { kind: 'warning', text: words.deviceStopped(rig), hint };
   const problem = status.session?.recording?.problem ?? '';
   return problem === '' ? undefined : { kind: 'error', text: words.recordingProblem(rig), hint: problem };
+};
+
+const duringTrial = new Set([TrialPhase.READY, TrialPhase.SETTLING, TrialPhase.MEASURING]);
+
+/** "floor: trial 2 of 4" or how the last trial ended; nothing without a session. */
+const ofSession = ({ rig, session }: RigStatus): string => {
+  if (!isActive(session)) return '';
+  const { trial } = session;
+  const outcome = trial === undefined ? undefined : lastOutcome(trial);
+  const isDuring = trial !== undefined && duringTrial.has(trial.phase);
+  const what = isDuring
+    ? words.inTrial(whole(trial.trial), whole(trial.of))
+    : outcome === undefined
+      ? words.running
+      : strings.common.trialEnded[outcome](whole(trial?.lastTrial)).toLowerCase();
+  return words.session(rig?.name ?? '', what);
 };
 
 const ofDisk = (status: StatusSnapshot): Condition | undefined => {
@@ -45,7 +63,8 @@ const ofStatus = (status: StatusSnapshot, dropped: Dropped): Condition => {
   if (worst !== undefined) return worst;
   if (dropped.scansLately > 0) return { kind: 'warning', text: words.tabSlow(whole(dropped.scansLately)), hint: words.tabSlowHint };
   if (status.rigs.length === 0) return { kind: 'warning', text: words.noRig, hint: '' };
-  return { kind: 'good', text: status.rigs.length === 1 ? words.oneRigOk : words.rigsOk(whole(status.rigs.length)), hint: '' };
+  const good = status.rigs.length === 1 ? words.oneRigOk : words.rigsOk(whole(status.rigs.length));
+  return { kind: 'good', text: [good, ...status.rigs.map(ofSession)].filter((part) => part !== '').join(' · '), hint: '' };
 };
 
 export const conditionOf = (state: LinkState, since: number, status: StatusSnapshot | undefined, dropped: Dropped): Condition => {

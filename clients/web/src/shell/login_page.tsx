@@ -33,9 +33,9 @@ export const LoginPage = ({ link }: { link: Link }): JSX.Element => {
       <h1>{words.title}</h1>
       <p>{words.sentence}</p>
       <Field label={words.user}>
-        {(id) => (
+        {(links) => (
           <input
-            id={id}
+            {...links}
             data-testid="login-user"
             autocomplete="username"
             required
@@ -45,9 +45,9 @@ export const LoginPage = ({ link }: { link: Link }): JSX.Element => {
         )}
       </Field>
       <Field label={words.password}>
-        {(id) => (
+        {(links) => (
           <input
-            id={id}
+            {...links}
             data-testid="login-password"
             type="password"
             autocomplete="current-password"

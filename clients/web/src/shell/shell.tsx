@@ -8,6 +8,7 @@ import { Role } from '../generated/dts/v1/options_pb';
 import type { Link } from '../link/types';
 import { Button, Panel, PassingNotice } from '../parts/controls';
 import { useKeys } from '../parts/keys';
+import { useProtocols } from '../parts/names';
 import { strings } from '../strings';
 import { conditionOf } from './condition';
 import { path } from './route';
@@ -16,11 +17,12 @@ import { themeChoice, themeChoices } from './theme';
 
 const words = strings.common;
 const pages = ['floor', 'chair', 'sessions', 'health'] as const;
-const readPages = new Set(['sessions', 'compare', 'health']); // here a notice may push the page down; on live pages it must not
+const livePages = new Set(['floor', 'chair']);
 const signs = { good: '●', plain: '○', warning: '▲', error: '✕' } as const;
 
 const Tabs = (): JSX.Element => {
-  const shown = path.value[0] === 'compare' ? 'sessions' : (path.value[0] ?? 'floor');
+  const [first = 'floor'] = path.value;
+  const shown = first === 'compare' || first === 'subjects' ? 'sessions' : first;
   return (
     <nav aria-label={words.navigation} class="tabs">
       {pages.map((page) => (
@@ -99,9 +101,15 @@ const KeyHelp = ({ onClose }: { onClose: () => void }): JSX.Element => (
 
 export const Shell = ({ link, children }: { link: Link; children: ComponentChildren }): JSX.Element => {
   const isHelpOpen = useSignal(false);
+  useProtocols(link);
   const page = useRef<HTMLElement>(null);
-  useEffect(() => page.current?.scrollTo(0, 0), [path.value]); // every page opens at its top
+  useEffect(() => {
+    page.current?.scrollTo(0, 0); // every page opens at its top
+    window.scrollTo(0, 0); // on a phone the window scrolls
+  }, [path.value]);
   const { kind, text, hint } = conditionOf(link.state.value, link.since.value, link.status.value, link.dropped.value);
+  // A live picture without data says by itself why, and what to do.
+  const isInPicture = livePages.has(path.value[0] ?? 'floor') && link.state.value !== 'up';
   const goTo = (name: string) => () => (location.hash = `#/${name}`);
   useKeys({
     '?': () => (isHelpOpen.value = !isHelpOpen.value),
@@ -117,11 +125,7 @@ export const Shell = ({ link, children }: { link: Link; children: ComponentChild
         <Button label={words.keys} keyName="?" onClick={() => (isHelpOpen.value = !isHelpOpen.value)} testId="show-keys" isPressed={isHelpOpen.value} />
         <Who link={link} />
       </header>
-      {kind === 'error' && hint !== '' && (
-        <div class={readPages.has(path.value[0] ?? '') ? '' : 'shell-over'}>
-          <PassingNotice kind="error" what={text} hint={hint} testId="loud-status" />
-        </div>
-      )}
+      {kind === 'error' && hint !== '' && !isInPicture && <PassingNotice kind="error" what={text} hint={hint} testId="loud-status" />}
       <main ref={page} class="page" data-testid="page">
         {children}
       </main>

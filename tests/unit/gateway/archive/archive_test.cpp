@@ -62,6 +62,35 @@ TEST_F(ArchiveTest, ReportMadeOnce_IsKeptUntilTheRecordingIsAnother) {
   EXPECT_EQ(wait_for(1).front().status, 200U);
 }
 
+TEST_F(ArchiveTest, CorrectedSession_GetsAnotherReport_AndADeletedOneNone) {
+  v1::SessionRecord& session = add_standing();
+  EXPECT_EQ(get("report").status, 200U);
+  session.add_corrections()->set_new_value("P018");
+  begin("report/session.html");
+  EXPECT_TRUE(answers_.empty()) << "it is made again";
+  EXPECT_EQ(wait_for(1).front().status, 200U);
+  session.set_is_deleted(true);
+  for (const char* what : {"report", "report/session.html", "export/csv", "export/xdf/1"}) {
+    EXPECT_EQ(get(what).status, 409U) << what;
+    EXPECT_EQ(json_of(get(what))["hint"], "restore the session first");
+  }
+}
+
+TEST_F(ArchiveTest, AfterAnErasure_NothingIsKept) {
+  add_standing();
+  EXPECT_EQ(get("report").status, 200U);
+  EXPECT_EQ(get("export/csv").status, 200U);
+  EXPECT_EQ(cached().size(), 1U);
+  begin("export/bids");  // under way while the subject is erased
+  archive_->forget();
+  EXPECT_THAT(cached(), testing::Each(testing::StartsWith("work-")));
+  static_cast<void>(wait_for(1));
+  EXPECT_TRUE(cached().empty()) << "and what was under way is not kept";
+  begin("report/session.html");
+  EXPECT_TRUE(answers_.empty()) << "the report is made again";
+  EXPECT_EQ(wait_for(1).front().status, 200U);
+}
+
 TEST_F(ArchiveTest, ReportOfARunningSession_IsRefusedUntilItIsOver) {
   v1::SessionRecord& session = add_standing();
   session.set_state("running");

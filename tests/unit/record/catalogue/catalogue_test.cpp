@@ -37,6 +37,8 @@ TEST_F(CatalogueSessions, BeginPart_EntersTheSessionWithAll) {
   SessionRow expected{.id = session.session_id, .rig = "floor", .protocol = "free", .subject = "P017", .label = session.label};
   expected.state = "running";
   expected.started_utc_ns = 1000;
+  expected.recorded_subject = expected.subject;
+  expected.recorded_label = expected.label;
   expected.parts = {{.session_id = session.session_id, .file = "/data/a.xdf.part", .started_utc_ns = 1000}};
   EXPECT_EQ(*found, expected);
 }
@@ -192,7 +194,8 @@ TEST_F(CatalogueSessions, ValidTrials_AreThoseDoneWhoseResultCounts) {
   ASSERT_TRUE(put(1, 3, "done", R"({"event":"sway","segment":0,"scan":0,"problem":"only 3 s without a gap"})"));
   ASSERT_TRUE(put(1, 4, "rejected", R"({"event":"sway","segment":0,"scan":0,"is_valid":true})"));
   ASSERT_TRUE(put(2, 5, "done", ""));
-  ASSERT_TRUE(put(2, 6, "done", R"({"event":"result","segment":0,"scan":0,"class":2})"));
+  ASSERT_TRUE(put(2, 6, "done", R"({"event":"result","segment":0,"scan":0,"number":7,"flags":0,"class":2})"));
+  ASSERT_TRUE(put(2, 7, "done", R"({"trial_result":{"trial":7}})")) << "no reach was found";
 
   EXPECT_EQ(catalogue().session("s1")->parts[0].valid_trials, 1U);
   EXPECT_EQ(catalogue().session("s1")->parts[1].valid_trials, 2U);

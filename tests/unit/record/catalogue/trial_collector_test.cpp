@@ -68,6 +68,22 @@ TEST(TrialCollector, VoidedAfterItWasDone_KeepsItsEnd) {
               ElementsAre("1.1 rejected 0:20-0:99"));
 }
 
+TEST(TrialCollector, Undone_IsAsIfNothingHadHappened) {
+  EXPECT_THAT(collected({event("measure", 1, 1, 20), event("done", 1, 1, 99), event("rejected", 1, 1, 200), event("undone", 1, 1, 300)}),
+              ElementsAre("1.1 done 0:20-0:99"));
+  EXPECT_THAT(collected({event("measure", 1, 1, 20), event("rejected", 1, 1, 50), event("undone", 1, 1, 120), event("done", 1, 1, 99)}),
+              ElementsAre("1.1 done 0:20-0:99"));
+  EXPECT_THAT(collected({event("measure", 1, 1, 20), event("rejected", 1, 1, 50), event("done", 1, 1, 99), event("undone", 1, 1, 120)}),
+              ElementsAre("1.1 done 0:20-0:99"))
+      << "in the order of times";
+  EXPECT_THAT(collected({event("ready", 1, 1, 10), event("rejected", 1, 1, 12), event("undone", 1, 1, 30), event("measure", 1, 1, 20),
+                         event("done", 1, 1, 99)}),
+              ElementsAre("1.1 done 0:20-0:99"));
+  EXPECT_THAT(collected({event("measure", 1, 1, 20), event("redone", 1, 1, 50), event("ready", 1, 2, 50), event("undone", 1, 1, 60),
+                         event("done", 1, 1, 99), event("redone", 1, 1, 120), event("ready", 1, 3, 120), event("done", 1, 3, 140)}),
+              ElementsAre("1.1 redone 0:20-0:99", "1.3 done 0:120-0:140"));
+}
+
 TEST(TrialCollector, GapWithin_NamesBothSegments) {
   EXPECT_THAT(collected({event("measure", 1, 1, 900), event("done", 1, 1, 40, 1)}), ElementsAre("1.1 done 0:900-1:40"));
 }

@@ -208,5 +208,16 @@ TEST_F(BidsExportTest, RecordingWithoutScans_SaysSo) {
   EXPECT_FALSE(std::filesystem::exists(folder_));
 }
 
+TEST_F(BidsExportTest, ACorrectedSubject_IsTheParticipant_AndFreeTextsStayOut) {
+  Corrections corrections{.session_id = recording_.facts->session_id};
+  corrections.add({.who = "local:anna", .field = CorrectedField::Subject, .old_value = "P-017", .new_value = "P-018", .reason = "Jane"});
+  corrections.add({.who = "local", .field = CorrectedField::Label, .old_value = "Jane Doe", .new_value = "Jane", .reason = "Jane"});
+  ASSERT_TRUE(export_bids(recording_, folder_.string(), {}, corrections));
+  EXPECT_THAT(text("participants.tsv"), ::testing::HasSubstr("sub-P018\tP-018"));
+  const std::string document = text("sourcedata/sub-P018/" + recording_.facts->session_id + "_recording.json");
+  EXPECT_THAT(document, ::testing::HasSubstr("\"recorded_subject\": \"P-017\""));
+  for (const char* secret : {"Jane", "anna"}) EXPECT_EQ(document.find(secret), std::string::npos) << secret;
+}
+
 }  // namespace
 }  // namespace dts::record

@@ -118,6 +118,58 @@ TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
                           "1,1,1,'=eyes,done,1,0,1,0,3", "2,1,1,'=eyes,aborted,0,1,0,1,1"));
 }
 
+TEST_F(CsvExportTest, Trials_HaveTheMeasuresOfTheirResults) {
+  for (const std::string text : {"scan: 1 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 1 attempt: 1 condition: 'open' }",
+                                 "scan: 3 trial { step: TRIAL_EVENT_KIND_DONE trial: 1 attempt: 1 condition: 'open' }",
+                                 "scan: 4 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 2 attempt: 1 condition: 'shut' }",
+                                 "scan: 6 trial { step: TRIAL_EVENT_KIND_DONE trial: 2 attempt: 1 condition: 'shut' }",
+                                 "scan: 6 sway { trial: 1 attempt: 1 is_valid: true duration_s: 20 measures { symbol: 'MVELO' value: 8.25 "
+                                 "unit: 'mm/s' } measures { symbol: 'RDIST' value: 5.5 unit: 'mm' } }",
+                                 "scan: 7 sway { trial: 2 attempt: 1 is_valid: false flags: 2048 duration_s: 20 measures { symbol: 'MVELO' "
+                                 "value: 9 unit: 'mm/s' } }"}) {
+    recording_.items.emplace_back(TimedEvent{.time_s = 0.0, .event = test::event_of(text)});
+  }
+  ASSERT_TRUE(run().has_value());
+
+  const std::string place = "first_segment,first_scan,last_segment,last_scan";
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
+              ElementsAre("trial,attempt,block,condition,outcome,is_valid," + place + ",fault,duration_s,MVELO [mm/s],RDIST [mm]",
+                          "1,1,1,open,done,1,0,1,0,3,,20,8.25,5.5", "2,1,1,shut,done,0,0,4,0,6,stepped_off,20,9,"));
+}
+
+TEST_F(CsvExportTest, CorrectedValues_StandBesideTheRecordedOnes) {
+  const auto step = [](const std::string& position, const std::string& step_of_trial) {
+    return TimedEvent{
+        .time_s = 0.0,
+        .event = test::event_of(position + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial + " attempt: 1 condition: 'a' }")};
+  };
+  for (const TimedEvent& event : {step("scan: 1", "MEASURE trial: 1"), step("scan: 3", "DONE trial: 1")})
+    recording_.items.emplace_back(event);
+  Corrections corrections{.session_id = recording_.facts->session_id};
+  corrections.add({.who = "local:anna", .field = CorrectedField::Subject, .old_value = "P-017", .new_value = "P-018", .reason = "=cmd"});
+  corrections.add({.who = "local", .field = CorrectedField::Notes, .old_value = "", .new_value = "<b>n</b>", .reason = "r"});
+  corrections.add({.who = "local",
+                   .field = CorrectedField::Outcome,
+                   .part = 1,
+                   .trial = 1,
+                   .attempt = 1,
+                   .old_value = "done",
+                   .new_value = "rejected",
+                   .reason = "r"});
+  ASSERT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
+
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
+              ElementsAre("trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,recorded_outcome",
+                          "1,1,1,a,rejected,0,0,1,0,3,done"));
+  const auto document = nlohmann::json::parse(text("20261121T144525Z-floor-1_recording.json"));
+  EXPECT_EQ(document["subject"], "P-018");
+  EXPECT_EQ(document["recorded_subject"], "P-017");
+  EXPECT_EQ(document["notes"], "<b>n</b>");
+  ASSERT_EQ(document["corrections"].size(), 3U);
+  EXPECT_EQ(document["corrections"][0]["reason"], "=cmd");
+  EXPECT_EQ(document["corrections"][2]["old_value"], "done");
+}
+
 TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {
   const std::vector<double> hard{0.1,           1.0 / 3.0, -2.5e-308,         5e-324, 1.7976931348623157e308,
                                  123456789.125, -0.0,      65504.0 / 32768.0, 1e21,   9.999999999999999e22};

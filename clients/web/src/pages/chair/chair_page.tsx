@@ -5,7 +5,7 @@ import type { Link } from '../../link/types';
 import { rigOf } from '../../link/types';
 import { Live } from '../../parts/live';
 import { useStartForm } from '../../parts/start_form';
-import { StartSession, StartTaken, useProtocols } from '../../parts/start_session';
+import { StartSession, StartTaken } from '../../parts/start_session';
 import { strings } from '../../strings';
 import './chair.css';
 import { isRunning } from './examination';
@@ -19,14 +19,14 @@ import { AngleGauge, ClassResult } from './trunk_result';
 const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
   const { ring, ghosts, examination, trials, restS } = useFollowed(link, rig);
   const status = rigOf(link.status.value, 'chair');
+  const session = status?.session;
   const running = isRunning(status);
-  const protocols = useProtocols(link).value;
   const form = useStartForm(running);
   const shown = examination.value;
   if (form.isShown) {
     return (
       <div class="chair-start">
-        <StartSession link={link} rig={rig} protocols={protocols} form={form} />
+        <StartSession link={link} rig={rig} form={form} />
       </div>
     );
   }
@@ -40,7 +40,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
         </Live>
       </div>
       <div class="chair-below">
-        <Prompt examination={shown} restS={restS} />
+        <Prompt examination={shown} session={session} restS={restS} />
         <ClassResult
           movement={shown.movement}
           reach={shown.reach}
@@ -49,14 +49,14 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
           isOfLastTrial={shown.step === 'ready'}
         />
         <AngleGauge movement={shown.movement} isOfLastTrial={shown.step === 'ready'} />
-        <Trials trials={trials.value} isOver={shown.step === 'finished' || shown.step === 'free'} />
+        <Trials protocol={session?.protocol ?? ''} trials={trials.value} isOver={shown.step === 'finished' || shown.step === 'free'} />
       </div>
-      {running ? (
-        <TrialControls link={link} rig={rig} examination={shown}>
-          <StartTaken form={form} protocol={status?.session?.protocol ?? ''} />
+      {session !== undefined && running ? (
+        <TrialControls key={session.sessionId} link={link} rig={rig} session={session} examination={shown}>
+          <StartTaken form={form} protocol={session.protocol} />
         </TrialControls>
       ) : (
-        <StartControls link={link} rig={rig} onStart={form.open} />
+        <StartControls link={link} rig={rig} session={session} onStart={form.open} />
       )}
     </div>
   );

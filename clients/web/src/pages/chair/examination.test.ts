@@ -66,6 +66,16 @@ test('Examination.RepeatedGo keeps what was found since', () => {
   expect(afterEvent(after(...reached), trial(GO, { scan: 5000 }))).toEqual(after(...reached));
 });
 
+test('Examination.UndoneRedo continues the attempt; the next status says what it does now', () => {
+  const again = after(...reached, trial(REDONE), event({ case: 'trial', value: { sessionId: 's1', step: READY, trial: 1, attempt: 2, condition: '120' } }));
+
+  const undone = afterEvent(again, trial(TrialEventKind.UNDONE));
+
+  expect(undone).toMatchObject({ step: 'back', trial: 1, attempt: 1, goAt: { scan: 5000 }, reach: { number: 1 } });
+  expect(undone.changes).toBeGreaterThan(again.changes);
+  expect(afterStatus(undone, status(RUNNING, WAITING, 's1', 1), later)).toMatchObject({ step: 'waiting', trial: 1, attempt: 1 });
+});
+
 test('Examination.NextTrial leaves the result in sight until go', () => {
   const ready = { ...after(...reached, trial(DONE), trial(READY, { trial: 2 })), expectedClass: 2 };
 
@@ -86,7 +96,7 @@ test('targetPercent.Is of the arm, if that is known', () => {
 });
 
 const status = (state: SessionState, phase: TrialPhase, sessionId = 's1', trial = 2) =>
-  create(RigStatusSchema, { session: { sessionId, state, trial: { phase, trial, attempt: 1, condition: '120', of: 9, nextCondition: '150', nextTargetCm: 105 } } });
+  create(RigStatusSchema, { session: { sessionId, state, trial: { phase, trial, attempt: 1, condition: '120', targetCm: 82, of: 9, nextCondition: '150', nextTargetCm: 105 } } });
 const { RUNNING, IDLE } = SessionState;
 const { WAITING, RESTING, MEASURING } = TrialPhase;
 const atOnce = 0n;
@@ -94,6 +104,7 @@ const later = 1_500_000_000n; // more than a second after all events
 
 test.each<[string, readonly LiveEvent[], ReturnType<typeof status>, bigint, object]>([
   ['OfATabThatCameLate reports the step', [], status(RUNNING, RESTING), atOnce, { sessionId: 's1', step: 'resting', trial: 2, of: 9, nextCondition: '150', nextTargetCm: 105 }],
+  ['OfATabOpenedInATrial has its target', [], status(RUNNING, MEASURING), atOnce, { step: 'go', trial: 2, condition: '120', targetCm: 82 }],
   ['DuringATrial does not undo later events', going, status(RUNNING, TrialPhase.READY, 's1', 1), atOnce, { step: 'go', of: 9 }],
   ['ASecondAfterTheEvents is not later yet', reached, status(RUNNING, WAITING, 's1', 1), 1_000_000_000n, { step: 'back' }],
   ['OfTheNextTrial forgets what was found in the lost one', reached, status(RUNNING, MEASURING), later, { step: 'go', trial: 2, goAt: undefined, reach: undefined }],

@@ -41,6 +41,8 @@ export interface Examination {
   readonly changes: number;
   /** Host time of the last event of a trial. */
   readonly lastEventNs: bigint;
+  /** The state before the last redo or reject, for as long as that may be undone. */
+  readonly beforeVoid: Examination | undefined;
 }
 
 export const noExamination: Examination = {
@@ -62,6 +64,7 @@ export const noExamination: Examination = {
   isWithoutReach: false,
   changes: 0,
   lastEventNs: 0n,
+  beforeVoid: undefined,
 };
 
 /** Returns the target's distance in percent of the arm length, or nothing if one of them is unknown. */
@@ -107,10 +110,13 @@ const afterTrialChange = (examination: Examination, change: TrialChange, event: 
     case TrialEventKind.FINISHED:
       return { ...recorded, step: 'finished', restEndsMs: undefined };
     case TrialEventKind.DONE:
-    case TrialEventKind.REDONE:
-    case TrialEventKind.REJECTED:
     case TrialEventKind.ABORTED:
       return { ...recorded, step: named.step === 'finished' ? 'finished' : 'waiting' };
+    case TrialEventKind.REDONE:
+    case TrialEventKind.REJECTED:
+      return { ...recorded, step: named.step === 'finished' ? 'finished' : 'waiting', beforeVoid: { ...named, beforeVoid: undefined } };
+    case TrialEventKind.UNDONE:
+      return { ...(known.beforeVoid ?? newTrial(known, change)), changes: known.changes + 1 };
     default:
       return examination;
   }
@@ -152,8 +158,11 @@ const notBefore = (examination: Examination, ns: bigint): Examination =>
 export const afterEvent = (examination: Examination, event: LiveEvent): Examination => {
   const { body, segment, hostTimeNs } = event.event;
   switch (body.case) {
-    case 'trial':
-      return notBefore(afterTrialChange(examination, body.value, event), hostTimeNs ?? 0n);
+    case 'trial': {
+      const changed = afterTrialChange(examination, body.value, event);
+      // After an undo the next status, whatever its time, says what the attempt does now.
+      return body.value.step === TrialEventKind.UNDONE ? { ...changed, lastEventNs: 0n } : notBefore(changed, hostTimeNs ?? 0n);
+    }
     case 'reach':
       return afterReach(examination, body.value, segment);
     case 'movement':
@@ -201,9 +210,9 @@ const caughtUp = (examination: Examination, status: TrialStatus): Examination =>
   if (isSame && (reported === step || (reported === 'go' && step === 'back'))) return examination;
   const caught = { ...examination, step: reported, restEndsMs: undefined, changes: examination.changes + 1 };
   if (isSame) return { ...caught, ...(reported === 'go' ? newReach : {}) };
-  const { condition } = status;
+  const { condition, targetCm = 0 } = status;
   const isResultShown = reported === 'ready'; // the result of the trial before
-  return { ...caught, ...(isResultShown ? {} : newReach), trial: status.trial, attempt: status.attempt, condition, targetCm: 0, goAt: undefined };
+  return { ...caught, ...(isResultShown ? {} : newReach), trial: status.trial, attempt: status.attempt, condition, targetCm, goAt: undefined };
 };
 
 /** Returns the state after a status of host time `madeNs`: number of trials, next target, the end of the session, and what a lost event would have said. */

@@ -3,7 +3,11 @@
 import type { ReadonlySignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
+import type { SessionInfo } from '../../generated/dts/v1/control_pb';
+import type { TrialStatus } from '../../generated/dts/v1/sessions_pb';
+import { conditionName } from '../../parts/names';
 import { fixed, whole } from '../../parts/numbers';
+import { lastOutcome, outcomeShape } from '../../parts/outcomes';
 import { strings } from '../../strings';
 import type { Examination } from './examination';
 import { targetPercent } from './examination';
@@ -11,27 +15,33 @@ import { targetPercent } from './examination';
 interface Target {
   condition: string;
   cm: number;
+  percent: number | undefined;
 }
 
+const between = new Set(['waiting', 'resting', 'finished']);
+
 /** Returns the target to show: during a wait or rest it is the next one, which has to be placed. */
-const targetOf = (examination: Examination): Target => {
+const targetOf = (examination: Examination, present: TrialStatus | undefined): Target => {
   const isNext = examination.step === 'waiting' || examination.step === 'resting';
-  return isNext && examination.nextCondition !== ''
-    ? { condition: examination.nextCondition, cm: examination.nextTargetCm }
-    : { condition: examination.condition, cm: examination.targetCm };
+  if (isNext && examination.nextCondition !== '') {
+    const { nextCondition: condition, nextTargetCm: cm } = examination;
+    return { condition, cm, percent: targetPercent(examination, cm) };
+  }
+  const { condition, targetCm: cm } = examination;
+  const isPresent = present?.trial === examination.trial && present.attempt === examination.attempt;
+  return { condition, cm, percent: (isPresent ? present.targetPercent : undefined) ?? targetPercent(examination, cm) };
 };
 
-const TargetLine = ({ examination }: { examination: Examination }): JSX.Element => {
+const TargetLine = ({ examination, session }: { examination: Examination; session: SessionInfo | undefined }): JSX.Element => {
   const { target, nextTarget, ofArm } = strings.chair.prompt;
-  const { condition, cm } = targetOf(examination);
-  const share = targetPercent(examination, cm);
+  const { condition, cm, percent: share } = targetOf(examination, session?.trial);
   const isNext = examination.step === 'waiting' || examination.step === 'resting';
-  const isNamed = share === undefined || whole(share) !== condition;
+  const isNamed = share === undefined || whole(Math.round(share)) !== condition;
   return (
     <div class="chair-target">
       <span class="chair-label">{isNext ? nextTarget : target}</span>
       <span class="chair-target-value" data-testid="target">
-        {isNamed && condition !== '' && <span>{condition}</span>}
+        {isNamed && condition !== '' && <span class="chair-target-name">{conditionName(session?.protocol ?? '', condition)}</span>}
         {share !== undefined && (
           <span>
             {whole(Math.round(share))}
@@ -49,10 +59,17 @@ const TargetLine = ({ examination }: { examination: Examination }): JSX.Element 
   );
 };
 
-/** `restS`: whole seconds of rest left. */
-export const Prompt = ({ examination, restS }: { examination: Examination; restS: ReadonlySignal<number> }): JSX.Element => {
+interface PromptProps {
+  examination: Examination;
+  session: SessionInfo | undefined;
+  /** Whole seconds of rest left. */
+  restS: ReadonlySignal<number>;
+}
+
+export const Prompt = ({ examination, session, restS }: PromptProps): JSX.Element => {
   const { words, hints, readyForTrial, trialOf, attempt, rest } = strings.chair.prompt;
   const { step, trial, of } = examination;
+  const outcome = session?.trial === undefined || !between.has(step) ? undefined : lastOutcome(session.trial);
   return (
     <section class={`chair-prompt chair-prompt-${step}`} aria-labelledby="chair-prompt-head">
       <h2 id="chair-prompt-head" class="visually-hidden">
@@ -65,11 +82,16 @@ export const Prompt = ({ examination, restS }: { examination: Examination; restS
         <p>{hints.free}</p>
       ) : (
         <>
-          <TargetLine examination={examination} />
+          <TargetLine examination={examination} session={session} />
           <div class="chair-counter" data-testid="trial-counter">
             {trial === 0 ? readyForTrial(whole(1), whole(of)) : trialOf(whole(trial), whole(of))}
             {examination.attempt > 1 && `, ${attempt(whole(examination.attempt))}`}
           </div>
+          {outcome !== undefined && (
+            <p class={`outcome outcome-${outcome}`} role="status" data-testid="trial-outcome" data-outcome={outcome}>
+              <span aria-hidden="true">{outcomeShape(outcome)}</span> {strings.common.trialEnded[outcome](whole(session?.trial?.lastTrial))}
+            </p>
+          )}
           <p class="chair-sentence" data-testid="prompt-hint">
             {step === 'resting' && restS.value > 0 ? rest(whole(restS.value)) : hints[step]}
           </p>

@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Buttons and keys of the therapist: start and tare between sessions, one key per step during a session.
+import type { Signal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
 
+import type { SessionInfo } from '../../generated/dts/v1/control_pb';
 import { TrialAction } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import type { Commands } from '../../parts/controls';
 import { Button, CommandNotice, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
+import { LastSession } from '../../parts/last_session';
 import { clockTime } from '../../parts/numbers';
+import { lastOutcome } from '../../parts/outcomes';
+import { StopButton, useSessionStop } from '../../parts/stop_button';
+import { UndoLine } from '../../parts/undo_line';
 import { strings } from '../../strings';
 import type { Examination } from './examination';
 
@@ -17,14 +23,14 @@ const words = strings.chair.controls;
 interface ControlsProps {
   link: Link;
   rig: string;
+  session: SessionInfo;
   examination: Examination;
   /** More notices. */
   children: ComponentChildren;
 }
 
 /** A marker belongs to this instant, so it has its own commands and never waits for another one. */
-const Marking = ({ link, rig, commands }: { link: Link; rig: string; commands: Commands }): JSX.Element => {
-  const markedAt = useSignal(0);
+const Marking = ({ link, rig, commands, markedAt }: { link: Link; rig: string; commands: Commands; markedAt: Signal<number> }): JSX.Element => {
   const whyNot = whyNotOperate(link);
   const mark = async (): Promise<void> => {
     if (whyNot !== '') return;
@@ -32,55 +38,67 @@ const Marking = ({ link, rig, commands }: { link: Link; rig: string; commands: C
     if (done !== undefined) markedAt.value = Date.now();
   };
   useKeys({ ' ': () => void mark() });
-  return (
-    <>
-      <Button label={words.mark} keyName={words.spaceKey} onClick={() => void mark()} whyNot={whyNot} testId="mark" />
-      <span class="chair-marked" role="status" data-testid="marked">
-        {markedAt.value > 0 && words.marked(clockTime(markedAt.value))}
-      </span>
-    </>
-  );
+  return <Button label={words.mark} keyName={words.spaceKey} onClick={() => void mark()} whyNot={whyNot} testId="mark" isReasonNearby />;
 };
 
 /** During a session. */
-export const TrialControls = ({ link, rig, examination, children }: ControlsProps): JSX.Element => {
+export const TrialControls = ({ link, rig, session, examination, children }: ControlsProps): JSX.Element => {
   const commands = useCommands(link);
   const marking = useCommands(link);
+  const stopping = useCommands(link); // its own, so that a stop never waits for another command
+  const stop = useSessionStop(link, rig, session.sessionId, stopping);
+  const markedAt = useSignal(0);
   const { step, trial } = examination;
+  const outcome = session.trial === undefined ? undefined : lastOutcome(session.trial);
   const isDuringTrial = step === 'ready' || step === 'go' || step === 'back';
   const whyNot = whyNotOperate(link) || (step === 'free' ? words.noTrials : '');
   const whyNotNext = whyNot || (step === 'finished' ? words.allDone : isDuringTrial ? words.duringTrial : '');
-  const whyNotVoid = whyNot || (trial === 0 ? words.needsTrial : '');
-  const act = (action: TrialAction): void => void commands.run({ case: 'trial', value: { rig, action } });
+  const whyNotRedo = whyNot || (trial === 0 ? words.needsTrial : '');
+  const whyNotReject = whyNotRedo || (!isDuringTrial && outcome === 'rejected' ? words.alreadyVoid : '');
+  const act = (action: TrialAction): void => {
+    if (!stop.flush()) void commands.run({ case: 'trial', value: { rig, action } });
+  };
   const next = (): void => act(TrialAction.NEXT);
   const redo = (): void => act(TrialAction.REDO);
   const reject = (): void => act(TrialAction.REJECT);
-  const stop = (): void => void commands.run({ case: 'stopSession', value: { rig } });
   useKeys({
     a: () => whyNotNext === '' && next(),
-    r: () => whyNotVoid === '' && redo(),
-    x: () => whyNotVoid === '' && reject(),
+    r: () => whyNotRedo === '' && redo(),
+    x: () => whyNotReject === '' && reject(),
   });
+  const start = trial === 0 ? words.first : outcome === undefined || outcome === 'done' ? words.next : words.startNext;
   return (
     <div class="chair-controls">
       <div class="row">
-        <Button label={trial === 0 ? words.first : words.next} keyName="A" kind="main" onClick={next} whyNot={whyNotNext} testId="trial-next" />
-        <Button label={words.redo} keyName="R" onClick={redo} whyNot={whyNotVoid} testId="trial-redo" />
-        <Button label={words.reject} keyName="X" onClick={reject} whyNot={whyNotVoid} testId="trial-reject" />
-        <Button label={words.stop} kind="danger" onClick={stop} whyNot={whyNotOperate(link)} testId="stop-session" />
-        <Marking link={link} rig={rig} commands={marking} />
+        <Button label={start} keyName="A" kind="main" onClick={next} whyNot={whyNotNext} testId="trial-next" isReasonNearby />
+        <Button label={words.redo} keyName="R" onClick={redo} whyNot={whyNotRedo} testId="trial-redo" isReasonNearby />
+        <Button label={words.reject} keyName="X" onClick={reject} whyNot={whyNotReject} testId="trial-reject" isReasonNearby />
+        <StopButton stop={stop} label={words.stop} whyNot={whyNotOperate(link)} />
+        <Marking link={link} rig={rig} commands={marking} markedAt={markedAt} />
+        <UndoLine link={link} rig={rig} trial={session.trial} stop={stop} commands={commands}>
+          <span class="chair-marked" role="status" data-testid="marked">
+            {markedAt.value > 0 && words.marked(clockTime(markedAt.value))}
+          </span>
+        </UndoLine>
       </div>
-      <div class="chair-notices">
-        {children}
-        <CommandNotice commands={commands} testId="command-error" />
-        <CommandNotice commands={marking} testId="mark-error" />
-      </div>
+      <p class="why-not why-not-line">{whyNotNext}</p>
+      {children}
+      <CommandNotice commands={commands} testId="command-error" />
+      <CommandNotice commands={marking} testId="mark-error" />
+      <CommandNotice commands={stopping} testId="stop-error" />
     </div>
   );
 };
 
+interface StartProps {
+  link: Link;
+  rig: string;
+  session: SessionInfo | undefined;
+  onStart: () => void;
+}
+
 /** Between sessions: start a session, or tare the empty chair. */
-export const StartControls = ({ link, rig, onStart }: { link: Link; rig: string; onStart: () => void }): JSX.Element => {
+export const StartControls = ({ link, rig, session, onStart }: StartProps): JSX.Element => {
   const commands = useCommands(link);
   const isTared = useSignal(false);
   const whyNot = whyNotOperate(link);
@@ -90,15 +108,15 @@ export const StartControls = ({ link, rig, onStart }: { link: Link; rig: string;
   return (
     <div class="chair-controls">
       <div class="row">
-        <Button label={words.start} kind="main" onClick={onStart} whyNot={whyNot} testId="open-start" />
-        <Button label={words.tare} onClick={() => void tare()} whyNot={whyNot} testId="tare" />
+        <Button label={words.start} kind="main" onClick={onStart} whyNot={whyNot} testId="open-start" isReasonNearby />
+        <Button label={words.tare} onClick={() => void tare()} whyNot={whyNot} testId="tare" isReasonNearby />
+        <LastSession session={session} />
         <span class="chair-marked" role="status" data-testid="tared">
           {isTared.value && words.tared}
         </span>
       </div>
-      <div class="chair-notices">
-        <CommandNotice commands={commands} testId="command-error" />
-      </div>
+      <p class="why-not why-not-line">{whyNot}</p>
+      <CommandNotice commands={commands} testId="command-error" />
     </div>
   );
 };

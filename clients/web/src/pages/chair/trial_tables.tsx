@@ -4,9 +4,10 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
-import { spoken } from '../../parts/names';
+import { targetName } from '../../parts/names';
 import type { TrialResult, TrunkMovement } from '../../generated/dts/v1/stream_pb';
 import { fixed, whole } from '../../parts/numbers';
+import { OutcomeMark, outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
 import type { TargetSummary } from './consistency';
 import { angleOf, byTarget, counts } from './consistency';
@@ -20,31 +21,50 @@ const classText = (trial: TrialRecord): string => {
   return classWord(result.movement) + (why.length > 0 ? ` (${why.join(', ')})` : '');
 };
 
-const targetText = (condition: string, cm: number): string => (cm > 0 ? strings.chair.table.target(spoken(condition), fixed(cm, 0)) : spoken(condition));
+const targetText = (protocol: string, condition: string, cm: number): string => {
+  const name = targetName(protocol, condition);
+  return cm > 0 ? strings.chair.table.target(name, fixed(cm, 0)) : name;
+};
 
 const intervalText = ({ trunkLoDeg, trunkHiDeg }: Partial<TrunkMovement>): string =>
   trunkLoDeg === undefined || trunkHiDeg === undefined
     ? strings.common.undefinedValue
     : strings.chair.table.window(fixed(trunkLoDeg, 1), fixed(trunkHiDeg, 1));
 
+const detailHeads = strings.chair.table.heads.details;
+
 /** The interval of the angle, P1, P2, P3, and the probabilities of the classes 1, 2, 3. */
 const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element => (
   <>
-    <td class="number">{intervalText(result?.movement ?? {})}</td>
+    <td data-label={detailHeads[0]} class="number">
+      {intervalText(result?.movement ?? {})}
+    </td>
     {[result?.reach?.p1, result?.reach?.p2, result?.reach?.p3].map((point, index) => (
-      <td key={index} class="number">
+      <td key={index} data-label={detailHeads[index + 1]} class="number">
         {fixed(point?.valueMm, 2)}
       </td>
     ))}
-    <td class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
+    <td data-label={detailHeads[4]} class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
   </>
 );
 
-/** `isWhole`: with everything that is known of each reach. */
-export const TrialTable = ({ trials, isWhole = false }: { trials: readonly TrialRecord[]; isWhole?: boolean }): JSX.Element => {
-  const { heads, outcomes } = strings.chair.table;
+interface TablesProps {
+  /** Name of the protocol, for the titles of its conditions. */
+  protocol: string;
+  trials: readonly TrialRecord[];
+}
+
+interface TrialTableProps extends TablesProps {
+  /** With everything that is known of each reach. */
+  isWhole?: boolean;
+  /** Returns how a trial's outcome was corrected, or "". */
+  correctionOf?: (trial: TrialRecord) => string;
+}
+
+export const TrialTable = ({ protocol, trials, isWhole = false, correctionOf = () => '' }: TrialTableProps): JSX.Element => {
+  const { heads } = strings.chair.table;
   return (
-    <table class="chair-table" data-testid="trial-table">
+    <table class="chair-table stack" data-testid="trial-table">
       <thead>
         <tr>
           <th class="number">{heads.trial}</th>
@@ -58,11 +78,20 @@ export const TrialTable = ({ trials, isWhole = false }: { trials: readonly Trial
       <tbody>
         {[...trials].reverse().map((trial) => (
           <tr key={`${trial.part}/${trial.trial}/${trial.attempt}`} class={counts(trial) ? '' : 'chair-void'}>
-            <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
-            <td>{targetText(trial.condition, trial.result?.targetCm ?? 0)}</td>
-            <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
-            <td>{classText(trial)}</td>
-            <td class="number">{fixed(angleOf(trial), 1)}</td>
+            <td data-label={heads.trial} class="number">
+              {trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}
+            </td>
+            <td data-label={heads.target}>{targetText(protocol, trial.condition, trial.result?.targetCm ?? 0)}</td>
+            <td data-label={heads.outcome}>
+              <div>
+                <OutcomeMark outcome={outcomeOf(trial)} />
+                {correctionOf(trial) !== '' && <div class="corrected">{correctionOf(trial)}</div>}
+              </div>
+            </td>
+            <td data-label={heads.trunk}>{classText(trial)}</td>
+            <td data-label={heads.angle} class="number">
+              {fixed(angleOf(trial), 1)}
+            </td>
             {isWhole && <Details result={trial.result} />}
           </tr>
         ))}
@@ -76,22 +105,23 @@ const isInside = ({ meanDeg, window }: TargetSummary): boolean | undefined =>
 
 const WindowCell = ({ summary }: { summary: TargetSummary }): JSX.Element => {
   const inside = isInside(summary);
-  if (summary.window === undefined) return <td>{strings.common.undefinedValue}</td>;
+  const head = strings.chair.table.heads.window;
+  if (summary.window === undefined) return <td data-label={head}>{strings.common.undefinedValue}</td>;
   const range = strings.chair.table.window(fixed(summary.window.lowDeg, 1), fixed(summary.window.highDeg, 1));
   const word = inside === undefined ? '' : inside ? strings.chair.table.inside : strings.chair.table.outside;
   return (
-    <td>
+    <td data-label={head}>
       {range}
       {word !== '' && <strong class={inside ? 'chair-inside' : 'chair-outside'}> {word}</strong>}
     </td>
   );
 };
 
-export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+export const TargetTable = ({ protocol, trials }: TablesProps): JSX.Element => {
   const { heads, source } = strings.chair.table;
   return (
     <>
-      <table class="chair-table" data-testid="target-table">
+      <table class="chair-table stack" data-testid="target-table">
         <thead>
           <tr>
             <th>{heads.target}</th>
@@ -104,10 +134,16 @@ export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX
         <tbody>
           {byTarget(trials).map((summary) => (
             <tr key={summary.condition}>
-              <td>{targetText(summary.condition, summary.targetCm)}</td>
-              <td class="number">{whole(summary.trials)}</td>
-              <td class="number">{fixed(summary.meanDeg, 1)}</td>
-              <td class="number">{fixed(summary.sdDeg, 1)}</td>
+              <td data-label={heads.target}>{targetText(protocol, summary.condition, summary.targetCm)}</td>
+              <td data-label={heads.count} class="number">
+                {whole(summary.trials)}
+              </td>
+              <td data-label={heads.angle} class="number">
+                {fixed(summary.meanDeg, 1)}
+              </td>
+              <td data-label={heads.sd} class="number">
+                {fixed(summary.sdDeg, 1)}
+              </td>
               <WindowCell summary={summary} />
             </tr>
           ))}
@@ -121,7 +157,7 @@ export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX
 type View = 'trials' | 'targets';
 
 /** Shows the trials during a session and the targets after it, unless the user chose one. */
-export const Trials = ({ trials, isOver }: { trials: readonly TrialRecord[]; isOver: boolean }): JSX.Element => {
+export const Trials = ({ protocol, trials, isOver }: TablesProps & { isOver: boolean }): JSX.Element => {
   const chosen = useSignal<View | undefined>(undefined);
   const view = chosen.value ?? (isOver ? 'targets' : 'trials');
   const { title, byTrial, byTargets, none } = strings.chair.table;
@@ -141,7 +177,7 @@ export const Trials = ({ trials, isOver }: { trials: readonly TrialRecord[]; isO
       </header>
       {/* This part scrolls, also by keyboard; the page must not. */}
       <div class="chair-trials-body" tabIndex={0} role="group" aria-labelledby="chair-trials-head">
-        {trials.length === 0 ? <p class="empty">{none}</p> : view === 'trials' ? <TrialTable trials={trials} /> : <TargetTable trials={trials} />}
+        {trials.length === 0 ? <p class="empty">{none}</p> : view === 'trials' ? <TrialTable protocol={protocol} trials={trials} /> : <TargetTable protocol={protocol} trials={trials} />}
       </div>
     </section>
   );

@@ -14,13 +14,11 @@ export interface Ellipse {
 
 const fewestSamples = 10;
 
-/**
- * Returns the 95 % prediction ellipse of the points since `fromMs`, by the formula of PEA95_F in the reports:
- * semi-axis^2 = eigenvalue * (N^2 - 1) / N * (0.05^(-2 / (N - 2)) - 1). The reports use a low-passed COP, this function the published one.
- */
-export const ellipseOf = (ring: ScanRing, xChannel: number, yChannel: number, fromMs: number): Ellipse | undefined => {
+/** Returns the 95 % prediction ellipse of the points from `fromMs` to `toMs`: semi-axis^2 = eigenvalue * (N^2 - 1) / N * (0.05^(-2 / (N - 2)) - 1). */
+export const ellipseOf = (ring: ScanRing, xChannel: number, yChannel: number, fromMs: number, toMs: number): Ellipse | undefined => {
   let [n, meanX, meanY, sumXx, sumXy, sumYy] = [0, 0, 0, 0, 0, 0];
-  for (let index = ring.indexAt(fromMs); index < ring.length; index += 1) {
+  const end = ring.indexAt(toMs);
+  for (let index = ring.indexAt(fromMs); index < end; index += 1) {
     const x = ring.value(xChannel, index);
     const y = ring.value(yChannel, index);
     if (Number.isNaN(x) || Number.isNaN(y)) continue;
@@ -48,3 +46,9 @@ export const ellipseOf = (ring: ScanRing, xChannel: number, yChannel: number, fr
 };
 
 export const areaOf = (ellipse: Ellipse): number => Math.PI * ellipse.long * ellipse.short;
+
+/** Returns the ellipse with the given area: picture and tile then show the same, although the daemon low-passes the scans first. */
+export const withArea = (ellipse: Ellipse, areaMm2: number): Ellipse => {
+  const factor = Math.sqrt(areaMm2 / areaOf(ellipse));
+  return Number.isFinite(factor) ? { ...ellipse, long: factor * ellipse.long, short: factor * ellipse.short } : ellipse;
+};

@@ -3,19 +3,17 @@ import { create } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 
 import { SessionInfoSchema } from '../../generated/dts/v1/control_pb';
-import type { SessionInfo } from '../../generated/dts/v1/control_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { Quality, SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Block } from '../../link/types';
+import { isActive } from '../../parts/active';
 import { ScanRing } from '../../parts/scan_ring';
 import { strings } from '../../strings';
-import type { PhaseLengths } from './countdown';
-import { learnLengths, progressOf } from './countdown';
+import { progressOf } from './countdown';
 import type { Ellipse } from './ellipse';
 import { areaOf, ellipseOf } from './ellipse';
 import type { Situation } from './guidance';
 import { guidanceOf } from './guidance';
-import { isActive } from './session_controls';
 import type { View } from './view';
 import { nextView } from './view';
 
@@ -36,7 +34,7 @@ test('ellipseOf.KnownPoints has the area that PEA95_F has', () => {
   const [varianceLong, varianceShort] = [(16 * 9) / 31, 16 / 31];
   const factor = ((32 * 32 - 1) / 32) * (0.05 ** (-2 / 30) - 1);
 
-  const ellipse = ellipseOf(ringOf(points), 0, 1, 0)!;
+  const ellipse = ellipseOf(ringOf(points), 0, 1, 0, Infinity)!;
 
   expect(areaOf(ellipse)).toBeCloseTo(Math.PI * factor * Math.sqrt(varianceLong * varianceShort), 4);
   expect([ellipse.centreX, ellipse.centreY]).toEqual([expect.closeTo(5, 5), expect.closeTo(-2, 5)]);
@@ -47,8 +45,8 @@ test('ellipseOf.KnownPoints has the area that PEA95_F has', () => {
 test('ellipseOf.MissingScans are left out; too few scans give no ellipse', () => {
   const points = Array.from({ length: 12 }, (_, index) => (index < 3 ? ([NaN, NaN] as const) : ([index, index % 2] as const)));
 
-  expect(ellipseOf(ringOf(points), 0, 1, 0)).toBeUndefined();
-  expect(ellipseOf(ringOf([...points, [4, 4]]), 0, 1, 0)?.samples).toBe(10);
+  expect(ellipseOf(ringOf(points), 0, 1, 0, Infinity)).toBeUndefined();
+  expect(ellipseOf(ringOf([...points, [4, 4]]), 0, 1, 0, Infinity)?.samples).toBe(10);
 });
 
 const whole: View = { x: 0, y: 0, spanMm: 464 };
@@ -68,6 +66,12 @@ test('nextView.QuietStanding is zoomed in on and stays while the ellipse breathe
   expect(later.every((view) => view === near)).toBe(true);
 });
 
+test('nextView.SmallEllipse is zoomed in on wherever it is on the plate', () => {
+  const far = nextView(whole, ellipse(60, 70), whole); // the person stepped on
+
+  expect(nextView(far, ellipse(60, 6), whole).spanMm).toBe(20);
+});
+
 test('nextView.EllipseThatLeaves is followed, one that grows too large shows the plate', () => {
   const near = nextView(whole, ellipse(0, 12), whole);
 
@@ -76,7 +80,7 @@ test('nextView.EllipseThatLeaves is followed, one that grows too large shows the
   expect(nextView(near, ellipse(0, 200), whole)).toBe(whole);
 });
 
-const calm: Situation = { isOld: false, quality: 0, distanceMm: 5, plateMm: 430, session: SessionState.IDLE, phase: TrialPhase.UNSPECIFIED, trial: 0 };
+const calm: Situation = { isOld: false, quality: 0, distanceMm: 5, plateMm: 430, session: SessionState.IDLE, phase: TrialPhase.UNSPECIFIED, outcome: undefined };
 const running = { ...calm, session: SessionState.RUNNING };
 
 test.each<[string, Situation]>([
@@ -88,11 +92,16 @@ test.each<[string, Situation]>([
   ['offCentre', { ...calm, distanceMm: 90 }],
   ['recording', running],
   ['first', { ...running, phase: TrialPhase.WAITING }],
-  ['settling', { ...running, phase: TrialPhase.SETTLING, trial: 1 }],
-  ['measuring', { ...running, phase: TrialPhase.MEASURING, trial: 1 }],
-  ['nobody', { ...running, phase: TrialPhase.MEASURING, trial: 1, quality: Quality.NO_CONTACT }],
-  ['done', { ...running, phase: TrialPhase.WAITING, trial: 1, quality: Quality.NO_CONTACT }],
-  ['finished', { ...running, phase: TrialPhase.FINISHED, trial: 4 }],
+  ['settling', { ...running, phase: TrialPhase.SETTLING }],
+  ['measuring', { ...running, phase: TrialPhase.MEASURING, outcome: 'done' }],
+  ['nobody', { ...running, phase: TrialPhase.MEASURING, quality: Quality.NO_CONTACT }],
+  ['done', { ...running, phase: TrialPhase.WAITING, outcome: 'done', quality: Quality.NO_CONTACT }],
+  ['rejected', { ...running, phase: TrialPhase.WAITING, outcome: 'rejected' }],
+  ['steppedOff', { ...running, phase: TrialPhase.WAITING, outcome: 'steppedOff' }],
+  ['resting', { ...running, phase: TrialPhase.RESTING, outcome: 'done' }],
+  ['rejected', { ...running, phase: TrialPhase.RESTING, outcome: 'rejected' }],
+  ['finished', { ...running, phase: TrialPhase.FINISHED, outcome: 'done' }],
+  ['feetMoved', { ...running, phase: TrialPhase.FINISHED, outcome: 'feetMoved' }],
   ['failed', { ...calm, session: SessionState.FAILED }],
 ])('guidanceOf.%s', (state, situation) => {
   expect(guidanceOf(situation)).toBe(state);
@@ -107,49 +116,27 @@ test.each([
   expect(isActive(create(SessionInfoSchema, { sessionId: 's', state }))).toBe(expected);
 });
 
-const inTrial = (phase: TrialPhase, remainingS: number, elapsedS = 0, trial = 1) =>
-  create(SessionInfoSchema, { sessionId: 's', state: SessionState.RUNNING, elapsedS, trial: { phase, remainingS, trial, attempt: 1 } });
-const { READY, SETTLING, MEASURING, WAITING } = TrialPhase;
-const learned = (...seen: readonly SessionInfo[]): PhaseLengths => seen.reduce<PhaseLengths | undefined>(learnLengths, undefined)!;
+const inTrial = (phase: TrialPhase, remainingS: number, durationS?: number) =>
+  create(SessionInfoSchema, {
+    sessionId: 's',
+    state: SessionState.RUNNING,
+    trial: { phase, remainingS, trial: 1, attempt: 1, settleS: 5, ...(durationS === undefined ? {} : { durationS }) },
+  });
+const { SETTLING, MEASURING, WAITING } = TrialPhase;
 
-test('progressOf.Trial counts settling first, then the measurement', () => {
-  const settling = inTrial(SETTLING, 5, 2);
-  const measuring = inTrial(MEASURING, 30, 8);
-  const lengths = learned(inTrial(READY, 1, 1), settling, inTrial(SETTLING, 0.2, 7), measuring);
-
-  const [first, second] = [progressOf(settling, lengths, 1)!, progressOf(measuring, lengths, 10)!];
+test('progressOf.TabOpenedInATrial shows the whole ring from the status alone: settling first, then the measurement', () => {
+  const [first, second] = [progressOf(inTrial(SETTLING, 5, 30), 1)!, progressOf(inTrial(MEASURING, 30, 30), 10)!];
 
   expect(first).toMatchObject({ seconds: 4, shares: { settle: expect.closeTo(5 / 35, 9), done: expect.closeTo(1 / 35, 9) } });
   expect(second).toMatchObject({ seconds: 20, shares: { settle: expect.closeTo(5 / 35, 9), done: expect.closeTo(15 / 35, 9) } });
 });
 
-test('progressOf.TabLoadedInATrial shows the seconds left and no share, until it has seen a whole trial', () => {
-  const middle = [inTrial(MEASURING, 12, 20), inTrial(MEASURING, 11, 21)];
-  const next = [inTrial(WAITING, 0, 40), inTrial(READY, 1, 41, 2), inTrial(SETTLING, 5, 42, 2), inTrial(SETTLING, 0.5, 46.5, 2), inTrial(MEASURING, 20, 47, 2)];
-
-  const inMiddle = progressOf(middle[1]!, learned(...middle), 0.5);
-  const inNext = progressOf(next[4]!, learned(...middle, ...next), 5);
-
-  expect(inMiddle).toEqual({ seconds: 11, words: strings.floor.left, shares: undefined });
-  expect(inNext).toMatchObject({ seconds: 15, shares: { settle: expect.closeTo(0.2, 9), done: expect.closeTo(0.4, 9) } });
-});
-
-test.each<[string, readonly SessionInfo[], readonly unknown[]]>([
-  ['PhaseThatBeganUnseen teaches no length', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
-  ['SettlingTooShortToBeSeen takes no part of the ring', [inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4)], ['s', 0, 20]],
-  ['OtherSession starts again', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
-])('learnLengths.%s', (_, sessions, expected) => {
-  const { sessionId, settleS, measureS } = learned(...sessions);
-
-  expect([sessionId, settleS, measureS]).toEqual(expected);
-});
-
 test('progressOf.WaitingTrial or one without an end has no time; a free recording counts up, one with an end down', () => {
   const free = create(SessionInfoSchema, { sessionId: 's', state: SessionState.RUNNING, elapsedS: 12.4 });
   const ending = create(SessionInfoSchema, { sessionId: 's', state: SessionState.RUNNING, elapsedS: 9, settleS: 10, durationS: 30 });
-  const lengths = learned(free);
 
-  expect([inTrial(WAITING, 0), inTrial(MEASURING, 0)].map((session) => progressOf(session, lengths, 0))).toEqual([undefined, undefined]);
-  expect(progressOf(free, lengths, 0.7)).toEqual({ seconds: 13, words: strings.floor.elapsed, shares: undefined });
-  expect(progressOf(ending, lengths, 1)).toMatchObject({ seconds: 20, shares: { settle: 0.25, done: 0.5 } });
+  expect([inTrial(WAITING, 0), inTrial(MEASURING, 0)].map((session) => progressOf(session, 0))).toEqual([undefined, undefined]);
+  expect(progressOf(inTrial(SETTLING, 3), 0)).toEqual({ seconds: 3, words: strings.floor.settleLeft, shares: undefined });
+  expect(progressOf(free, 0.7)).toEqual({ seconds: 13, words: strings.floor.elapsed, shares: undefined });
+  expect(progressOf(ending, 1)).toMatchObject({ seconds: 20, shares: { settle: 0.25, done: 0.5 } });
 });

@@ -3,36 +3,59 @@
 import type { JSX } from 'preact';
 import { useEffect, useMemo } from 'preact/hooks';
 
-import type { RigStatus } from '../../generated/dts/v1/control_pb';
-import type { ProtocolInfo, TrialStatus } from '../../generated/dts/v1/sessions_pb';
+import type { RigStatus, SessionInfo } from '../../generated/dts/v1/control_pb';
+import type { TrialRecord, TrialStatus } from '../../generated/dts/v1/sessions_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
+import { isActive } from '../../parts/active';
+import type { Commands } from '../../parts/controls';
 import { CommandNotice, Notice, Tile, useCommands } from '../../parts/controls';
 import { Live, useIsOld } from '../../parts/live';
-import { capitalised, protocolName, spoken } from '../../parts/names';
+import { conditionName, protocolName } from '../../parts/names';
 import { fixed, whole } from '../../parts/numbers';
+import { lastOutcome } from '../../parts/outcomes';
+import type { StartForm } from '../../parts/start_form';
 import { useStartForm } from '../../parts/start_form';
-import { StartSession, StartTaken, useProtocols } from '../../parts/start_session';
+import { StartSession, StartTaken } from '../../parts/start_session';
 import { strings } from '../../strings';
 import { Countdown } from './countdown';
 import './floor.css';
-import { guidanceOf } from './guidance';
+import type { GuidanceState } from './guidance';
+import { guidanceOf, isEnded } from './guidance';
 import { LiveFloor } from './live_floor';
 import { Plate } from './plate';
-import { useRecalled } from './recall';
+import { useRecord } from './recall';
 import { Remarks } from './remarks';
 import { Series } from './series';
-import { isActive, SessionControls } from './session_controls';
+import { SessionControls } from './session_controls';
 import { SwayTiles } from './sway_tiles';
+import { TrialStrip } from './trial_strip';
 
 const words = strings.floor;
+
+/** Returns title and hint of a state. */
+const guidanceWords = (state: GuidanceState, protocol: string, trial: TrialStatus | undefined): readonly [string, string] => {
+  if (state === 'first') return words.firstTrial(conditionName(protocol, trial?.nextCondition ?? ''));
+  if (!isEnded(state)) return words.guidance[state] as [string, string];
+  const hint = trial?.phase === TrialPhase.FINISHED ? `${words.ended[state]} ${words.endedLast}` : words.ended[state];
+  return [strings.common.trialEnded[state](whole(trial?.lastTrial)), hint];
+};
+
+/** Returns what follows: the next condition after a trial, or which trial is repeated. */
+const remarkOf = (state: GuidanceState, protocol: string, trial: TrialStatus | undefined): string => {
+  if (trial === undefined) return '';
+  if (isEnded(state) && trial.nextCondition !== '') return words.next(conditionName(protocol, trial.nextCondition));
+  return trial.attempt > 1 && (state === 'ready' || state === 'settling') ? words.again(whole(trial.trial), whole(trial.attempt)) : '';
+};
 
 const Guidance = ({ link, status, floor }: { link: Link; status: RigStatus; floor: LiveFloor }): JSX.Element => {
   const rig = status.rig!;
   const isOld = useIsOld(link, rig.name).value;
   const { mlMm, apMm, quality } = floor.now.value;
+  const protocol = status.session?.protocol ?? '';
   const trial = status.session?.trial;
+  const outcome = trial === undefined ? undefined : lastOutcome(trial);
   const state = guidanceOf({
     isOld,
     quality,
@@ -40,26 +63,24 @@ const Guidance = ({ link, status, floor }: { link: Link; status: RigStatus; floo
     plateMm: Math.min(rig.plateAMm, rig.plateBMm),
     session: status.session?.state ?? SessionState.IDLE,
     phase: trial?.phase ?? TrialPhase.UNSPECIFIED,
-    trial: trial?.trial ?? 0,
+    outcome,
   });
-  const [what, hint] = state === 'first' ? words.firstTrial(spoken(trial?.nextCondition ?? '')) : words.guidance[state];
-  const next = state === 'done' && trial?.nextCondition ? words.next(spoken(trial.nextCondition)) : '';
+  const [what, hint] = guidanceWords(state, protocol, trial);
   return (
-    <div class={`guidance guidance-${state}`} role="status" aria-live="polite" data-testid="guidance" data-state={state}>
-      <strong>{what}</strong> <span>{hint}</span> <span>{next}</span>
+    <div class={`guidance guidance-${state}`} role="status" aria-live="polite" data-testid="guidance" data-state={state} data-outcome={outcome}>
+      <strong>{what}</strong> <span>{hint}</span> <span>{remarkOf(state, protocol, trial)}</span>
     </div>
   );
 };
 
-const trialTitle = ({ trial, of, condition }: TrialStatus): string =>
-  trial === 0 ? words.readyForTrial(whole(1), whole(of)) : words.trialOf(capitalised(spoken(condition)), whole(trial), whole(of));
+const trialTitle = (protocol: string, { trial, of, condition }: TrialStatus): string =>
+  trial === 0 ? words.readyForTrial(whole(1), whole(of)) : words.trialOf(conditionName(protocol, condition), whole(trial), whole(of));
 
-const TrialHead = ({ status }: { status: RigStatus }): JSX.Element => {
-  const { session } = status;
+const TrialHead = ({ session, records }: { session: SessionInfo | undefined; records: readonly TrialRecord[] }): JSX.Element => {
   if (!isActive(session)) return <h1 data-testid="trial-head">{words.noSession}</h1>;
   const { trial } = session;
   const protocol = protocolName(session.protocol);
-  const title = trial === undefined ? protocol : trialTitle(trial);
+  const title = trial === undefined ? protocol : trialTitle(session.protocol, trial);
   const attempt = trial !== undefined && trial.attempt > 1 ? words.attempt(whole(trial.attempt)) : '';
   return (
     <div>
@@ -67,6 +88,7 @@ const TrialHead = ({ status }: { status: RigStatus }): JSX.Element => {
       <p class="session-line" data-testid="session-id">
         {[title === protocol ? '' : protocol, session.subject, session.label, attempt].filter((part) => part !== '').join(' · ')}
       </p>
+      {trial !== undefined && <TrialStrip trial={trial} records={records} />}
     </div>
   );
 };
@@ -80,52 +102,54 @@ interface SideProps {
   link: Link;
   status: RigStatus;
   floor: LiveFloor;
-  protocols: readonly ProtocolInfo[];
+  form: StartForm;
+  commands: Commands;
+  marking: Commands;
 }
 
-const Side = ({ link, status, floor, protocols }: SideProps): JSX.Element => {
+const Side = ({ link, status, floor, form, commands, marking }: SideProps): JSX.Element => {
   const isOld = useIsOld(link, status.rig!.name).value;
   const { session } = status;
-  const form = useStartForm(isActive(session));
-  const commands = useCommands(link);
-  const marking = useCommands(link);
-  useRecalled(link, floor, session);
+  const record = useRecord(link, floor, session).value.answer;
   if (form.isShown) {
     return (
       <div class="floor-side">
-        <StartSession link={link} rig={status.rig!.name} protocols={protocols} form={form} />
+        <StartSession link={link} rig={status.rig!.name} form={form} />
       </div>
     );
   }
   return (
     <div class={`floor-side${isOld ? ' floor-side-old' : ''}`}>
       <div class={`floor-head${isActive(session) ? ' floor-head-session' : ''}`}>
-        <TrialHead status={status} />
+        <TrialHead session={session} records={record?.sessionId === session?.sessionId ? (record?.trials ?? []) : []} />
         {isActive(session) && <Countdown link={link} session={session} />}
       </div>
       <SwayTiles floor={floor}>
         <Load floor={floor} />
       </SwayTiles>
       <SessionControls link={link} status={status} commands={commands} marking={marking} onStart={form.open} />
-      <div class="floor-notices">
-        <Remarks floor={floor} status={status} />
-        <StartTaken form={form} protocol={session?.protocol ?? ''} />
-        <CommandNotice commands={commands} testId="command-error" />
-        <CommandNotice commands={marking} testId="mark-error" />
-      </div>
     </div>
   );
 };
 
 const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element | null => {
   const rig = status.rig!;
+  const { session } = status;
   const floor = useMemo(() => new LiveFloor(link, rig.name), [link, rig.name]);
   useEffect(() => () => floor.close(), [floor]);
-  const protocols = useProtocols(link).value;
+  const form = useStartForm(isActive(session));
+  const commands = useCommands(link);
+  const marking = useCommands(link);
   return (
     <div class="floor">
       <div class="floor-pictures">
         <Guidance link={link} status={status} floor={floor} />
+        <div class="floor-notices">
+          <Remarks floor={floor} status={status} />
+          <StartTaken form={form} protocol={session?.protocol ?? ''} />
+          <CommandNotice commands={commands} testId="command-error" />
+          <CommandNotice commands={marking} testId="mark-error" />
+        </div>
         <Live link={link} rig={rig.name}>
           <div class="floor-live">
             <Plate link={link} rig={rig} floor={floor} />
@@ -133,7 +157,7 @@ const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
           </div>
         </Live>
       </div>
-      <Side link={link} status={status} floor={floor} protocols={protocols} />
+      <Side link={link} status={status} floor={floor} form={form} commands={commands} marking={marking} />
     </div>
   );
 };

@@ -2,9 +2,10 @@
 // Chooses the state shown at the top of the page, with what to do.
 import { SessionState, Quality } from '../../generated/dts/v1/stream_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
-import type { strings } from '../../strings';
+import type { Outcome } from '../../parts/outcomes';
+import { strings } from '../../strings';
 
-export type GuidanceState = keyof typeof strings.floor.guidance | 'first';
+export type GuidanceState = keyof typeof strings.floor.guidance | 'first' | Outcome;
 
 export interface Situation {
   readonly isOld: boolean; // no data for two seconds
@@ -13,13 +14,13 @@ export interface Situation {
   readonly plateMm: number; // shorter side of the plate
   readonly session: SessionState;
   readonly phase: TrialPhase;
-  readonly trial: number; // running, or done last; 0: none yet
+  readonly outcome: Outcome | undefined; // of the newest attempt that ended; undefined: none has ended
 }
 
-const ofPhase = (phase: TrialPhase, trial: number): GuidanceState | undefined => {
+const ofPhase = (phase: TrialPhase, outcome: Outcome | undefined): GuidanceState | undefined => {
   switch (phase) {
     case TrialPhase.WAITING:
-      return trial === 0 ? 'first' : 'done';
+      return outcome ?? 'first';
     case TrialPhase.READY:
       return 'ready';
     case TrialPhase.SETTLING:
@@ -27,9 +28,9 @@ const ofPhase = (phase: TrialPhase, trial: number): GuidanceState | undefined =>
     case TrialPhase.MEASURING:
       return 'measuring';
     case TrialPhase.RESTING:
-      return 'resting';
+      return outcome === undefined || outcome === 'done' ? 'resting' : outcome;
     case TrialPhase.FINISHED:
-      return 'finished';
+      return outcome === undefined || outcome === 'done' ? 'finished' : outcome;
     default:
       return undefined;
   }
@@ -42,7 +43,7 @@ const ofSession = (situation: Situation): GuidanceState | undefined => {
     case SessionState.SETTLING:
       return 'settling';
     case SessionState.RUNNING:
-      return ofPhase(situation.phase, situation.trial) ?? 'recording';
+      return ofPhase(situation.phase, situation.outcome) ?? 'recording';
     case SessionState.STOPPING:
       return 'stopping';
     case SessionState.FAILED:
@@ -67,3 +68,6 @@ export const guidanceOf = (situation: Situation): GuidanceState => {
   if (situation.distanceMm > situation.plateMm / 6) return 'offCentre';
   return state ?? 'standing';
 };
+
+/** Returns whether a state says how a trial ended. */
+export const isEnded = (state: GuidanceState): state is Outcome => Object.hasOwn(strings.common.outcomes, state);

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+import { create } from '@bufbuild/protobuf';
+import type { MessageInitShape } from '@bufbuild/protobuf';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 
-import { Quality, SessionState, SwayFlag, TrialEventKind } from '../../generated/dts/v1/stream_pb';
+import { Quality, SessionState, SwaySchema, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import { fakeLink } from '../../testing';
-import { invalidBecause, LiveFloor } from './live_floor';
+import { strings } from '../../strings';
+import { areaOf } from './ellipse';
+import { LiveFloor, windowName } from './live_floor';
 
 const channels = ['ml_mm', 'ap_mm', 'load_n'].map((name) => ({ name }));
 
@@ -57,19 +61,46 @@ test('LiveFloor.Values are those of the newest scan, updated four times a second
   expect(fake.topics()).toEqual([]);
 });
 
-test('LiveFloor.Ellipse covers the last 20 s, in a trial only the trial; an empty plate has none', () => {
+test('LiveFloor.Ellipse has the area of the tile and the scans of its window; without a value there is none', () => {
   const { fake, floor, stand, trial } = openFloor();
-  for (let timeMs = 0; timeMs <= 20_300; timeMs += 10) stand(0, [timeMs < 295 ? 500 : timeMs < 20_000 ? 0 : 9 + ((timeMs / 10) % 2), (timeMs / 10) % 3, 0], timeMs);
-  const samplesAt = (nowMs: number): number | undefined => (fake.paint(nowMs), floor.now.value.ellipse?.samples);
+  for (let timeMs = 0; timeMs <= 20_300; timeMs += 10) stand(0, [timeMs < 20_000 ? 500 : 9 + ((timeMs / 10) % 2), (timeMs / 10) % 3, 0], timeMs);
+  const measures = [{ symbol: 'PEA95_F', value: 123 }];
+  const running = { isPreliminary: true, durationS: 0.25, window: SwayWindow.LATEST, windowS: 30, measures };
 
-  const free = samplesAt(21_000);
-  trial(TrialEventKind.MEASURE, 20_000);
-  const measured = samplesAt(22_000);
-  trial(TrialEventKind.DONE);
-  const over = samplesAt(23_000);
-  stand(Quality.NO_CONTACT, [0, 0, 0], 20_310);
+  fake.event('floor/sway', { body: { case: 'sway', value: running } }, 20_300);
+  const latest = floor.ellipse.value!;
+  trial(TrialEventKind.MEASURE, 20_100);
+  trial(TrialEventKind.DONE, 20_200);
+  fake.event('floor/sway', { body: { case: 'sway', value: { trial: 1, measures } } }, 20_300);
+  const ofTrial = floor.ellipse.value!;
+  fake.event('floor/sway', { body: { case: 'sway', value: { trial: 1, measures: [] } } }, 20_300);
 
-  expect([free, measured, over, samplesAt(24_000)]).toEqual([2001, 31, 2001, undefined]);
+  expect([latest.samples, ofTrial.samples]).toEqual([25, 10]);
+  expect([areaOf(latest), areaOf(ofTrial)]).toEqual([expect.closeTo(123, 6), expect.closeTo(123, 6)]);
+  expect(latest.centreX).toBeCloseTo(9.5, 1); // nothing of what was before
+  expect(floor.ellipse.value).toBeUndefined();
+});
+
+test('LiveFloor.ResultFromTheCatalogue is not shown when the next trial has begun', () => {
+  const { fake, floor } = openFloor();
+  const begin = (trial: number): void => fake.event('floor/trial', { body: { case: 'trial', value: { step: TrialEventKind.READY, trial, attempt: 1 } } });
+  const result = create(SwaySchema, { trial: 1, attempt: 1 });
+
+  begin(1);
+  floor.recall(result);
+  const shown = floor.sway.value?.sway.trial;
+  begin(2);
+  floor.recall(result);
+
+  expect([shown, floor.sway.value]).toEqual([1, undefined]);
+});
+
+test.each<[MessageInitShape<typeof SwaySchema>, string]>([
+  [{ isPreliminary: true, window: SwayWindow.LATEST, windowS: 30 }, 'last 30 s'],
+  [{ isPreliminary: true, trial: 2, window: SwayWindow.TRIAL }, 'trial 2 so far'],
+  [{ trial: 2 }, 'trial 2'],
+])('windowName.%j is %j', (sway, expected) => {
+  expect(windowName(create(SwaySchema, sway), strings.floor.windows)).toBe(expected);
 });
 
 test.each<[string, (open: ReturnType<typeof openFloor>) => void, boolean]>([
@@ -99,8 +130,8 @@ test('LiveFloor.Running values become sparks of one trial, a minute at most', ()
   expect([floor.sparks.get('MVELO')!.length, floor.sparks.get('MVELO')![0], floor.sparks.get('RANGE_AP')![0]]).toEqual([120, 1, NaN]);
 });
 
-test('LiveFloor.Gap is reported with its length, markers are bounded, a trial ends with its session', () => {
-  const { fake, floor, stand, trial, session } = openFloor();
+test('LiveFloor.Gap is reported with its length, markers are bounded', () => {
+  const { fake, floor, stand } = openFloor();
   const gap = (): void => fake.event('floor/gap', { body: { case: 'gap', value: { missingScans: 50n } } });
 
   gap(); // before any block its length is unknown
@@ -108,20 +139,7 @@ test('LiveFloor.Gap is reported with its length, markers are bounded, a trial en
   stand();
   gap();
   for (let i = 0; i < 51; i += 1) fake.event('floor/marker', { body: { case: 'marker', value: { text: `${i}` } } }, i);
-  trial(TrialEventKind.MEASURE, 50);
-  const fromMs = floor.trialFromMs;
-  session(SessionState.IDLE);
 
   expect([unknown, floor.absence.value]).toEqual([undefined, { backAt: 7000, seconds: 0.5 }]);
   expect([floor.markers.length, floor.markers[0]]).toEqual([50, { timeMs: 1, text: '1' }]);
-  expect([fromMs, floor.trialFromMs]).toEqual([50, NaN]);
-});
-
-test.each([
-  [0, ''],
-  [SwayFlag.STEPPED_OFF, 'off'],
-  [SwayFlag.MOVED, 'moved'],
-  [SwayFlag.STEPPED_OFF | SwayFlag.MOVED, 'off, moved'],
-])('invalidBecause.%i is %j', (flags, words) => {
-  expect(invalidBecause(flags, { steppedOff: 'off', moved: 'moved' })).toBe(words);
 });

@@ -2,15 +2,18 @@
 // The state of one platform. Pictures read the ring when they paint; slow values are signals.
 import { batch, signal } from '@preact/signals';
 
-import { Quality, SessionState, SwayFlag, TrialEventKind } from '../../generated/dts/v1/stream_pb';
-import type { Gap, Sway } from '../../generated/dts/v1/stream_pb';
+import { Quality, SessionState, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
+import type { Gap, Sway, TrialChange } from '../../generated/dts/v1/stream_pb';
 import type { Block, Link, LiveEvent } from '../../link/types';
+import { isActive } from '../../parts/active';
+import { whole } from '../../parts/numbers';
 import { ScanRing } from '../../parts/scan_ring';
+import type { strings } from '../../strings';
 import type { Ellipse } from './ellipse';
-import { ellipseOf } from './ellipse';
-import { isActive } from './session_controls';
+import { ellipseOf, withArea } from './ellipse';
 
-export const windowS = 20;
+export const windowS = 20; // of the series
+const ringS = 62; // a trial of a minute
 export const trailS = 5;
 const fastestHz = 2000; // bounds the memory of the ring
 const slowEveryMs = 250;
@@ -24,6 +27,8 @@ export const ap = 1;
 export interface Steadiness {
   readonly sway: Sway;
   readonly values: ReadonlyMap<string, number>;
+  /** The scans that the values describe, in ms of performance.now(). Undefined for a result that this tab did not see. */
+  readonly span: { readonly fromMs: number; readonly toMs: number } | undefined;
 }
 
 /** Values for texts and tiles, updated at most four times a second. */
@@ -32,10 +37,9 @@ export interface Now {
   readonly apMm: number;
   readonly loadKg: number;
   readonly quality: number;
-  readonly ellipse: Ellipse | undefined;
 }
 
-const nothing: Now = { mlMm: NaN, apMm: NaN, loadKg: NaN, quality: Quality.UNSPECIFIED, ellipse: undefined };
+const nothing: Now = { mlMm: NaN, apMm: NaN, loadKg: NaN, quality: Quality.UNSPECIFIED };
 
 /** A gap that ended; its length comes from the gap's own count of scans. */
 export interface Absence {
@@ -46,6 +50,8 @@ export interface Absence {
 export class LiveFloor {
   readonly now = signal<Now>(nothing);
   readonly sway = signal<Steadiness | undefined>(undefined);
+  /** The ellipse whose area the tile shows. */
+  readonly ellipse = signal<Ellipse | undefined>(undefined);
   readonly absence = signal<Absence | undefined>(undefined);
   /** The newest markers, for flags; at most 50. */
   readonly markers: { readonly timeMs: number; readonly text: string }[] = [];
@@ -57,9 +63,11 @@ export class LiveFloor {
   /** Newest deflection and quality of each sensor. */
   deflectionMm: number[] = [];
   sensorQuality: number[] = [];
-  /** When the measurement of the running trial began; NaN while no trial is measured. */
-  trialFromMs = NaN;
 
+  /** The measurement of the trial that this tab saw last. */
+  #trialSpan = { fromMs: NaN, toMs: NaN };
+  /** The attempt that the newest event of a trial was about; the status may be a second behind it. */
+  #present: { readonly trial: number; readonly attempt: number } | undefined;
   #rateHz = 0;
   #loadN = NaN;
   #updatedMs = 0;
@@ -83,9 +91,10 @@ export class LiveFloor {
     for (const stop of this.#stops) stop();
   }
 
-  /** Shows a final result from the catalogue as if it had just arrived. */
+  /** Shows a final result from the catalogue as if it had just arrived, unless another trial has begun meanwhile. */
   recall(sway: Sway): void {
-    this.#addSway(sway);
+    if (this.#present !== undefined && (this.#present.trial !== sway.trial || this.#present.attempt !== sway.attempt)) return;
+    this.#addSway(sway, undefined);
   }
 
   #addCop(block: Block): void {
@@ -94,14 +103,14 @@ export class LiveFloor {
     if (mlColumn < 0 || apColumn < 0) return;
     if (this.ring === undefined || this.#rateHz !== block.rateHz) {
       this.#rateHz = block.rateHz;
-      this.ring = new ScanRing(2, Math.ceil(Math.min(block.rateHz, fastestHz) * (windowS + 2)));
+      this.ring = new ScanRing(2, Math.ceil(Math.min(block.rateHz, fastestHz) * ringS));
     }
     this.ring.push(block, [mlColumn, apColumn]);
     this.newestMs = block.newestMs;
     const wasEmpty = (this.quality & Quality.NO_CONTACT) !== 0;
     this.quality = (block.quality[mlColumn] ?? 0) | (block.quality[apColumn] ?? 0);
     // A person who steps on after a session may be another one: the old results are not theirs.
-    if (wasEmpty && (this.quality & Quality.NO_CONTACT) === 0 && !this.#isInSession()) this.sway.value = undefined;
+    if (wasEmpty && (this.quality & Quality.NO_CONTACT) === 0 && !this.#isInSession()) this.#showSway(undefined);
     this.#loadN = block.columns[loadColumn]?.[block.scanCount - 1] ?? NaN;
   }
 
@@ -116,7 +125,7 @@ export class LiveFloor {
     const { body } = event;
     switch (body.case) {
       case 'sway':
-        return this.#addSway(body.value);
+        return this.#addSway(body.value, this.#spanOf(body.value, timeMs));
       case 'gap':
         return this.#addGap(body.value);
       case 'marker':
@@ -124,26 +133,47 @@ export class LiveFloor {
         if (this.markers.length > 50) this.markers.shift();
         return;
       case 'trial':
-        return this.#addTrial(body.value.step, timeMs);
+        return this.#addTrial(body.value, timeMs);
       case 'session':
-        if (body.value.state === SessionState.IDLE || body.value.state === SessionState.STARTING) this.trialFromMs = NaN;
-        if (body.value.state === SessionState.STARTING) this.sway.value = undefined;
+        if (body.value.state !== SessionState.STARTING) return;
+        this.#present = undefined;
+        this.#showSway(undefined);
         return;
     }
   }
 
-  #addTrial(kind: TrialEventKind, timeMs: number): void {
-    if (kind === TrialEventKind.MEASURE) this.trialFromMs = timeMs;
-    else this.trialFromMs = NaN;
-    if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.sway.value = undefined;
+  #addTrial({ step: kind, trial, attempt }: TrialChange, timeMs: number): void {
+    if (trial > 0) this.#present = { trial, attempt }; // the end of the plan names none
+    if (kind === TrialEventKind.MEASURE) this.#trialSpan = { fromMs: timeMs, toMs: Infinity };
+    else if (kind === TrialEventKind.DONE) this.#trialSpan = { ...this.#trialSpan, toMs: timeMs };
+    if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.#showSway(undefined);
   }
 
-  #addSway(sway: Sway): void {
+  /** Running values describe the time before their event; the final ones the trial. */
+  #spanOf({ isPreliminary, durationS, windowS: longestS }: Sway, timeMs: number): Steadiness['span'] {
+    return isPreliminary ? { fromMs: timeMs - 1000 * (durationS ?? longestS ?? 0), toMs: timeMs } : this.#trialSpan;
+  }
+
+  #showSway(next: Steadiness | undefined): void {
+    batch(() => {
+      this.sway.value = next;
+      this.ellipse.value = this.#ellipseOf(next);
+    });
+  }
+
+  #ellipseOf(shown: Steadiness | undefined): Ellipse | undefined {
+    const area = shown?.values.get('PEA95_F');
+    if (area === undefined || shown?.span === undefined || this.ring === undefined) return undefined;
+    const ellipse = ellipseOf(this.ring, ml, ap, shown.span.fromMs, shown.span.toMs);
+    return ellipse === undefined ? undefined : withArea(ellipse, area);
+  }
+
+  #addSway(sway: Sway, span: Steadiness['span']): void {
     const shown = this.sway.peek()?.sway;
     // The result of a trial stays until the next trial begins, or until a person steps on after the session.
     if (sway.isPreliminary && sway.trial === 0 && shown !== undefined && !shown.isPreliminary) return;
     const values = new Map(sway.measures.filter(({ value }) => Number.isFinite(value)).map(({ symbol, value }) => [symbol, value]));
-    this.sway.value = { sway, values };
+    this.#showSway({ sway, values, span });
     if (!sway.isPreliminary) return;
     if (shown?.trial !== sway.trial || shown.attempt !== sway.attempt) this.sparks.clear();
     for (const symbol of ['MVELO', 'PEA95_F', 'RANGE_AP', 'RANGE_ML']) {
@@ -163,27 +193,22 @@ export class LiveFloor {
     this.#updatedMs = nowMs;
     const { ring } = this;
     const last = ring.length - 1;
-    batch(() => {
-      this.now.value = {
-        mlMm: last >= 0 ? ring.value(ml, last) : NaN,
-        apMm: last >= 0 ? ring.value(ap, last) : NaN,
-        loadKg: this.#loadN / gravity,
-        quality: this.quality,
-        ellipse: (this.quality & Quality.NO_CONTACT) !== 0 ? undefined : ellipseOf(ring, ml, ap, this.#ellipseFromMs()),
-      };
-    });
+    this.now.value = {
+      mlMm: last >= 0 ? ring.value(ml, last) : NaN,
+      apMm: last >= 0 ? ring.value(ap, last) : NaN,
+      loadKg: this.#loadN / gravity,
+      quality: this.quality,
+    };
   }
 
   #isInSession(): boolean {
     return isActive(this.#link.status.peek()?.rigs.find(({ rig }) => rig?.name === this.#rig)?.session);
   }
-
-  /** Returns where the ellipse begins: 20 s ago, or at the start of the trial, so that a trial's ellipse contains nothing else. */
-  #ellipseFromMs(): number {
-    const windowMs = this.newestMs - 1000 * windowS;
-    return this.trialFromMs > windowMs ? this.trialFromMs : windowMs;
-  }
 }
 
-export const invalidBecause = (flags: number, words: { steppedOff: string; moved: string }): string =>
-  [(flags & SwayFlag.STEPPED_OFF) !== 0 ? words.steppedOff : '', (flags & SwayFlag.MOVED) !== 0 ? words.moved : ''].filter((word) => word !== '').join(', ');
+/** Returns which scans the values describe, in words: "last 30 s", "trial 1 so far", "trial 1". */
+export const windowName = ({ isPreliminary, trial, window, windowS: longestS }: Sway, words: typeof strings.floor.windows): string => {
+  if (!isPreliminary) return words.trial(whole(trial));
+  if (window === SwayWindow.TRIAL || trial > 0) return words.soFar(whole(trial));
+  return longestS === undefined ? words.standing : words.latest(whole(longestS));
+};

@@ -14,13 +14,14 @@ import { qualityWords } from '../../parts/quality';
 import { strings } from '../../strings';
 import type { Ellipse } from './ellipse';
 import type { LiveFloor, Now } from './live_floor';
+import { windowName } from './live_floor';
 import type { Frame } from './plate_picture';
 import { drawCop, drawGrid, drawLabels, drawPlate, toX, toY } from './plate_picture';
 import type { View } from './view';
 import { nextView } from './view';
 
 const words = strings.floor.picture;
-const insetPx = 150;
+const mostInsetPx = 150;
 const marginFactor = 1.08;
 
 const describe = ({ mlMm, apMm, loadKg }: Now): string => {
@@ -64,16 +65,19 @@ const openPicture = (canvases: Canvases, link: Link, rig: RigInfo, floor: LiveFl
   const ground = openSurface(canvases.ground, () => (groundShows = ''));
   const top = openSurface(canvases.top, () => paint());
   const mainFrame = (): Frame => ({ left: 0, top: 0, width: top.width, height: top.height, view });
-  const insetFrame = (): Frame => ({ left: top.width - insetPx - 12, top: 12, width: insetPx, height: insetPx, view: whole });
-  const paintGround = (hasEllipse: boolean, present: Colours): void => {
-    const wanted = [view.x, view.y, view.spanMm, hasEllipse, present.paper, floor.sensorQuality.join()].join(' ');
+  const insetFrame = (): Frame => {
+    const side = Math.min(mostInsetPx, top.width / 4);
+    return { left: top.width - side - 12, top: 12, width: side, height: side, view: whole };
+  };
+  const paintGround = (ellipseName: string, present: Colours): void => {
+    const wanted = [view.x, view.y, view.spanMm, ellipseName, present.paper, floor.sensorQuality.join()].join(' ');
     if (wanted === groundShows || ground.width === 0) return;
     groundShows = wanted;
     const { context } = ground;
     context.clearRect(0, 0, ground.width, ground.height);
     drawPlate(context, mainFrame(), rig, floor, present);
     drawGrid(context, mainFrame(), present);
-    drawLabels(context, mainFrame(), hasEllipse, present);
+    drawLabels(context, mainFrame(), ellipseName, present);
     if (view === whole) return;
     const inset = insetFrame();
     context.fillStyle = present.paper;
@@ -82,10 +86,12 @@ const openPicture = (canvases: Canvases, link: Link, rig: RigInfo, floor: LiveFl
   };
   const paint = (): void => {
     if (top.width === 0 || top.height === 0) return;
-    const { ellipse } = floor.now.peek();
+    const ellipse = (floor.quality & Quality.NO_CONTACT) !== 0 ? undefined : floor.ellipse.peek();
+    const shown = floor.sway.peek();
+    const name = ellipse === undefined || shown === undefined ? '' : words.ellipse(windowName(shown.sway, strings.floor.windows));
     const present = colours().peek();
     view = isZoomed() ? nextView(view, ellipse, whole) : whole;
-    paintGround(ellipse !== undefined, present);
+    paintGround(name, present);
     top.context.clearRect(0, 0, top.width, top.height);
     drawCop(top.context, mainFrame(), floor, ellipse, present);
     if (view !== whole && ellipse !== undefined) drawInset(top.context, insetFrame(), view, ellipse, present);

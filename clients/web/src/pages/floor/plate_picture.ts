@@ -8,7 +8,7 @@ import { whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { Ellipse } from './ellipse';
 import type { LiveFloor } from './live_floor';
-import { ap, ml, trailS, windowS } from './live_floor';
+import { ap, ml, trailS } from './live_floor';
 import type { View } from './view';
 
 const words = strings.floor.picture;
@@ -190,8 +190,8 @@ const label = (context: CanvasRenderingContext2D, text: string, x: number, y: nu
   context.fillText(text, x, y);
 };
 
-/** Draws directions, scale bar and the name of the ellipse. */
-export const drawLabels = (context: CanvasRenderingContext2D, frame: Frame, hasEllipse: boolean, colours: Colours): void => {
+/** Draws directions, scale bar and the name of the ellipse; an empty name is not drawn. */
+export const drawLabels = (context: CanvasRenderingContext2D, frame: Frame, ellipseName: string, colours: Colours): void => {
   const [middleX, middleY] = [frame.left + frame.width / 2, frame.top + frame.height / 2];
   const [right, bottom] = [frame.left + frame.width, frame.top + frame.height];
   label(context, words.axisFront, middleX, frame.top + 20, 'center', colours);
@@ -203,5 +203,6 @@ export const drawLabels = (context: CanvasRenderingContext2D, frame: Frame, hasE
   context.fillStyle = colours.ink;
   context.fillRect(frame.left + 16, bottom - 20, barPixels, 5);
   label(context, words.scale(whole(barMm)), frame.left + 16, bottom - 28, 'left', colours);
-  if (hasEllipse) label(context, words.ellipse(whole(windowS)), frame.left + 16, frame.top + 22, 'left', colours);
+  const below = frame.width < 600 ? 22 : 0; // on a phone "front" is in the same place
+  if (ellipseName !== '') label(context, ellipseName, frame.left + 16, frame.top + 22 + below, 'left', colours);
 };

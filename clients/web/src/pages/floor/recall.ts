@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results that this tab missed, because it was loaded later or was hidden. The catalogue has them.
+// The record of the running session, and from it results that this tab missed, because it was loaded later or was hidden.
+import type { ReadonlySignal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+
 import type { SessionInfo } from '../../generated/dts/v1/control_pb';
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import type { Sway } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
+import { isActive } from '../../parts/active';
+import type { Asked } from '../sessions/asking';
 import { useAsked } from '../sessions/asking';
 import { askSession } from '../sessions/session_detail';
 import type { LiveFloor } from './live_floor';
-import { isActive } from './session_controls';
 
 /** One attempt at a trial of a session. */
 export interface Attempt {
@@ -32,12 +36,22 @@ export const missingResult = (session: SessionInfo | undefined, shown: Sway | un
 export const resultOf = (record: SessionRecord, { trial, attempt }: Attempt): Sway | undefined =>
   record.trials.filter((one) => one.trial === trial && one.attempt === attempt && one.outcome === 'done').at(-1)?.sway;
 
-export const useRecalled = (link: Link, floor: LiveFloor, session: SessionInfo | undefined): void => {
-  const missing = link.state.value === 'up' ? missingResult(session, floor.sway.value?.sway) : undefined;
-  const key = missing === undefined ? '' : `${missing.sessionId} ${missing.trial} ${missing.attempt}`;
-  useAsked(key, async (signal) => {
-    if (missing === undefined) return;
-    const sway = resultOf(await askSession(link, missing.sessionId), missing);
-    if (sway !== undefined && !signal.aborted) floor.recall(sway);
-  });
+/** Changes whenever the session's record may have changed; empty without a session. */
+const recordKey = (link: Link, session: SessionInfo | undefined, shown: Sway | undefined): string => {
+  if (link.state.value !== 'up' || !isActive(session) || session.trial === undefined) return '';
+  const { trial, attempt, phase, lastOutcome, lastFault, lastTrial, lastAttempt } = session.trial;
+  const result = shown === undefined || shown.isPreliminary ? '' : `${shown.trial}.${shown.attempt}`;
+  return [session.sessionId, trial, attempt, afterTrial.has(phase), lastOutcome, lastFault, lastTrial, lastAttempt, result].join(' ');
+};
+
+export const useRecord = (link: Link, floor: LiveFloor, session: SessionInfo | undefined): ReadonlySignal<Asked<SessionRecord>> => {
+  const shown = floor.sway.value?.sway;
+  const asked = useAsked(recordKey(link, session, shown), () => askSession(link, session?.sessionId ?? ''));
+  const record = asked.value.answer;
+  const missing = missingResult(session, shown);
+  useEffect(() => {
+    const sway = record === undefined || missing === undefined || record.sessionId !== missing.sessionId ? undefined : resultOf(record, missing);
+    if (sway !== undefined) floor.recall(sway);
+  }, [record, missing?.sessionId, missing?.trial, missing?.attempt]);
+  return asked;
 };

@@ -6,7 +6,6 @@ import { PassingNotice } from '../../parts/controls';
 import { clockTime, duration } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { LiveFloor } from './live_floor';
-import { invalidBecause } from './live_floor';
 
 const words = strings.floor;
 const absenceShownMs = 15_000;
@@ -22,10 +21,7 @@ export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus
       {status.session?.message !== undefined && status.session.message !== '' && (
         <PassingNotice kind="error" what={status.session.message} testId="session-message" />
       )}
-      {sway !== undefined && !sway.isPreliminary && sway.isValid !== true && sway.problem === '' && (
-        <PassingNotice kind="warning" what={words.resultInvalid(invalidBecause(sway.flags ?? 0, words.invalidWhy))} hint={words.resultInvalidHint} testId="invalid" />
-      )}
-      {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={words.resultInvalidHint} testId="no-result" />}
+      {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={words.noResultHint} testId="no-result" />}
       {isFresh && <PassingNotice kind="warning" what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))} hint={words.gapHint} testId="gap" />}
     </>
   );

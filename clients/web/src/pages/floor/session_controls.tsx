@@ -4,73 +4,85 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { RigStatus, SessionInfo } from '../../generated/dts/v1/control_pb';
+import type { TrialStatus } from '../../generated/dts/v1/sessions_pb';
 import { TrialAction, TrialPhase } from '../../generated/dts/v1/sessions_pb';
-import { DeviceState, SessionState } from '../../generated/dts/v1/stream_pb';
+import { DeviceState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
+import { isActive } from '../../parts/active';
 import type { Commands } from '../../parts/controls';
-import { Button, Notice, whyNotOperate } from '../../parts/controls';
+import { Button, CommandNotice, Notice, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
+import { LastSession } from '../../parts/last_session';
 import { whole } from '../../parts/numbers';
+import { lastOutcome } from '../../parts/outcomes';
+import { StopButton, useSessionStop } from '../../parts/stop_button';
+import { UndoLine } from '../../parts/undo_line';
 import { strings } from '../../strings';
 
 const words = strings.floor.controls;
 
-const atRest = new Set([SessionState.UNSPECIFIED, SessionState.IDLE, SessionState.FAILED]);
+interface MarkingProps {
+  rig: string;
+  commands: Commands;
+  whyNot: string;
+  onMarked: (text: string) => void;
+}
 
-/** Returns whether a session runs. A failed one does not: there is nothing to stop, and another can be started. */
-export const isActive = (session: SessionInfo | undefined): session is SessionInfo => session !== undefined && !atRest.has(session.state);
-
-const Marking = ({ rig, commands, whyNot }: { rig: string; commands: Commands; whyNot: string }): JSX.Element => {
+const Marking = ({ rig, commands, whyNot, onMarked }: MarkingProps): JSX.Element => {
   const text = useSignal<string>(words.markDefault);
-  const done = useSignal('');
   const mark = async (): Promise<void> => {
     if (whyNot !== '') return;
     const marked = text.value.trim() || words.markDefault;
     const answer = await commands.run({ case: 'mark', value: { text: marked, rig } });
-    if (answer?.case === 'mark') done.value = words.marked(marked, whole(answer.value.marks[0]?.scan));
+    if (answer?.case === 'mark') onMarked(words.marked(marked, whole(answer.value.marks[0]?.scan)));
   };
   useKeys({ ' ': () => void mark() });
   return (
-    <div class="column">
-      <div class="marking">
-        <input
-          aria-label={words.markText}
-          data-testid="mark-text"
-          maxLength={50}
-          value={text.value}
-          onInput={(event) => (text.value = event.currentTarget.value)}
-        />
-        <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby />
-      </div>
-      <span role="status" class="marked" data-testid="marked">
-        {done.value}
-      </span>
+    <div class="marking">
+      <input
+        aria-label={words.markText}
+        title={strings.common.markHint}
+        data-testid="mark-text"
+        maxLength={50}
+        value={text.value}
+        onInput={(event) => (text.value = event.currentTarget.value)}
+      />
+      <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby />
     </div>
   );
 };
 
-const TrialButtons = (props: { session: SessionInfo; whyNot: string; act: (action: TrialAction) => void }): JSX.Element => {
-  const trial = props.session.trial!;
+const TrialButtons = (props: { trial: TrialStatus; whyNot: string; act: (action: TrialAction) => void }): JSX.Element => {
+  const { trial } = props;
+  const outcome = lastOutcome(trial);
   const isWaiting = trial.phase === TrialPhase.WAITING || trial.phase === TrialPhase.RESTING;
-  const whyNotNext = props.whyNot || (isWaiting ? '' : trial.phase === TrialPhase.FINISHED ? words.allDone : words.duringTrial);
-  const whyNotVoid = props.whyNot || (trial.trial === 0 ? words.noTrialYet : '');
+  const isOver = isWaiting || trial.phase === TrialPhase.FINISHED;
+  const whyNotNext = props.whyNot || (isWaiting ? '' : isOver ? words.allDone : words.duringTrial);
+  const whyNotRedo = props.whyNot || (trial.trial === 0 ? words.noTrialYet : '');
+  const whyNotReject = whyNotRedo || (isOver && outcome === 'rejected' ? words.alreadyVoid : '');
   const next = (): void => props.act(TrialAction.NEXT);
   const redo = (): void => props.act(TrialAction.REDO);
   const reject = (): void => props.act(TrialAction.REJECT);
   useKeys({
     a: () => whyNotNext === '' && next(),
-    r: () => whyNotVoid === '' && redo(),
-    x: () => whyNotVoid === '' && reject(),
+    r: () => whyNotRedo === '' && redo(),
+    x: () => whyNotReject === '' && reject(),
   });
-  const isReasonNearby = props.whyNot !== '';
-  const start = trial.trial === 0 ? words.startTrial : words.accept;
+  const isReasonNearby = true; // one line below the buttons: nothing moves when a reason appears
+  const start = outcome === undefined ? words.startTrial : outcome === 'done' ? words.accept : words.startNext;
   return (
     <>
       <Button label={start} keyName="A" kind="main" testId="trial-next" onClick={next} whyNot={whyNotNext} isReasonNearby={isReasonNearby} />
-      <Button label={words.redo} keyName="R" testId="trial-redo" onClick={redo} whyNot={whyNotVoid} isReasonNearby={isReasonNearby} />
-      <Button label={words.reject} keyName="X" testId="trial-reject" onClick={reject} whyNot={whyNotVoid} isReasonNearby={isReasonNearby} />
+      <Button label={words.redo} keyName="R" testId="trial-redo" onClick={redo} whyNot={whyNotRedo} isReasonNearby={isReasonNearby} />
+      <Button label={words.reject} keyName="X" testId="trial-reject" onClick={reject} whyNot={whyNotReject} isReasonNearby={isReasonNearby} />
     </>
   );
+};
+
+/** Returns why the main button is disabled, for the line below the buttons. */
+const reasonOf = (trial: TrialStatus | undefined): string => {
+  if (trial === undefined || trial.phase === TrialPhase.WAITING || trial.phase === TrialPhase.RESTING) return '';
+  return trial.phase === TrialPhase.FINISHED ? words.allDone : words.duringTrial;
 };
 
 interface DuringProps {
@@ -83,16 +95,28 @@ interface DuringProps {
 
 const DuringSession = ({ link, rig, session, commands, marking }: DuringProps): JSX.Element => {
   const whyNot = whyNotOperate(link);
-  const stop = (): void => void commands.run({ case: 'stopSession', value: { rig } });
-  const act = (action: TrialAction): void => void commands.run({ case: 'trial', value: { rig, action } });
+  const marked = useSignal('');
+  const stopping = useCommands(link); // its own, so that a stop never waits for another command
+  const stop = useSessionStop(link, rig, session.sessionId, stopping);
+  const { trial } = session;
+  const act = (action: TrialAction): void => {
+    if (!stop.flush()) void commands.run({ case: 'trial', value: { rig, action } });
+  };
+  const reason = whyNot || reasonOf(trial);
   return (
     <>
       <div class="row">
-        {session.trial !== undefined && <TrialButtons session={session} whyNot={whyNot} act={act} />}
-        <Button label={words.stop} kind="danger" testId="stop-session" onClick={stop} whyNot={whyNot} isReasonNearby />
+        {trial !== undefined && <TrialButtons trial={trial} whyNot={whyNot} act={act} />}
+        <StopButton stop={stop} label={words.stop} whyNot={whyNot} />
       </div>
-      {whyNot !== '' && <p class="why-not">{whyNot}</p>}
-      <Marking rig={rig} commands={marking} whyNot={whyNot} />
+      <UndoLine link={link} rig={rig} trial={trial} stop={stop} commands={commands}>
+        <span class="why-not">{reason}</span>
+        <span role="status" class="marked" data-testid="marked">
+          {marked.value || (reason === '' ? strings.common.markHint : '')}
+        </span>
+      </UndoLine>
+      <Marking rig={rig} commands={marking} whyNot={whyNot} onMarked={(text) => (marked.value = text)} />
+      <CommandNotice commands={stopping} testId="stop-error" />
     </>
   );
 };
@@ -110,6 +134,7 @@ const BetweenSessions = (props: { link: Link; status: RigStatus; commands: Comma
       <div class="row">
         <Button label={words.start} kind="main" testId="open-start" onClick={props.onStart} whyNot={whyNot} isReasonNearby />
         <Button label={words.tare} testId="tare" onClick={() => void tare()} whyNot={whyNot} isReasonNearby />
+        <LastSession session={props.status.session} />
       </div>
       {whyNot !== '' && <p class="why-not">{whyNot}</p>}
       {tared.value !== '' && <Notice kind="good" what={tared.value} testId="tared" onDismiss={() => (tared.value = '')} />}
@@ -132,7 +157,7 @@ export const SessionControls = ({ link, status, commands, marking, onStart }: Se
   return (
     <section class="column" data-testid="controls" aria-busy={commands.isBusy.value}>
       {isActive(session) ? (
-        <DuringSession link={link} rig={status.rig?.name ?? ''} session={session} commands={commands} marking={marking} />
+        <DuringSession key={session.sessionId} link={link} rig={status.rig?.name ?? ''} session={session} commands={commands} marking={marking} />
       ) : (
         <BetweenSessions link={link} status={status} commands={commands} onStart={onStart} />
       )}

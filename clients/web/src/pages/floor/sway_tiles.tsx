@@ -4,9 +4,10 @@ import { useEffect, useRef } from 'preact/hooks';
 
 import { colours, openSurface } from '../../parts/canvas';
 import { Tile } from '../../parts/controls';
-import { fixed, whole } from '../../parts/numbers';
+import { fixed } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { LiveFloor, Steadiness } from './live_floor';
+import { windowName } from './live_floor';
 
 const words = strings.floor;
 
@@ -45,8 +46,9 @@ const Spark = ({ values, version }: { values: readonly number[]; version: unknow
 
 export const noteOf = (steadiness: Steadiness | undefined): string | undefined => {
   if (steadiness === undefined) return undefined;
-  const { isPreliminary, trial, isValid } = steadiness.sway;
-  const note = isPreliminary ? words.preliminary : words.final(whole(trial));
+  const { isPreliminary, isValid } = steadiness.sway;
+  const window = windowName(steadiness.sway, words.windows);
+  const note = isPreliminary ? words.preliminary(window) : words.final(window);
   return isValid ? note : `${note}, ${words.invalid}`;
 };
 

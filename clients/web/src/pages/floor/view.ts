@@ -18,8 +18,9 @@ const reachOf = (view: Pick<View, 'x' | 'y'>, ellipse: Ellipse): number =>
 export const nextView = (view: View, ellipse: Ellipse | undefined, whole: View): View => {
   if (ellipse === undefined) return whole;
   // The view stays while the ellipse is inside and fills at least a fifth: the margin keeps it from changing with every breath.
-  const fills = (2 * reachOf(view, ellipse)) / view.spanMm;
-  if (view !== whole && fills <= 0.95 && (fills >= 0.2 || view.spanMm === spans[0])) return view;
+  const isInside = (2 * reachOf(view, ellipse)) / view.spanMm <= 0.95;
+  const isLarge = (2 * ellipse.long) / view.spanMm >= 0.2 || view.spanMm === spans[0];
+  if (view !== whole && isInside && isLarge) return view;
   const spanMm = spans.find((span) => span >= 2 * 1.4 * ellipse.long);
   if (spanMm === undefined || spanMm >= whole.spanMm) return whole;
   const step = spanMm / 20;

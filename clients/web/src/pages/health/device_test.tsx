@@ -15,7 +15,7 @@ import { QualityText } from './sensor_table';
 const Channels = ({ test }: { test: TestDeviceResponse }): JSX.Element => {
   const { heads } = strings.health.test;
   return (
-    <table data-testid="device-channels">
+    <table class="stack" data-testid="device-channels">
       <thead>
         <tr>
           <th>{heads.channel}</th>
@@ -32,13 +32,23 @@ const Channels = ({ test }: { test: TestDeviceResponse }): JSX.Element => {
         {test.channels.map((channel) => (
           <tr key={channel.name}>
             <th scope="row">{channel.name}</th>
-            <td class="number">{fixed(channel.mean, 4)}</td>
-            <td class="number">{measured(channel.noiseRms)}</td>
-            <td class="number">{fixed(channel.minimum, 4)}</td>
-            <td class="number">{fixed(channel.maximum, 4)}</td>
-            <td>{channel.unit}</td>
-            <td class="number">{channel.isSensor ? fixed(channel.gapMm, 2) : ''}</td>
-            <td>
+            <td data-label={heads.mean} class="number">
+              {fixed(channel.mean, 4)}
+            </td>
+            <td data-label={heads.noise} class="number">
+              {measured(channel.noiseRms)}
+            </td>
+            <td data-label={heads.minimum} class="number">
+              {fixed(channel.minimum, 4)}
+            </td>
+            <td data-label={heads.maximum} class="number">
+              {fixed(channel.maximum, 4)}
+            </td>
+            <td data-label={heads.unit}>{channel.unit}</td>
+            <td data-label={heads.distance} class="number">
+              {channel.isSensor ? fixed(channel.gapMm, 2) : ''}
+            </td>
+            <td data-label={heads.quality}>
               <QualityText bits={channel.quality} />
             </td>
           </tr>

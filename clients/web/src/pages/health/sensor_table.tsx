@@ -30,6 +30,8 @@ export const QualityText = ({ bits }: { bits: number }): JSX.Element => {
   );
 };
 
+const { heads } = strings.health.sensors;
+
 const Row = ({ row, range, rig }: { row: SensorRow; range: WorkingRange | undefined; rig: string }): JSX.Element => {
   const { sensor, volts } = row;
   const place = strings.health.sensors.place(fixed(sensor.xMm, 0), fixed(sensor.yMm, 0));
@@ -38,18 +40,20 @@ const Row = ({ row, range, rig }: { row: SensorRow; range: WorkingRange | undefi
       <th scope="row" title={`${sensor.channel}, ${sensor.curve}`}>
         {sensor.label}
       </th>
-      <td>{place}</td>
-      <td class="number" data-testid={`volts-${rig}-${sensor.label}`}>
+      <td data-label={heads.place}>{place}</td>
+      <td data-label={heads.volts} class="number" data-testid={`volts-${rig}-${sensor.label}`}>
         {fixed(volts?.mean, 3)}
       </td>
-      <td class="number">{measured(volts === undefined ? undefined : 1000 * volts.noiseRms)}</td>
-      <td class="number" data-testid={`gap-${rig}-${sensor.label}`}>
+      <td data-label={heads.noise} class="number">
+        {measured(volts === undefined ? undefined : 1000 * volts.noiseRms)}
+      </td>
+      <td data-label={heads.distance} class="number" data-testid={`gap-${rig}-${sensor.label}`}>
         {fixed(row.distanceMm, 2)}
       </td>
-      <td>
+      <td data-label={heads.bar}>
         <DistanceBar mm={row.distanceMm} range={range} />
       </td>
-      <td>
+      <td data-label={heads.quality}>
         {row.volts === undefined ? strings.common.undefinedValue : <QualityText bits={row.quality} />}
       </td>
     </tr>
@@ -57,9 +61,9 @@ const Row = ({ row, range, rig }: { row: SensorRow; range: WorkingRange | undefi
 };
 
 export const SensorTable = ({ rows, range, rig }: { rows: readonly SensorRow[]; range: WorkingRange | undefined; rig: string }): JSX.Element => {
-  const { heads, rangeOf } = strings.health.sensors;
+  const { rangeOf } = strings.health.sensors;
   return (
-    <table class="health-sensors" data-testid={`sensors-${rig}`}>
+    <table class="health-sensors stack" data-testid={`sensors-${rig}`}>
       <thead>
         <tr>
           <th>{heads.sensor}</th>

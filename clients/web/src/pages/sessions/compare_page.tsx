@@ -47,7 +47,8 @@ interface Pair {
   readonly other: number;
 }
 
-const ResultRow = ({ result, pair }: { result: ComparedResult; pair: Pair }): JSX.Element => {
+const ResultRow = ({ result, pair, columns }: { result: ComparedResult; pair: Pair; columns: readonly string[] }): JSX.Element => {
+  const { heads } = strings.sessions.compare;
   const change = difference(result.values[pair.one], result.values[pair.other]);
   const share = shareOfChange(result, pair.one, pair.other);
   return (
@@ -56,30 +57,36 @@ const ResultRow = ({ result, pair }: { result: ComparedResult; pair: Pair }): JS
         <ResultName name={result.name} />
       </th>
       {result.values.map((value, index) => (
-        <td key={index} class="number">
+        <td key={index} data-label={columns[index]} class="number">
           {resultValue({ name: result.name, value })}
         </td>
       ))}
-      <td>{unitText(result.unit)}</td>
-      <td class="number">{signed(change, 3)}</td>
-      <td class="number">{share === undefined ? '' : `${share > 0 ? '+' : ''}${percent(share)} %`}</td>
+      <td data-label={heads.unit} class="unit-cell">{unitText(result.unit)}</td>
+      <td data-label={heads.change} class="number">
+        {signed(change, 3)}
+      </td>
+      <td data-label={heads.share} class="number">
+        {share === undefined ? '' : `${share > 0 ? '+' : ''}${percent(share)} %`}
+      </td>
     </tr>
   );
 };
 
 const ResultTable = ({ comparison, pair }: { comparison: Comparison; pair: Pair }): JSX.Element => {
   const { heads, one, other, table } = strings.sessions.compare;
+  const columns = comparison.sessions.map(({ startedUtcNs }, index) => {
+    const name = index === pair.one ? `${one}: ` : index === pair.other ? `${other}: ` : '';
+    return `${name}${dateTime(startedUtcNs)}`;
+  });
   return (
     <div class="sessions-wide" tabIndex={0} role="region" aria-label={table}>
-      <table data-testid="comparison-table">
+      <table class="stack" data-testid="comparison-table">
         <thead>
           <tr>
             <th>{heads.result}</th>
             {comparison.sessions.map((session, index) => (
               <th key={session.sessionId} class="number">
-                {index === pair.one && `${one}: `}
-                {index === pair.other && `${other}: `}
-                {dateTime(session.startedUtcNs)}
+                {columns[index]}
               </th>
             ))}
             <th>{heads.unit}</th>
@@ -89,7 +96,7 @@ const ResultTable = ({ comparison, pair }: { comparison: Comparison; pair: Pair 
         </thead>
         <tbody>
           {comparison.results.map((result) => (
-            <ResultRow key={result.name} result={result} pair={pair} />
+            <ResultRow key={result.name} result={result} pair={pair} columns={columns} />
           ))}
         </tbody>
       </table>
@@ -99,8 +106,8 @@ const ResultTable = ({ comparison, pair }: { comparison: Comparison; pair: Pair 
 
 const SessionChoice = (props: { label: string; sessions: readonly SessionRecord[]; index: number; testId: string; onChange: (index: number) => void }): JSX.Element => (
   <Field label={props.label}>
-    {(id) => (
-      <select id={id} value={String(props.index)} data-testid={props.testId} onChange={(event) => props.onChange(Number(event.currentTarget.value))}>
+    {(links) => (
+      <select {...links} value={String(props.index)} data-testid={props.testId} onChange={(event) => props.onChange(Number(event.currentTarget.value))}>
         {props.sessions.map((session, index) => (
           <option key={session.sessionId} value={String(index)}>
             {`${dateTime(session.startedUtcNs)}, ${protocolName(session.protocol)}`}
@@ -115,9 +122,14 @@ const SideBySide = ({ sessions }: { sessions: readonly SessionRecord[] }): JSX.E
   <div class="sessions-pair">
     {sessions.map((session, index) => (
       <Panel key={session.sessionId} title={sessionTitle(session)} testId={`compared-${index + 1}`}>
-        <a class="sessions-link" href={`#/sessions/${encodeURIComponent(session.sessionId)}`}>
-          {session.sessionId}
-        </a>
+        <p>
+          <a class="sessions-link" href={`#/sessions/${encodeURIComponent(session.sessionId)}`}>
+            {strings.sessions.openSession}
+          </a>
+          <span class="sessions-note">
+            {strings.sessions.id} {session.sessionId}
+          </span>
+        </p>
         <Report sessionId={session.sessionId} testId={`report-${index + 1}`} />
       </Panel>
     ))}

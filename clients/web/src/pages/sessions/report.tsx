@@ -2,6 +2,7 @@
 // The report of a session: the same pages and bytes as from `dtsctl report`.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
+import { useEffect, useRef } from 'preact/hooks';
 
 import { Notice } from '../../parts/controls';
 import { strings } from '../../strings';
@@ -26,6 +27,34 @@ const pageName = (page: string): string => {
   return trial === undefined ? strings.sessions.report.session : strings.sessions.report.trial(trial);
 };
 
+/** Makes the frame as high as its page, so that only the page around it scrolls. */
+const fitHeight = (frame: HTMLIFrameElement): void => {
+  const page = frame.contentDocument?.documentElement as HTMLElement | null | undefined; // null while another page is loaded
+  if (page) frame.style.height = `${page.scrollHeight + frame.offsetHeight - frame.clientHeight}px`; // with the border
+};
+
+/** A page of the report, without scripts. Same origin, because linked pages need the cookie of the login, and for its height. */
+const ReportFrame = ({ title, url, testId }: { title: string; url: string; testId: string }): JSX.Element => {
+  const frame = useRef<HTMLIFrameElement>(null);
+  useEffect(() => {
+    const observer = new ResizeObserver(() => fitHeight(frame.current!));
+    observer.observe(frame.current!.parentElement!); // the width decides the height
+    return () => observer.disconnect();
+  }, []);
+  return (
+    <iframe
+      ref={frame}
+      class="report-frame"
+      title={title}
+      src={url}
+      sandbox="allow-same-origin"
+      scrolling="no"
+      onLoad={(event) => fitHeight(event.currentTarget)}
+      data-testid={testId}
+    />
+  );
+};
+
 export const Report = ({ sessionId, testId }: { sessionId: string; testId: string }): JSX.Element => {
   const { report } = strings.sessions;
   const asked = useAsked(`report ${sessionId}`, (signal) => askReport(sessionId, signal)).value;
@@ -47,12 +76,11 @@ export const Report = ({ sessionId, testId }: { sessionId: string; testId: strin
             {pageName(name)}
           </button>
         ))}
-        <a class="button" href={url} target="_blank" rel="noopener">
+        <a class="button" href={url} target="_blank" rel="noopener" data-testid={`${testId}-print`}>
           {report.print}
         </a>
       </div>
-      {/* Without scripts. Same origin, because linked pages need the cookie of the login. */}
-      <iframe class="report-frame" title={report.title(sessionId)} src={url} sandbox="allow-same-origin" data-testid={`${testId}-frame`} />
+      <ReportFrame title={report.title(sessionId)} url={url} testId={`${testId}-frame`} />
     </div>
   );
 };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
@@ -8,9 +9,11 @@ import { protocolName, sessionTitle } from '../../parts/names';
 import { dateTime, duration } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
+import { correctionOf } from './corrections';
 import { Exports } from './exports';
 import { durationS } from './filters';
 import { Report } from './report';
+import { CorrectionTable, SessionChange } from './session_change';
 import { PartTable, ResultTable, TrialsOfSession } from './session_tables';
 import { LostScans, StateMark } from './state_mark';
 
@@ -30,26 +33,29 @@ const detailKey = (link: Link, sessionId: string): string => {
 const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
   const { heads } = strings.sessions.list;
   const { facts } = strings.sessions;
-  const entries: readonly (readonly [string, string])[] = [
-    [heads.subject, session.subject],
+  const { fields } = strings.sessions.change;
+  const entries: readonly (readonly [string, string, string?])[] = [
+    [heads.subject, session.subject, correctionOf(session, 'subject')],
     [heads.protocol, protocolName(session.protocol)],
     [heads.rig, session.rig],
     [heads.started, dateTime(session.startedUtcNs)],
     [facts.ended, dateTime(session.endedUtcNs ?? 0n)],
     [heads.duration, duration(durationS(session))],
-    [heads.label, session.label],
+    [heads.label, session.label, correctionOf(session, 'label')],
+    [fields['notes'] ?? '', session.notes, correctionOf(session, 'notes')],
     [facts.message, session.message],
   ];
   return (
     <dl class="facts" data-testid="session-facts">
-      <dt>{heads.state}</dt>
-      <dd>
-        <StateMark session={session} />
-        <LostScans session={session} />
-      </dd>
       {entries
-        .filter(([, value]) => value !== '')
-        .map(([name, value]) => [<dt key={name}>{name}</dt>, <dd key={`${name} value`}>{value}</dd>])}
+        .filter(([, value, correction = '']) => value !== '' || correction !== '')
+        .map(([name, value, correction = '']) => [
+          <dt key={name}>{name}</dt>,
+          <dd key={`${name} value`}>
+            {value || strings.common.undefinedValue}
+            {correction !== '' && <div class="corrected">{correction}</div>}
+          </dd>,
+        ])}
     </dl>
   );
 };
@@ -66,8 +72,10 @@ const Finished = ({ session }: { session: SessionRecord }): JSX.Element => (
 );
 
 export const SessionDetail = ({ link, sessionId }: { link: Link; sessionId: string }): JSX.Element => {
-  const { back, results, trials, parts, stillRuns, comparisonOf } = strings.sessions;
-  const asked = useAsked(detailKey(link, sessionId), () => askSession(link, sessionId)).value;
+  const { back, results, trials, parts, stillRuns, subject, change } = strings.sessions;
+  const changes = useSignal(0);
+  const key = detailKey(link, sessionId);
+  const asked = useAsked(key === '' ? '' : `${key} ${changes.value}`, () => askSession(link, sessionId)).value;
   const session = asked.answer;
   return (
     <div class="column sessions-detail">
@@ -83,25 +91,37 @@ export const SessionDetail = ({ link, sessionId }: { link: Link; sessionId: stri
             {strings.sessions.id} {sessionId}
           </p>
         )}
+        {session !== undefined && (
+          <div data-testid="session-usefulness">
+            <StateMark session={session} />
+            <LostScans session={session} />
+          </div>
+        )}
       </div>
       {asked.error !== undefined && <Notice kind="error" what={asked.error.message} hint={asked.error.hint} testId="session-error" />}
       {session !== undefined && (
         <>
-          <div class="row">
-            <Facts session={session} />
-            {session.subject !== '' && (
-              <a class="button" href={`#/compare/subject/${encodeURIComponent(session.subject)}`}>
-                {comparisonOf(session.subject)}
+          <Facts session={session} />
+          {session.subject !== '' && (
+            <p>
+              <a class="button" href={`#/subjects/${encodeURIComponent(session.subject)}`} data-testid="subject-page">
+                {subject.page(session.subject)}
               </a>
-            )}
-          </div>
-          {session.state === 'running' ? <Notice kind="plain" what={stillRuns} testId="still-runs" /> : <Finished session={session} />}
+            </p>
+          )}
+          <SessionChange key={session.isDeleted} link={link} session={session} onChanged={() => (changes.value += 1)} />
+          {session.state === 'running' ? <Notice kind="plain" what={stillRuns} testId="still-runs" /> : <Finished key={changes.value} session={session} />}
           <Panel title={trials.head} testId="trials-panel">
-            <TrialsOfSession trials={session.trials} />
+            <TrialsOfSession session={session} />
           </Panel>
           <Panel title={results.head} testId="results-panel">
             <ResultTable results={session.results} />
           </Panel>
+          {session.corrections.length > 0 && (
+            <Panel title={change.head} testId="corrections-panel">
+              <CorrectionTable session={session} />
+            </Panel>
+          )}
           <Panel title={parts.head} testId="parts-panel">
             <PartTable session={session} />
           </Panel>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // All sessions, newest first, with filters. Two sessions, or all of a subject, can be compared.
 import { useSignal } from '@preact/signals';
-import type { JSX } from 'preact';
+import type { ComponentChildren, JSX } from 'preact';
 
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
@@ -22,15 +22,15 @@ const listKey = (link: Link): string =>
     ? ''
     : `list ${(link.status.value?.rigs ?? []).map((rig) => `${rig.session?.sessionId ?? ''} ${rig.session?.state ?? 0}`).join()}`;
 
-const askList = async (link: Link): Promise<readonly SessionRecord[]> => {
-  const answer = await link.send({ case: 'listSessions', value: { limit: mostListed } });
+const askList = async (link: Link, deleted: boolean): Promise<readonly SessionRecord[]> => {
+  const answer = await link.send({ case: 'listSessions', value: { limit: mostListed, deleted } });
   return answer.case === 'sessions' ? answer.value.sessions : [];
 };
 
 const Choice = (props: { label: string; value: string; values: readonly string[]; word: (value: string) => string; testId: string; onChange: (value: string) => void }): JSX.Element => (
   <Field label={props.label}>
-    {(id) => (
-      <select id={id} value={props.value} data-testid={props.testId} onChange={(event) => props.onChange(event.currentTarget.value)}>
+    {(links) => (
+      <select {...links} value={props.value} data-testid={props.testId} onChange={(event) => props.onChange(event.currentTarget.value)}>
         <option value="">{strings.sessions.filters.all}</option>
         {props.values.map((value) => (
           <option key={value} value={value}>
@@ -42,13 +42,20 @@ const Choice = (props: { label: string; value: string; values: readonly string[]
   </Field>
 );
 
-const FilterBar = (props: { filters: Filters; protocols: readonly string[]; onChange: (filters: Filters) => void }): JSX.Element => {
+interface FilterBarProps {
+  filters: Filters;
+  protocols: readonly string[];
+  onChange: (filters: Filters) => void;
+  children: ComponentChildren;
+}
+
+const FilterBar = (props: FilterBarProps): JSX.Element => {
   const { filters, onChange } = props;
   const { filters: words, states } = strings.sessions;
   const set = (change: Partial<Filters>): void => onChange({ ...filters, ...change });
   const input = (name: 'subject' | 'from' | 'to', type: string): JSX.Element => (
     <Field label={words[name]}>
-      {(id) => <input id={id} type={type} value={filters[name]} data-testid={`filter-${name}`} onInput={(event) => set({ [name]: event.currentTarget.value })} />}
+      {(links) => <input {...links} type={type} value={filters[name]} data-testid={`filter-${name}`} onInput={(event) => set({ [name]: event.currentTarget.value })} />}
     </Field>
   );
   return (
@@ -58,42 +65,68 @@ const FilterBar = (props: { filters: Filters; protocols: readonly string[]; onCh
       <Choice label={words.state} value={filters.state} values={Object.keys(states)} word={(state) => states[state] ?? state} testId="filter-state" onChange={(state) => set({ state })} />
       {input('from', 'date')}
       {input('to', 'date')}
+      {props.children}
     </div>
   );
 };
 
-const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () => void }): JSX.Element => {
-  const { session } = props;
-  const { choose, compareSubject, underWay } = strings.sessions.list;
+interface Choosing {
+  readonly chosen: readonly string[];
+  choose(id: string): void;
+}
+
+const Row = ({ session, choosing }: { session: SessionRecord; choosing: Choosing | undefined }): JSX.Element => {
+  const { choose, underWay, heads } = strings.sessions.list;
+  const { corrected } = strings.sessions.change;
+  const { sessionId } = session;
   return (
-    <tr data-testid="session-row" data-session={session.sessionId}>
-      <td>
-        <label class="sessions-choose">
-          <input type="checkbox" checked={props.isChosen} onChange={props.onChoose} aria-label={choose(sessionTitle(session))} />
-        </label>
+    <tr data-testid="session-row" data-session={sessionId}>
+      {choosing !== undefined && (
+        <td data-label={heads.compare}>
+          <label class="sessions-choose">
+            <input
+              type="checkbox"
+              checked={choosing.chosen.includes(sessionId)}
+              onChange={() => choosing.choose(sessionId)}
+              aria-label={choose(sessionTitle(session))}
+            />
+          </label>
+        </td>
+      )}
+      <td data-label={heads.session}>
+        <div>
+          <a class="sessions-link" href={`#/sessions/${encodeURIComponent(sessionId)}`}>
+            {sessionTitle(session)}
+          </a>
+          <div class="sessions-note">
+            {sessionId}
+            {session.corrections.length > 0 && <span class="corrected"> {corrected}</span>}
+          </div>
+        </div>
       </td>
-      <td>
-        <a class="sessions-link" href={`#/sessions/${encodeURIComponent(session.sessionId)}`}>
-          {dateTime(session.startedUtcNs)}
-        </a>
-      </td>
-      <td>
+      <td data-label={heads.subject}>
         {session.subject === '' ? (
           strings.common.undefinedValue
         ) : (
-          <a class="sessions-link" href={`#/compare/subject/${encodeURIComponent(session.subject)}`} title={compareSubject(session.subject)}>
+          <a class="sessions-link" href={`#/subjects/${encodeURIComponent(session.subject)}`} title={strings.sessions.subject.page(session.subject)}>
             {session.subject}
           </a>
         )}
       </td>
-      <td>{protocolName(session.protocol)}</td>
-      <td>{session.rig}</td>
-      <td class="number">{session.state === 'running' ? underWay : duration(durationS(session))}</td>
-      <td>
-        <StateMark session={session} />
-        <LostScans session={session} />
+      <td data-label={heads.started}>{dateTime(session.startedUtcNs)}</td>
+      <td data-label={heads.rig}>{session.rig}</td>
+      <td data-label={heads.duration} class="number">
+        {session.state === 'running' ? underWay : duration(durationS(session))}
       </td>
-      <td>{session.label}</td>
+      <td data-label={heads.state}>
+        <div>
+          <StateMark session={session} />
+          <LostScans session={session} />
+        </div>
+      </td>
+      <td data-label={heads.label} class="sessions-label">
+        {session.label}
+      </td>
     </tr>
   );
 };
@@ -116,7 +149,9 @@ const CompareLink = ({ chosen }: { chosen: readonly string[] }): JSX.Element => 
 
 export const SessionList = ({ link }: { link: Link }): JSX.Element => {
   const { list } = strings.sessions;
-  const asked = useAsked(listKey(link), () => askList(link)).value;
+  const deleted = useSignal(false);
+  const key = listKey(link);
+  const asked = useAsked(key === '' ? '' : `${key} ${deleted.value}`, () => askList(link, deleted.value)).value;
   const filters = useSignal(noFilters);
   const chosen = useSignal<readonly string[]>([]);
   const all = asked.answer ?? [];
@@ -129,7 +164,12 @@ export const SessionList = ({ link }: { link: Link }): JSX.Element => {
   return (
     <div class="column">
       <h1>{strings.sessions.title}</h1>
-      <FilterBar filters={filters.value} protocols={[...new Set(all.map((session) => session.protocol))].sort()} onChange={(value) => (filters.value = value)} />
+      <FilterBar filters={filters.value} protocols={[...new Set(all.map((session) => session.protocol))].sort()} onChange={(value) => (filters.value = value)}>
+        <label class="sessions-deleted">
+          <input type="checkbox" data-testid="filter-deleted" checked={deleted.value} onChange={(event) => (deleted.value = event.currentTarget.checked)} />
+          {strings.sessions.filters.deleted}
+        </label>
+      </FilterBar>
       {asked.error !== undefined && <Notice kind="error" what={asked.error.message} hint={asked.error.hint} testId="list-error" />}
       <div class="sessions-count">
         <p data-testid="session-count">{asked.answer === undefined ? list.asking : list.count(whole(shown.length), whole(all.length))}</p>
@@ -138,25 +178,26 @@ export const SessionList = ({ link }: { link: Link }): JSX.Element => {
       {all.length >= mostListed && <Notice kind="plain" what={list.limited(whole(mostListed))} hint={list.limitedHint} testId="list-limited" />}
       {asked.answer !== undefined && shown.length === 0 ? (
         <p class="empty" data-testid="no-sessions">
-          {all.length === 0 ? list.none : list.noneOfFilter}
+          {all.length > 0 ? list.noneOfFilter : deleted.value ? list.noneDeleted : list.none}
         </p>
       ) : (
-        <SessionTable sessions={shown} chosen={chosen.value} onChoose={choose} />
+        <SessionTable sessions={shown} choosing={{ chosen: chosen.value, choose }} />
       )}
     </div>
   );
 };
 
-const SessionTable = (props: { sessions: readonly SessionRecord[]; chosen: readonly string[]; onChoose: (id: string) => void }): JSX.Element => {
+/** `choosing`: two sessions can be ticked for a comparison. */
+export const SessionTable = ({ sessions, choosing }: { sessions: readonly SessionRecord[]; choosing?: Choosing }): JSX.Element => {
   const { heads } = strings.sessions.list;
   return (
-    <table class="sessions-table" data-testid="session-table">
+    <table class="sessions-table stack" data-testid="session-table">
       <thead>
         <tr>
-          <th>{heads.compare}</th>
-          <th>{heads.started}</th>
+          {choosing !== undefined && <th>{heads.compare}</th>}
+          <th>{heads.session}</th>
           <th>{heads.subject}</th>
-          <th>{heads.protocol}</th>
+          <th>{heads.started}</th>
           <th>{heads.rig}</th>
           <th class="number">{heads.duration}</th>
           <th>{heads.state}</th>
@@ -164,13 +205,8 @@ const SessionTable = (props: { sessions: readonly SessionRecord[]; chosen: reado
         </tr>
       </thead>
       <tbody>
-        {props.sessions.map((session) => (
-          <Row
-            key={session.sessionId}
-            session={session}
-            isChosen={props.chosen.includes(session.sessionId)}
-            onChoose={() => props.onChoose(session.sessionId)}
-          />
+        {sessions.map((session) => (
+          <Row key={session.sessionId} session={session} choosing={choosing} />
         ))}
       </tbody>
     </table>

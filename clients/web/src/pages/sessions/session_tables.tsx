@@ -4,18 +4,20 @@ import type { JSX } from 'preact';
 
 import type { SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { PartState } from '../../generated/dts/v1/sessions_pb';
-import { spoken } from '../../parts/names';
+import { conditionName } from '../../parts/names';
 import type { SessionResult } from '../../generated/dts/v1/stream_pb';
 import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
+import { OutcomeMark, outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
+import { outcomeCorrection } from './corrections';
 import { lossLine } from './losses';
 import { resultName, resultValue, unitText } from './result_names';
 
 export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element => {
   const { heads, states, checksum, lost, lossesUnknown } = strings.sessions.parts;
   return (
-    <table data-testid="part-table">
+    <table class="stack" data-testid="part-table">
       <thead>
         <tr>
           <th class="number">{heads.part}</th>
@@ -29,24 +31,36 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
       <tbody>
         {session.parts.map((part) => (
           <tr key={part.part}>
-            <td class="number">{whole(part.part)}</td>
-            <td>
-              {states[part.state] ?? PartState[part.state]}
-              {part.reason !== '' && <div class="sessions-note">{part.reason}</div>}
-              {part.lostSAtMost > 0 && <div class="sessions-note">{lost(fixed(part.lostSAtMost, 2))}</div>}
-              {part.isLossUnknown && <div class="sessions-note">{lossesUnknown}</div>}
-              {part.losses.map((loss) => (
-                <div key={loss.reason} class="sessions-note">
-                  {lossLine(loss)}
-                </div>
-              ))}
+            <td data-label={heads.part} class="number">
+              {whole(part.part)}
             </td>
-            <td class="number">{duration(part.durationS)}</td>
-            <td class="number">{whole(part.scans)}</td>
-            <td class="number">{bytes(part.bytes)}</td>
-            <td class="sessions-file">
-              {part.file}
-              <div class="sessions-note">{checksum(part.sha256)}</div>
+            <td data-label={heads.state}>
+              <div>
+                {states[part.state] ?? PartState[part.state]}
+                {part.reason !== '' && <div class="sessions-note">{part.reason}</div>}
+                {part.lostSAtMost > 0 && <div class="sessions-note">{lost(fixed(part.lostSAtMost, 2))}</div>}
+                {part.isLossUnknown && <div class="sessions-note">{lossesUnknown}</div>}
+                {part.losses.map((loss) => (
+                  <div key={loss.reason} class="sessions-note">
+                    {lossLine(loss)}
+                  </div>
+                ))}
+              </div>
+            </td>
+            <td data-label={heads.duration} class="number">
+              {duration(part.durationS)}
+            </td>
+            <td data-label={heads.scans} class="number">
+              {whole(part.scans)}
+            </td>
+            <td data-label={heads.size} class="number">
+              {bytes(part.bytes)}
+            </td>
+            <td data-label={heads.file} class="sessions-file">
+              <div>
+                {part.file}
+                <div class="sessions-note">{checksum(part.sha256)}</div>
+              </div>
             </td>
           </tr>
         ))}
@@ -58,20 +72,30 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
 /** Measures of a trial of quiet standing that fit one line; the report has all. */
 const shownMeasures = ['MVELO', 'RDIST', 'PEA95_F'] as const;
 
-const SwayRow = ({ trial }: { trial: TrialRecord }): JSX.Element => {
+const measureHeads = { MVELO: 'velocity', RDIST: 'distance', PEA95_F: 'ellipse' } as const;
+
+const SwayRow = ({ session, trial }: { session: SessionRecord; trial: TrialRecord }): JSX.Element => {
   const { sway } = trial;
+  const { heads } = strings.sessions.trials;
+  const correction = outcomeCorrection(session, trial);
   return (
     <tr>
-      <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
-      <td>{spoken(trial.condition)}</td>
-      <td>
-        {strings.chair.table.outcomes[trial.outcome] ?? trial.outcome}
-        {sway !== undefined && sway.problem !== '' && <div class="sessions-note">{sway.problem}</div>}
-        {sway !== undefined && sway.problem === '' && !sway.isValid && <div class="sessions-note">{strings.sessions.trials.invalid}</div>}
+      <td data-label={heads.trial} class="number">
+        {trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}
       </td>
-      <td class="number">{duration(sway?.durationS)}</td>
+      <td data-label={heads.condition}>{conditionName(session.protocol, trial.condition)}</td>
+      <td data-label={heads.outcome}>
+        <div>
+          <OutcomeMark outcome={outcomeOf(trial)} />
+          {correction !== '' && <div class="corrected">{correction}</div>}
+          {sway !== undefined && sway.problem !== '' && <div class="sessions-note">{sway.problem}</div>}
+        </div>
+      </td>
+      <td data-label={heads.duration} class="number">
+        {duration(sway?.durationS)}
+      </td>
       {shownMeasures.map((symbol) => (
-        <td key={symbol} class="number">
+        <td key={symbol} data-label={heads[measureHeads[symbol]]} class="number">
           {measured(sway?.measures.find((one) => one.symbol === symbol)?.value)}
         </td>
       ))}
@@ -79,10 +103,10 @@ const SwayRow = ({ trial }: { trial: TrialRecord }): JSX.Element => {
   );
 };
 
-const SwayTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+const SwayTable = ({ session }: { session: SessionRecord }): JSX.Element => {
   const { heads } = strings.sessions.trials;
   return (
-    <table data-testid="trial-table">
+    <table class="stack" data-testid="trial-table">
       <thead>
         <tr>
           <th class="number">{heads.trial}</th>
@@ -95,22 +119,23 @@ const SwayTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element 
         </tr>
       </thead>
       <tbody>
-        {trials.map((trial) => (
-          <SwayRow key={`${trial.part}/${trial.trial}/${trial.attempt}`} trial={trial} />
+        {session.trials.map((trial) => (
+          <SwayRow key={`${trial.part}/${trial.trial}/${trial.attempt}`} session={session} trial={trial} />
         ))}
       </tbody>
     </table>
   );
 };
 
-export const TrialsOfSession = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+export const TrialsOfSession = ({ session }: { session: SessionRecord }): JSX.Element => {
+  const { trials, protocol } = session;
   if (trials.length === 0) return <p>{strings.sessions.trials.none}</p>;
   const isReaching = trials.some((trial) => trial.result !== undefined);
-  if (!isReaching) return <SwayTable trials={trials} />;
+  if (!isReaching) return <SwayTable session={session} />;
   return (
     <div class="column">
-      <TargetTable trials={trials} />
-      <TrialTable trials={trials} isWhole />
+      <TargetTable protocol={protocol} trials={trials} />
+      <TrialTable protocol={protocol} trials={trials} isWhole correctionOf={(trial) => outcomeCorrection(session, trial)} />
     </div>
   );
 };
@@ -127,7 +152,7 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
   const { heads, none } = strings.sessions.results;
   if (results.length === 0) return <p>{none}</p>;
   return (
-    <table data-testid="result-table">
+    <table class="stack" data-testid="result-table">
       <thead>
         <tr>
           <th>{heads.result}</th>
@@ -138,13 +163,15 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
       <tbody>
         {results.map((result) => (
           <tr key={result.name}>
-            <td>
-              <ResultName name={result.name} />
+            <td data-label={heads.result}>
+              <div>
+                <ResultName name={result.name} />
+              </div>
             </td>
-            <td class="number" data-testid={`result-${result.name}`}>
+            <td data-label={heads.value} class="number" data-testid={`result-${result.name}`}>
               {resultValue(result)}
             </td>
-            <td>{unitText(result.unit)}</td>
+            <td data-label={heads.unit} class="unit-cell">{unitText(result.unit)}</td>
           </tr>
         ))}
       </tbody>

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+import { create } from '@bufbuild/protobuf';
+import { expect, test } from 'vitest';
+
+import { SessionRecordSchema } from '../../generated/dts/v1/sessions_pb';
+import type { Entered } from './corrections';
+import { correctionOf, outcomeCorrection, requestOf } from './corrections';
+
+const session = create(SessionRecordSchema, {
+  sessionId: 's1',
+  subject: 'P018',
+  label: 'before',
+  trials: [
+    { part: 1, trial: 1, attempt: 1, outcome: 'done' },
+    { part: 1, trial: 2, attempt: 1, outcome: 'rejected', recordedOutcome: 'done' },
+  ],
+  corrections: [
+    { number: 1, field: 'subject', oldValue: 'P017', newValue: 'P108', who: 'local', reason: 'typed wrong' },
+    { number: 2, field: 'subject', oldValue: 'P108', newValue: 'P018', who: 'anna', reason: 'typed wrong again' },
+    { number: 3, field: 'outcome', part: 1, trial: 2, attempt: 1, oldValue: 'done', newValue: 'rejected', who: 'anna', reason: 'spoke' },
+  ],
+});
+const unchanged: Entered = { subject: 'P018', label: 'before', notes: '', trial: undefined, outcome: '', reason: ' why ' };
+const [first, second] = session.trials;
+
+test.each<[string, Partial<Entered>, object | undefined]>([
+  ['Nothing', {}, undefined],
+  ['SpacesAround', { subject: ' P018 ' }, undefined],
+  ['Subject', { subject: 'P019' }, { sessionId: 's1', subject: 'P019', reason: 'why' }],
+  ['LabelThatIsRemoved', { label: '' }, { sessionId: 's1', label: '', reason: 'why' }],
+  ['Outcome', { trial: first!, outcome: 'rejected' }, { sessionId: 's1', part: 1, trial: 1, attempt: 1, outcome: 'rejected', reason: 'why' }],
+  ['SameOutcome', { trial: second!, outcome: 'rejected' }, undefined],
+  ['TrialWithoutOutcome', { trial: first! }, undefined],
+])('requestOf.Changed %s', (_, changes, expected) => {
+  expect(requestOf(session, { ...unchanged, ...changes })).toEqual(expected);
+});
+
+test('correctionOf.NewestCorrection says who, why and what was before; a recorded value has none', () => {
+  expect(correctionOf(session, 'subject')).toMatch(/before: P108; by anna, .*: typed wrong again/);
+  expect(correctionOf(session, 'label')).toBe('');
+  expect(outcomeCorrection(session, second!)).toMatch(/before: done; by anna, .*: spoke/);
+  expect(outcomeCorrection(session, first!)).toBe('');
+});

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a person changed in a closed session. The newest correction of a value counts; the oldest knows what was recorded.
+import type { MessageInitShape } from '@bufbuild/protobuf';
+
+import type { CorrectSessionRequestSchema, Correction, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import { dateTime } from '../../parts/numbers';
+import { strings } from '../../strings';
+
+export type CorrectionRequest = MessageInitShape<typeof CorrectSessionRequestSchema>;
+
+/** What the form of a correction contains. */
+export interface Entered {
+  readonly subject: string;
+  readonly label: string;
+  readonly notes: string;
+  readonly trial: TrialRecord | undefined;
+  readonly outcome: string;
+  readonly reason: string;
+}
+
+/** Returns a request with the changed values only, or nothing if none changed. */
+export const requestOf = (session: SessionRecord, entered: Entered): CorrectionRequest | undefined => {
+  const { trial } = entered;
+  const changes: CorrectionRequest = {};
+  for (const name of ['subject', 'label', 'notes'] as const) {
+    const value = entered[name].trim();
+    if (value !== session[name]) changes[name] = value;
+  }
+  if (trial !== undefined && entered.outcome !== '' && entered.outcome !== trial.outcome) {
+    Object.assign(changes, { part: trial.part, trial: trial.trial, attempt: trial.attempt, outcome: entered.outcome });
+  }
+  return Object.keys(changes).length === 0 ? undefined : { ...changes, sessionId: session.sessionId, reason: entered.reason.trim() };
+};
+
+const detail = ({ oldValue, who, utcNs, reason }: Correction): string => strings.sessions.change.detail(oldValue, who, dateTime(utcNs), reason);
+
+/** Returns who changed a value, when and why, and what it was before; "" if it is as recorded. */
+export const correctionOf = (session: SessionRecord, field: 'subject' | 'label' | 'notes'): string => {
+  const newest = session.corrections.filter((one) => one.field === field).at(-1);
+  return newest === undefined ? '' : detail(newest);
+};
+
+/** The same for the outcome of an attempt. */
+export const outcomeCorrection = (session: SessionRecord, { part, trial, attempt }: TrialRecord): string => {
+  const isIt = (one: Correction): boolean => one.field === 'outcome' && one.part === part && one.trial === trial && one.attempt === attempt;
+  const newest = session.corrections.filter(isIt).at(-1);
+  return newest === undefined ? '' : detail(newest);
+};

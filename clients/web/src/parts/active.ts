@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { SessionInfo } from '../generated/dts/v1/control_pb';
+import { SessionState } from '../generated/dts/v1/stream_pb';
+
+const atRest = new Set([SessionState.UNSPECIFIED, SessionState.IDLE, SessionState.FAILED]);
+
+/** Returns whether a session runs. A failed one does not: there is nothing to stop, and another can be started. */
+export const isActive = (session: SessionInfo | undefined): session is SessionInfo => session !== undefined && !atRest.has(session.state);

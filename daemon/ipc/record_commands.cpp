@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands of CommandHandler that correct, delete and erase what was recorded.
+#include <algorithm>
+
+#include "ipc/command_handler.h"
+#include "ipc/encode_session.h"
+#include "record/utf8_text.h"
+
+namespace dts::ipc {
+namespace {
+
+using core::ErrorCode;
+
+constexpr std::size_t kMostSessions = 1000;  // keeps an answer below a few MB
+constexpr const char* kBackups =
+    "Backups and copies still have this subject. Replace each backup by a new one, or note the subject ID in the list of erasures that "
+    "your "
+    "clinic keeps apart from this machine, and erase the subject again after you restore a backup. Reports, exports and copies that people "
+    "saved elsewhere must be deleted by them.";
+
+}  // namespace
+
+dts::v1::Response CommandHandler::correct_session(const dts::v1::CorrectSessionRequest& request, const std::string& author) {
+  const auto given = [](bool is_given, const std::string& text) { return is_given ? std::optional(text) : std::nullopt; };
+  const auto session = supervisor_.correct_session({.session_id = request.session_id(),
+                                                    .subject = given(request.has_subject(), request.subject()),
+                                                    .label = given(request.has_label(), request.label()),
+                                                    .notes = given(request.has_notes(), request.notes()),
+                                                    .trial = request.trial(),
+                                                    .attempt = request.attempt(),
+                                                    .part = request.part(),
+                                                    .outcome = request.outcome(),
+                                                    .reason = request.reason()},
+                                                   author);
+  return session ? session_answer(*session) : error_response(session.error());
+}
+
+dts::v1::Response CommandHandler::delete_session(const dts::v1::DeleteSessionRequest& request, const std::string& author) {
+  const auto session = supervisor_.delete_session(request.session_id(), request.reason(), request.is_restore(), author);
+  return session ? session_answer(*session) : error_response(session.error());
+}
+
+dts::v1::Response CommandHandler::list_subjects() {
+  const auto subjects = supervisor_.recordings().catalogue().subjects();
+  if (!subjects) return error_response(subjects.error());
+  dts::v1::Response response;
+  auto& out = *response.mutable_subjects();
+  for (const record::SubjectRow& subject : *subjects) *out.add_subjects() = subject_info(subject);
+  return response;
+}
+
+dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest& request) {
+  session::Recordings& recordings = supervisor_.recordings();
+  const auto subjects = recordings.catalogue().subjects();
+  if (!subjects) return error_response(subjects.error());
+  const auto mentioning = recordings.sessions_mentioning(request.subject());
+  if (!mentioning) return error_response(mentioning.error());
+  const auto subject = std::ranges::find(*subjects, request.subject(), &record::SubjectRow::subject);
+  if (request.subject().empty() || (subject == subjects->end() && mentioning->empty())) {
+    return error_response({ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list"});
+  }
+  const auto rows = recordings.catalogue().sessions({.subject = request.subject(), .limit = kMostSessions, .shown = record::Shown::Both});
+  if (!rows) return error_response(rows.error());
+  dts::v1::Response response;
+  auto& out = *response.mutable_subject();
+  *out.mutable_about() = subject_info(subject == subjects->end() ? record::SubjectRow{.subject = request.subject()} : *subject);
+  for (const record::SessionRow& row : *rows) {
+    *out.add_sessions() = listed_session(recordings.corrected(row), supervisor_.planned_trials(row));
+  }
+  for (const std::string& id : *mentioning) out.add_mentioning_sessions(id);
+  return response;
+}
+
+CommandHandler::Answer CommandHandler::erase_subject(const dts::v1::EraseSubjectRequest& request, const std::string& author) {
+  if (auto begun = supervisor_.erase_subject(request.subject(), author); !begun) return {error_response(begun.error())};
+  return {{}, PendingErasure{}};
+}
+
+std::optional<dts::v1::Response> CommandHandler::finish_erasure() {
+  const auto erased = supervisor_.recordings().take_erased();
+  if (!erased) return std::nullopt;
+  if (!*erased) return error_response(erased->error());
+  dts::v1::Response response;
+  auto& out = *response.mutable_erased();
+  out.set_sessions((*erased)->sessions);
+  out.set_files((*erased)->files);
+  out.set_bytes((*erased)->bytes);
+  out.set_mentions((*erased)->mentions);
+  for (const std::string& left : (*erased)->left) out.add_left(record::clean_text(left));
+  out.set_backups(kBackups);
+  return response;
+}
+
+}  // namespace dts::ipc

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/corrected_results.h"
+
+#include <algorithm>
+#include <iterator>
+#include <tuple>
+
+#include "record/old_event.h"
+#include "record/recording.h"
+#include "session/figure.h"
+#include "session/reach_summary.h"
+#include "session/session_events.h"
+#include "session/sway_results.h"
+
+namespace dts::session {
+namespace {
+
+std::optional<physics::Person> person_in(const record::PartRow& part) {
+  const auto facts = record::read_session_facts(part.file);
+  return facts ? person_of(facts->fields) : std::nullopt;
+}
+
+core::Result<std::vector<SessionFigure>> figures_of(const record::SessionRow& session, const record::PartRow& part) {
+  std::vector<SwayTrialResult> standing;
+  std::vector<std::tuple<std::uint32_t, std::uint64_t, ReachTrialResult>> reaches;
+  for (const record::TrialRow& trial : session.trials) {
+    if (trial.part != part.part || trial.outcome != "done" || trial.result.empty()) continue;
+    const auto event = record::event_of_text(trial.result);
+    if (!event) return core::fail(core::ErrorCode::DataDamaged, "the result of a trial of session " + session.id + " cannot be read");
+    if (event->has_sway()) {
+      DTS_TRY_ASSIGN(auto result, sway_of(*event));
+      standing.push_back(std::move(result));
+    } else if (event->has_trial_result()) {
+      DTS_TRY_ASSIGN(auto result, reach_result_of(*event));
+      result.has_gap = trial.last_segment > trial.segment;
+      reaches.emplace_back(trial.segment, trial.first_scan, std::move(result));
+    }
+  }
+  std::vector<SessionFigure> figures;
+  if (!reaches.empty()) {
+    std::ranges::stable_sort(reaches, {}, [](const auto& reach) { return std::pair(std::get<0>(reach), std::get<1>(reach)); });
+    std::vector<ReachTrialResult> results;
+    for (auto& reach : reaches) results.push_back(std::move(std::get<2>(reach)));
+    figures = summarize(results, person_in(part));
+  }
+  std::ranges::move(sway_summary(standing), std::back_inserter(figures));
+  return figures;
+}
+
+}  // namespace
+
+bool has_trial_results(const record::SessionRow& session) {
+  return std::ranges::any_of(session.trials, [](const record::TrialRow& trial) { return !trial.result.empty(); });
+}
+
+core::Result<std::vector<record::ResultRow>> corrected_results(const record::SessionRow& session) {
+  std::vector<record::ResultRow> results;
+  for (const record::PartRow& part : session.parts) {
+    DTS_TRY_ASSIGN(const auto figures, figures_of(session, part));
+    for (const SessionFigure& figure : figures) {
+      results.push_back({.session_id = session.id,
+                         .name = figure.name + part_suffix(part.part),
+                         .value = figure.value,
+                         .unit = figure.unit,
+                         .details = figure.details});
+    }
+  }
+  return results;
+}
+
+}  // namespace dts::session

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/result.h"
+#include "core/text_pattern.h"
+
+namespace dts::session {
+
+/// What a clinic allows in labels and markers. Both are free text of people, and go into recordings, reports and exports.
+struct LabelRule {
+  std::optional<core::TextPattern> pattern{};  ///< Absent: every text.
+  std::string hint{};                          ///< For people who type a text: what is allowed, and why.
+};
+
+/// The rule of a clinic that has set none. The first word may be anything; a later word begins with a small letter or a digit, or is a
+/// short code of capitals. So "eyes closed", "Baseline 2" and "T1 OP" are allowed, and "Anna Schmidt, born 1950" is not. No rule can know
+/// all names: it stops the usual sentence with a name.
+inline constexpr std::string_view kDefaultLabelPattern =
+    "[A-Za-z\u00C0-\u00FF0-9(][A-Za-z\u00C0-\u00FF0-9._+%/:,;!?()\"#\\-]*"
+    "( ([a-z\u00DF-\u00FF0-9._+%/:,;!?()\"#\\-][A-Za-z\u00C0-\u00FF0-9._+%/:,;!?()\"#\\-]*|[A-Z0-9]{1,5}))*";
+inline constexpr std::string_view kDefaultLabelHint =
+    "Use words and numbers such as \"eyes closed\" or \"Baseline 2\". Labels go into files: do not enter names or birth dates";
+/// The hint of a clinic that has set a rule and no hint.
+inline constexpr std::string_view kGeneralLabelHint =
+    "Ask your engineer for the rule: label_pattern in dtsd.toml. Labels go into files: do not enter names or birth dates";
+
+/// Fails with InvalidArgument if the text does not follow the rule, has more than 200 bytes, or fails `check_plain_text`. The message does
+/// not repeat the text, which may be a name. `what`: "label", "marker".
+[[nodiscard]] core::Status check_label(const LabelRule& rule, const std::string& what, const std::string& text);
+
+/// Fails with InvalidArgument if a text has more than `longest` bytes, is not UTF-8, or has control characters or characters that change
+/// the direction of text: such a text can look like another one. `what`: "reason", "notes".
+[[nodiscard]] core::Status check_plain_text(const std::string& what, const std::string& text, std::size_t longest);
+
+}  // namespace dts::session

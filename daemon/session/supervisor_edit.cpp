@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the supervisor corrects, deletes and erases what was recorded.
+#include <algorithm>
+#include <utility>
+
+#include "session/supervisor.h"
+
+namespace dts::session {
+
+core::Result<record::SessionRow> Supervisor::correct_session(const CorrectionRequest& request, const std::string& who) {
+  DTS_TRY_ASSIGN(const auto session, services_.recordings.closed_session(request.session_id));
+  if (session.is_deleted) {
+    return core::fail(core::ErrorCode::WrongState, "session " + session.id + " is deleted",
+                      "restore it first: dtsctl session restore " + session.id);
+  }
+  DTS_TRY_ASSIGN(auto corrections, corrections_for(session, request, services_.label_rule));
+  return corrected_session(session, std::move(corrections), who);
+}
+
+core::Result<record::SessionRow> Supervisor::delete_session(const std::string& id, const std::string& reason, bool is_restore,
+                                                            const std::string& who) {
+  DTS_TRY_ASSIGN(const auto session, services_.recordings.closed_session(id));
+  if (!is_restore || !reason.empty()) DTS_TRY(check_reason(reason));
+  if (session.is_deleted != is_restore) {
+    return core::fail(core::ErrorCode::WrongState, "session " + session.id + (is_restore ? " is not deleted" : " is deleted already"),
+                      is_restore ? "see dtsctl session list --deleted" : "restore it: dtsctl session restore " + session.id);
+  }
+  record::Correction correction{.who = {},
+                                .field = record::CorrectedField::Deleted,
+                                .old_value = is_restore ? "yes" : "no",
+                                .new_value = is_restore ? "no" : "yes",
+                                .reason = reason};
+  return corrected_session(session, {std::move(correction)}, who);
+}
+
+core::Result<record::SessionRow> Supervisor::corrected_session(const record::SessionRow& session,
+                                                               std::vector<record::Correction> corrections, const std::string& who) {
+  for (record::Correction& correction : corrections) correction.who = who;
+  DTS_TRY(services_.recordings.correct(session, std::move(corrections)));
+  DTS_TRY_ASSIGN(auto changed, services_.recordings.catalogue().session(session.id));
+  if (const auto entry = entries_.find(changed.rig); entry != entries_.end()) {
+    entry->second.session.revise(changed, moment(entry->second));
+    collect_session_changes(entry->second);
+  }
+  return changed;
+}
+
+core::Status Supervisor::erase_subject(const std::string& subject, const std::string& who) {
+  for (auto& [rig_name, entry] : entries_) {
+    if (!entry.session.is_under_way() || entry.session.view(clock_.now_ns()).request.subject != subject) continue;
+    return core::fail(core::ErrorCode::WrongState, "a session of this subject is running on rig '" + rig_name + "'",
+                      "stop it first: dtsctl session stop --rig " + rig_name);
+  }
+  DTS_TRY(services_.recordings.begin_erasure(subject, who));
+  for (auto& [rig_name, entry] : entries_) {  // the status shows the last session of a rig
+    entry.session.forget(subject, moment(entry));
+    collect_session_changes(entry);
+  }
+  return {};
+}
+
+}  // namespace dts::session

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/catalogue/corrections.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "unit/record/catalogue/catalogue_fixture.h"
+
+namespace dts::record {
+namespace {
+
+using catalogue_test::code;
+using catalogue_test::facts;
+using catalogue_test::what;
+
+Correction correction(CorrectedField field, const std::string& from, const std::string& to) {
+  return {.utc_ns = 5, .who = "local:anna", .field = field, .old_value = from, .new_value = to, .reason = "typing error"};
+}
+
+Correction outcome(std::uint32_t trial, const std::string& from, const std::string& to) {
+  Correction made = correction(CorrectedField::Outcome, from, to);
+  made.part = 1;
+  made.trial = trial;
+  made.attempt = 1;
+  return made;
+}
+
+Corrections corrections(const std::vector<Correction>& all, const std::string& id = "s1") {
+  Corrections made{.session_id = id};
+  for (const Correction& one : all) made.add(one);
+  return made;
+}
+
+class CorrectionsTest : public catalogue_test::CatalogueFixture {
+ protected:
+  /// A session with three trials: done, rejected, done.
+  void add_session(const std::string& id = "s1") {
+    ASSERT_TRUE(catalogue().begin_part(facts(id), path(id + ".xdf")));
+    std::uint32_t number = 0;
+    for (const std::string how : {"done", "rejected", "done"}) {
+      ASSERT_TRUE(catalogue().put_trial({.session_id = id, .part = 1, .trial = ++number, .outcome = how}));
+    }
+    ASSERT_TRUE(catalogue().end_session(id, "complete", "", 2000));
+  }
+  std::string outcomes(const std::string& id = "s1") {
+    std::string text;
+    const SessionRow session = catalogue().session(id).value();
+    for (const TrialRow& trial : session.trials) {
+      text += trial.outcome + (trial.recorded_outcome.empty() ? "" : " (" + trial.recorded_outcome + ")") + ", ";
+    }
+    return text + std::to_string(session.parts.at(0).valid_trials) + " valid";
+  }
+  std::string write(const std::string& text) {
+    std::ofstream(path("s1.corrections.json")) << text;
+    return path("s1.corrections.json");
+  }
+};
+
+TEST_F(CorrectionsTest, AFileKeepsThem) {
+  const Corrections written = corrections({correction(CorrectedField::Subject, "P071", "P017"), outcome(2, "rejected", "done")});
+  const std::string file = corrections_file(path("s1.xdf"), "s1");
+  ASSERT_TRUE(write_corrections(file, corrections({})));
+  ASSERT_TRUE(write_corrections(file, written));
+  const auto read = corrections_beside(path("s1.2.xdf"), facts("s1", 2));
+  ASSERT_TRUE(read) << what(read);
+  EXPECT_EQ(*read, written);
+  EXPECT_EQ(read->all[1].number, 2U);
+  EXPECT_EQ(*read->value(CorrectedField::Subject), "P017");
+  EXPECT_EQ(read->value(CorrectedField::Label), nullptr);
+  EXPECT_EQ(*read->outcome(1, 2, 1), "done");
+  EXPECT_EQ(read->outcome(2, 2, 1), nullptr);
+  EXPECT_EQ(corrected(facts(), *read).subject, "P017");
+  EXPECT_EQ(corrections_beside(path("s2.xdf"), facts("s2"))->all.size(), 0U) << "there is no file";
+}
+
+TEST_F(CorrectionsTest, TextsThatAreRemovedAreNotRepeated) {
+  const Corrections all = corrections({correction(CorrectedField::Label, "Anna Schmidt", "Anna S"),
+                                       correction(CorrectedField::Notes, "", "n"), correction(CorrectedField::Label, "Anna S", "")});
+  for (const Correction& one : all.all) {
+    EXPECT_EQ(one.old_value.find("Anna"), std::string::npos);
+    EXPECT_EQ(one.new_value.find("Anna"), std::string::npos);
+  }
+  EXPECT_EQ(*all.value(CorrectedField::Label), "");
+  EXPECT_EQ(*all.value(CorrectedField::Notes), "n");
+}
+
+TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
+  const std::string head = "{\"session_id\": \"s1\", \"corrections\": ";
+  const std::string one =
+      "{\"utc_ns\": 1, \"who\": \"local\", \"field\": \"label\", \"old_value\": \"\", \"new_value\": \"x\", \"reason\": \"r\"}";
+  EXPECT_TRUE(read_corrections(write(head + "[" + one + "]}")));
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = one;
+    return head + "[" + text.replace(text.find(from), from.size(), to) + "]}";
+  };
+  std::string many;
+  for (std::size_t count = 0; count <= kMostCorrections; ++count) many += (count == 0 ? "" : ",") + one;
+  for (const std::string& text : std::vector<std::string>{
+           "", "[]", "{}", head + "3}", head + "[3]}", "{\"corrections\": []}", head + "[" + many + "]}", std::string(100'000, '['),
+           changed("\"label\"", "\"name\""), changed("\"local\"", "3"), changed("1,", "-1,"), changed("1,", "1e99,"),
+           changed("\"label\"", "\"outcome\""), changed("\"x\"", "\"" + std::string(5000, 'x') + "\"")}) {
+    const auto read = read_corrections(write(text));
+    EXPECT_EQ(code(read), core::ErrorCode::DataDamaged) << text.substr(0, 200);
+    EXPECT_NE(what(read).find("s1.corrections.json"), std::string::npos);
+  }
+  EXPECT_EQ(code(read_corrections(path("none"))), core::ErrorCode::NotFound);
+  EXPECT_EQ(code(read_corrections(folder_)), core::ErrorCode::DataDamaged) << "a folder";
+}
+
+TEST_F(CorrectionsTest, AForgedSessionIdIsNoPath) {
+  std::filesystem::create_directory(path("inner"));
+  ASSERT_TRUE(write_corrections(path("x.corrections.json"), corrections({correction(CorrectedField::Subject, "", "Z")}, "../x")));
+  const auto read = corrections_beside(path("inner/a.xdf"), facts("../x"));
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->all.empty());
+}
+
+TEST_F(CorrectionsTest, TheCatalogueShowsCorrectedAndRecordedValues) {
+  add_session();
+  ASSERT_TRUE(catalogue().set_corrections(
+      corrections({correction(CorrectedField::Subject, "P017", "P018"), correction(CorrectedField::Label, "", "eyes closed"),
+                   correction(CorrectedField::Notes, "", "new shoes"), outcome(1, "done", "rejected"), outcome(2, "rejected", "done")})));
+  SessionRow row = catalogue().session("s1").value();
+  EXPECT_EQ(row.subject + "/" + row.recorded_subject, "P018/P017");
+  EXPECT_EQ(row.label + "/" + row.recorded_label + "/" + row.notes, "eyes closed//new shoes");
+  EXPECT_EQ(row.corrections.size(), 5U);
+  EXPECT_EQ(outcomes(), "rejected (done), done (rejected), done, 2 valid");
+  EXPECT_EQ(catalogue().sessions({.subject = "P018"})->size(), 1U);
+  EXPECT_EQ(catalogue().sessions({.subject = "P017"})->size(), 0U);
+
+  ASSERT_TRUE(catalogue().set_corrections(corrections({outcome(1, "done", "rejected"), outcome(1, "rejected", "done")})));
+  EXPECT_EQ(outcomes(), "done, rejected, done, 2 valid") << "corrected back";
+  EXPECT_EQ(catalogue().session("s1")->subject, "P017");
+  EXPECT_EQ(code(catalogue().set_corrections(corrections({}, "s9"))), core::ErrorCode::NotFound);
+}
+
+TEST_F(CorrectionsTest, DeletedSessionsAreInNoListButTheirOwn) {
+  add_session();
+  add_session("s2");
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Deleted, "no", "yes")})));
+  const auto ids = [this](Shown shown) {
+    std::string text;
+    const auto rows = catalogue().sessions({.shown = shown}).value();
+    for (const SessionRow& row : rows) text += row.id + " ";
+    return text;
+  };
+  EXPECT_EQ(ids(Shown::Kept), "s2 ");
+  EXPECT_EQ(ids(Shown::Deleted), "s1 ");
+  EXPECT_EQ(ids(Shown::Both), "s2 s1 ");
+  EXPECT_TRUE(catalogue().session("s1")->is_deleted);
+  ASSERT_TRUE(catalogue().set_corrections(
+      corrections({correction(CorrectedField::Deleted, "no", "yes"), correction(CorrectedField::Deleted, "yes", "no")})));
+  EXPECT_EQ(ids(Shown::Kept), "s2 s1 ");
+}
+
+TEST_F(CorrectionsTest, SubjectsAreCountedWithTheirCorrectedIds) {
+  add_session();
+  add_session("s2");
+  add_session("s3");
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Subject, "P017", "A1")})));
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Deleted, "no", "yes")}, "s2")));
+  const auto subjects = catalogue().subjects().value();
+  ASSERT_EQ(subjects.size(), 2U);
+  EXPECT_EQ(subjects[0], (SubjectRow{.subject = "A1", .sessions = 1, .first_utc_ns = 1000, .last_utc_ns = 1000}));
+  EXPECT_EQ(subjects[1].sessions, 2U);
+  EXPECT_EQ(subjects[1].deleted_sessions, 1U);
+}
+
+TEST_F(CorrectionsTest, ErasedRowsAreNotEvenInTheBytesOfTheDatabase) {
+  add_session();
+  ASSERT_TRUE(catalogue().begin_part({.session_id = "s2", .rig = "floor", .protocol = "free", .subject = "SECRETSUBJECT"}, path("s2.xdf")));
+  ASSERT_TRUE(catalogue().put_result({.session_id = "s2", .name = "SECRETRESULT", .value = 1.0, .unit = "1", .details = ""}));
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Notes, "", "SECRETNOTES")}, "s2")));
+  ASSERT_TRUE(catalogue().append_audit({.utc_ns = 1, .who = "local", .what = "start_session", .target = "s2", .result = "ok"}));
+
+  ASSERT_TRUE(catalogue().erase({"s2", "unknown"}));
+
+  EXPECT_EQ(code(catalogue().session("s2")), core::ErrorCode::NotFound);
+  EXPECT_TRUE(catalogue().session("s1"));
+  EXPECT_EQ(catalogue().results("s2")->size(), 0U);
+  EXPECT_EQ(catalogue().verify_audit().value(), 1U) << "the trail is not affected";
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    std::ifstream stream(entry.path(), std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    for (const std::string secret : {"SECRETSUBJECT", "SECRETRESULT", "SECRETNOTES"}) {
+      EXPECT_EQ(bytes.find(secret), std::string::npos) << secret << " in " << entry.path();
+    }
+  }
+}
+
+TEST_F(CorrectionsTest, ResultsAreReplacedAsAWhole) {
+  add_session();
+  ASSERT_TRUE(catalogue().put_result({.session_id = "s1", .name = "old", .value = 1.0, .unit = "1", .details = ""}));
+  ASSERT_TRUE(catalogue().set_results("s1", {{.session_id = "s1", .name = "new", .value = 2.0, .unit = "mm", .details = ""}}));
+  ASSERT_EQ(catalogue().results("s1")->size(), 1U);
+  EXPECT_EQ(catalogue().results("s1")->front().name, "new");
+  EXPECT_FALSE(catalogue().set_results("s1", {{.session_id = "s1", .name = "nan", .value = std::nan(""), .unit = "", .details = ""}}));
+  EXPECT_EQ(catalogue().results("s1")->front().name, "new") << "nothing or everything";
+}
+
+}  // namespace
+}  // namespace dts::record

@@ -1,0 +1,352 @@
+// SPDX-License-Identifier: Apache-2.0
+// Correcting, deleting and erasing closed sessions.
+#include <gmock/gmock.h>
+
+#include <fstream>
+#include <map>
+
+#include "record/recording.h"
+#include "session/correction_request.h"
+#include "supervisor_fixture.h"
+
+namespace dts::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kAnna = "local:anna";
+
+class EditTest : public SupervisorTest {
+ protected:
+  /// A session of quiet standing with two trials that are done.
+  std::string stand(const std::string& subject = "P071") {
+    const std::string id = record(kBlock, {.protocol = "standing", .subject = subject, .label = "first"});
+    for (int trial = 0; trial < 2; ++trial) {
+      EXPECT_TRUE(supervisor_->trial("", TrialAction::Next));
+      pass(13.0);
+    }
+    EXPECT_TRUE(stop());
+    return id;
+  }
+  /// A session without trials.
+  std::string brief(const std::string& subject) {
+    const std::string id = record(kBlock, {.subject = subject});
+    EXPECT_TRUE(stop());
+    return id;
+  }
+  [[nodiscard]] std::map<std::string, double> results(const std::string& id) {
+    std::map<std::string, double> values;
+    const auto rows = recordings_->catalogue().results(id).value();
+    for (const record::ResultRow& result : rows) values[result.name] = result.value;
+    return values;
+  }
+  [[nodiscard]] std::string corrections_file(const std::string& id) const {
+    return (folder_ / "sessions" / (id + ".corrections.json")).string();
+  }
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_ / "sessions")) names.push_back(entry.path().filename().string());
+    std::ranges::sort(names);
+    return names;
+  }
+  [[nodiscard]] std::optional<record::Erased> erased() {
+    std::optional<core::Result<record::Erased>> done;
+    EXPECT_TRUE(eventually([&] {
+      done = recordings_->take_erased();
+      return done.has_value();
+    }));
+    EXPECT_TRUE(done && *done);
+    return done && *done ? std::optional(**done) : std::nullopt;
+  }
+  [[nodiscard]] std::vector<std::string> listed() {
+    std::vector<std::string> ids;
+    const auto sessions = recordings_->catalogue().sessions({.shown = record::Shown::Both}).value();
+    for (const record::SessionRow& session : sessions) ids.push_back(session.id);
+    return ids;
+  }
+  /// Starts the daemon again with the files as they are.
+  void restart() {
+    end();
+    start({Protocol{}, standing()});
+  }
+};
+
+TEST_F(EditTest, ACorrectionChangesTheSession_AndNotTheRecording) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P071");
+  const std::string sha256 = row(id).parts.at(0).sha256;
+  const auto corrected = supervisor_->correct_session(
+      {.session_id = id, .subject = "P017", .label = "eyes closed", .notes = "new shoes", .reason = "typing error"}, kAnna);
+  ASSERT_TRUE(corrected) << corrected.error().what;
+  EXPECT_EQ(corrected->subject + " " + corrected->label + " " + corrected->notes, "P017 eyes closed new shoes");
+  ASSERT_EQ(corrected->corrections.size(), 3U);
+  const record::Correction& first = corrected->corrections[0];
+  EXPECT_EQ(first.who + " " + first.old_value + " " + first.new_value + " " + first.reason, "local:anna P071 P017 typing error");
+  EXPECT_EQ(first.utc_ns, clock_.now_ns() + clock_.utc_minus_monotonic_ns());
+  EXPECT_EQ(now().session.request.subject, "P017") << "the status shows the last session";
+  EXPECT_EQ(record::read_session_facts(row(id).parts.at(0).file)->subject, "P071");
+  EXPECT_EQ(record::verify(row(id).parts.at(0).file)->sha256, sha256);
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("corrected subject ID"));
+}
+
+TEST_F(EditTest, ResultsFollowTheOutcomesOfTheTrials) {
+  start({Protocol{}, standing()});
+  const std::string id = stand();
+  const auto before = results(id);
+  ASSERT_TRUE(before.contains("romberg/MVELO"));
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .trial = 2, .outcome = "rejected", .reason = "talked"}, kAnna));
+  auto after = results(id);
+  EXPECT_TRUE(after.contains("open/MVELO"));
+  EXPECT_FALSE(after.contains("closed/MVELO"));
+  EXPECT_FALSE(after.contains("romberg/MVELO"));
+  EXPECT_EQ(after.at("open/MVELO"), before.at("open/MVELO"));
+  EXPECT_EQ(row(id).parts.at(0).valid_trials, 1U);
+  EXPECT_EQ(row(id).trials.at(1).outcome + " " + row(id).trials.at(1).recorded_outcome, "rejected done");
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .trial = 2, .attempt = 1, .outcome = "done", .reason = "did not"}, kAnna));
+  EXPECT_EQ(results(id), before) << "to the last bit";
+  EXPECT_EQ(row(id).parts.at(0).valid_trials, 2U);
+}
+
+TEST_F(EditTest, CorrectionsSurviveTheLossOfTheCatalogue) {
+  start({Protocol{}, standing()});
+  const std::string id = stand();
+  ASSERT_TRUE(
+      supervisor_->correct_session({.session_id = id, .subject = "P017", .trial = 2, .outcome = "rejected", .reason = "talked"}, kAnna));
+  const auto before = row(id);
+  const auto figures = results(id);
+  end();
+  for (const char* name : {"catalogue.sqlite", "catalogue.sqlite-wal", "catalogue.sqlite-shm", "catalogue.sqlite.audit"})
+    std::filesystem::remove(folder_ / name);
+
+  start({Protocol{}, standing()});
+
+  EXPECT_EQ(row(id).corrections, before.corrections);
+  EXPECT_EQ(row(id).subject + " " + row(id).recorded_subject, "P017 P071");
+  EXPECT_EQ(row(id).trials, before.trials);
+  EXPECT_EQ(results(id), figures);
+}
+
+TEST_F(EditTest, ACorrectionsFileThatIsMissingIsWrittenAgain_AndABadOneIsKept) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P071");
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .subject = "P017", .reason = "typing error"}, kAnna));
+  std::filesystem::remove(corrections_file(id));
+  restart();
+  EXPECT_EQ(record::read_corrections(corrections_file(id))->all.size(), 1U);
+
+  std::ofstream(corrections_file(id)) << "damaged";
+  restart();
+  EXPECT_THAT(log(), HasSubstr("corrections in '" + corrections_file(id) + "' cannot be read"));
+  EXPECT_EQ(row(id).subject, "P017") << "the catalogue still has it";
+  std::string text;
+  std::getline(std::ifstream(corrections_file(id)), text);
+  EXPECT_EQ(text, "damaged");
+}
+
+TEST_F(EditTest, ValuesThatAreNotAllowed_AreRejected) {
+  start({Protocol{}, standing()});
+  const std::string id = stand();
+  const auto why = [&](CorrectionRequest request, core::ErrorCode code) {
+    request.session_id = id;
+    return why_refused(supervisor_->correct_session(request, kAnna), code);
+  };
+  using enum core::ErrorCode;
+  EXPECT_THAT(why({.subject = "P017"}, InvalidArgument), HasSubstr("the reason is missing"));
+  EXPECT_THAT(why({.subject = "Anna Schmidt", .reason = "r"}, InvalidArgument), HasSubstr("subject ID must have"));
+  EXPECT_THAT(why({.subject = "=cmd|' /C calc'!A0", .reason = "r"}, InvalidArgument), HasSubstr("subject ID must have"));
+  EXPECT_THAT(why({.subject = "P071", .reason = "r"}, InvalidArgument), HasSubstr("nothing to correct"));
+  EXPECT_THAT(why({.reason = "r"}, InvalidArgument), HasSubstr("nothing to correct"));
+  EXPECT_THAT(why({.notes = std::string(10'000, 'x'), .reason = "r"}, InvalidArgument), HasSubstr("10000 bytes, more than 1000"));
+  EXPECT_THAT(why({.label = std::string(10'000, 'x'), .reason = "r"}, InvalidArgument), HasSubstr("more than 200"));
+  EXPECT_THAT(why({.subject = "P1", .reason = std::string(10'000, 'x')}, InvalidArgument), HasSubstr("more than 200"));
+  for (const std::string bad : {"a\nb", "a\x1b[31m",
+                                "\xE2\x80\xAE"
+                                "abc",
+                                "\xFF", "a\x7f"}) {
+    EXPECT_THAT(why({.notes = bad, .reason = "r"}, InvalidArgument), HasSubstr("not visible"));
+    EXPECT_THAT(why({.label = bad, .reason = "r"}, InvalidArgument), HasSubstr("not visible"));
+    EXPECT_THAT(why({.subject = "P1", .reason = bad}, InvalidArgument), HasSubstr("not visible"));
+  }
+  EXPECT_THAT(why({.trial = 1, .reason = "r"}, InvalidArgument), HasSubstr("both a trial and an outcome"));
+  EXPECT_THAT(why({.outcome = "done", .reason = "r"}, InvalidArgument), HasSubstr("both a trial and an outcome"));
+  EXPECT_THAT(why({.trial = 1, .outcome = "good", .reason = "r"}, InvalidArgument), HasSubstr("outcome is not known"));
+  EXPECT_THAT(why({.trial = 3, .outcome = "done", .reason = "r"}, NotFound), HasSubstr("no trial 3"));
+  EXPECT_THAT(why({.trial = 1, .attempt = 2, .outcome = "done", .reason = "r"}, NotFound), HasSubstr("no attempt 2 of trial 1"));
+  EXPECT_TRUE(row(id).corrections.empty());
+  EXPECT_FALSE(std::filesystem::exists(corrections_file(id)));
+  EXPECT_EQ(supervisor_->correct_session({.session_id = "none", .subject = "P1", .reason = "r"}, kAnna).error().code, NotFound);
+}
+
+TEST_F(EditTest, ATrialIsDoneOnce_AndOnlyWithValues) {
+  start({Protocol{}, standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(13.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Redo));  // attempt 1 is redone; attempt 2 begins
+  pass(13.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(2.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Reject));  // trial 2 ends before it was measured
+  ASSERT_TRUE(stop());
+  const auto why = [&](std::uint32_t trial, std::uint32_t attempt) {
+    return why_refused(
+        supervisor_->correct_session({.session_id = id, .trial = trial, .attempt = attempt, .outcome = "done", .reason = "r"}, kAnna));
+  };
+  EXPECT_THAT(why(1, 1), HasSubstr("attempt 2 is done"));
+  EXPECT_THAT(why(2, 1), HasSubstr("has no values"));
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .trial = 1, .attempt = 2, .outcome = "redone", .reason = "r"}, kAnna));
+  EXPECT_TRUE(supervisor_->correct_session({.session_id = id, .trial = 1, .attempt = 1, .outcome = "done", .reason = "r"}, kAnna));
+}
+
+TEST_F(EditTest, OnlyClosedSessionsAreCorrected) {
+  start({Protocol{}, standing()});
+  const std::string id = record(kBlock, {.subject = "P071"});
+  EXPECT_THAT(why_refused(supervisor_->correct_session({.session_id = id, .subject = "P017", .reason = "r"}, kAnna)),
+              HasSubstr("is not closed yet"));
+  EXPECT_THAT(why_refused(supervisor_->delete_session(id, "r", false, kAnna)), HasSubstr("is not closed yet"));
+  EXPECT_THAT(why_refused(supervisor_->erase_subject("P071", kAnna)), HasSubstr("a session of this subject is running"));
+  EXPECT_TRUE(stop());
+}
+
+TEST_F(EditTest, ADeletedSessionIsHidden_AndRestored) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  EXPECT_EQ(why_refused(supervisor_->delete_session(id, "", false, kAnna), core::ErrorCode::InvalidArgument).substr(0, 21),
+            "the reason is missing");
+  ASSERT_TRUE(supervisor_->delete_session(id, "a test", false, kAnna));
+  EXPECT_TRUE(recordings_->catalogue().sessions({})->empty());
+  EXPECT_TRUE(std::filesystem::exists(row(id).parts.at(0).file));
+  EXPECT_THAT(why_refused(supervisor_->delete_session(id, "again", false, kAnna)), HasSubstr("is deleted already"));
+  EXPECT_THAT(why_refused(supervisor_->correct_session({.session_id = id, .subject = "P1", .reason = "r"}, kAnna)),
+              HasSubstr("restore it first"));
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("is deleted"));
+  restart();
+  EXPECT_TRUE(row(id).is_deleted);
+  ASSERT_TRUE(supervisor_->delete_session(id, "", true, kAnna));
+  EXPECT_EQ(recordings_->catalogue().sessions({})->size(), 1U);
+  EXPECT_THAT(why_refused(supervisor_->delete_session(id, "", true, kAnna)), HasSubstr("is not deleted"));
+}
+
+TEST_F(EditTest, AnErasedSubjectLeavesNothing) {
+  start({Protocol{}, standing()});
+  const std::string other = brief("P018");
+  const std::string second = brief("P017");
+  const std::string third = stand("P017");
+  ASSERT_TRUE(supervisor_->delete_session(second, "a test", false, kAnna));
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = third, .notes = "n", .reason = "r"}, kAnna));
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = other, .notes = "as P017.", .reason = "not P0170"}, kAnna));
+  EXPECT_THAT(recordings_->sessions_mentioning("P017").value(), ElementsAre(other));
+
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  EXPECT_THAT(listed(), ElementsAre(other)) << "already";
+  const auto done = erased();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->sessions, 2U);
+  EXPECT_EQ(done->mentions, 1U);
+  EXPECT_THAT(done->left, IsEmpty());
+  EXPECT_THAT(files(), ElementsAre(other + ".corrections.json", other + ".xdf", other + ".xdf.idx"));
+  EXPECT_EQ(row(other).notes, "as [erased].");
+  EXPECT_EQ(row(other).corrections.at(0).reason, "not P0170");
+  EXPECT_EQ(now().session.id, "") << "the status does not show its last session";
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+  EXPECT_EQ(recordings_->erasures(), 1U);
+  ASSERT_TRUE(recordings_->catalogue().verify_audit());
+  const auto entry = recordings_->catalogue().audit(1)->back();
+  EXPECT_EQ(entry.who + " " + entry.what + " " + entry.target + " " + entry.result, "local:anna erase_subject 2 sessions ok");
+  EXPECT_EQ(supervisor_->erase_subject("P017", kAnna).error().code, core::ErrorCode::NotFound);
+  restart();
+  EXPECT_THAT(listed(), ElementsAre(other));
+}
+
+TEST_F(EditTest, AnErasureThatACrashInterrupted_IsCompletedAtTheStart_Once) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  const std::string other = brief("P018");
+  end();
+  const record::Erasure erasure{.subject = "P017", .who = kAnna, .utc_ns = 77, .sessions = {id}};
+  ASSERT_TRUE(record::write_erasure(folder_.string(), erasure));  // the crash came right after this
+
+  start({Protocol{}, standing()});
+
+  EXPECT_THAT(listed(), ElementsAre(other));
+  EXPECT_THAT(files(), ElementsAre(other + ".xdf", other + ".xdf.idx"));
+  const auto count = [this] {
+    std::size_t entries = 0;
+    const auto trail = recordings_->catalogue().audit(1000).value();
+    for (const record::AuditEntry& entry : trail)
+      entries += entry.what == "erase_subject" && entry.who == kAnna && entry.target == "1 session" ? 1 : 0;
+    return entries;
+  };
+  EXPECT_EQ(count(), 1U);
+  end();
+  ASSERT_TRUE(record::write_erasure(folder_.string(), erasure));  // or before the note was removed
+  start({Protocol{}, standing()});
+  EXPECT_EQ(count(), 1U);
+  EXPECT_TRUE(recordings_->catalogue().verify_audit());
+}
+
+TEST_F(EditTest, TheFolderOfTheRecordingsItselfMayBeALink) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  end();
+  ASSERT_TRUE(record::write_erasure(folder_.string(), {.subject = "P017", .who = kAnna, .utc_ns = 77, .sessions = {id}}));
+  std::filesystem::create_directories(folder_ / "sessions" / "a" / (id + ".xdf.d"));
+  std::filesystem::rename(folder_ / "sessions", folder_ / "kept");
+  std::filesystem::create_directory_symlink(folder_ / "kept", folder_ / "sessions");
+  start({Protocol{}, standing()});
+  EXPECT_THAT(listed(), IsEmpty()) << "the folder of the recordings itself may be a link";
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "kept" / (id + ".xdf")));
+}
+
+TEST_F(EditTest, ARecordingThatIsALink_KeepsEverything) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  const std::string file = row(id).parts.at(0).file;
+  std::filesystem::rename(file, folder_ / "elsewhere.xdf");
+  std::filesystem::create_symlink(folder_ / "elsewhere.xdf", file);
+  EXPECT_THAT(why_refused(supervisor_->erase_subject("P017", kAnna), core::ErrorCode::NotAllowed), HasSubstr("is a link, or is not in"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "elsewhere.xdf"));
+  EXPECT_TRUE(std::filesystem::exists(file));
+  EXPECT_THAT(listed(), ElementsAre(id));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+}
+
+TEST_F(EditTest, ARecordingOfAnotherSubjectStays_AndIsReported) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .subject = "P018", .reason = "typing error"}, kAnna));
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  const auto done = erased();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->sessions, 0U);
+  EXPECT_EQ(done->mentions, 1U);
+  ASSERT_EQ(done->left.size(), 1U);
+  EXPECT_THAT(done->left[0], HasSubstr(id));
+  EXPECT_EQ(row(id).subject + " " + row(id).corrections.at(0).old_value, "P018 [erased]");
+  EXPECT_TRUE(std::filesystem::exists(row(id).parts.at(0).file));
+}
+
+TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
+  const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
+  for (const std::string good : {"", "eyes closed", "Baseline 2", "T1 OP", "cough",
+                                 "m\xC3\xBC"
+                                 "de",
+                                 "P017", "trial 3: start", "50%", "2026-11-26", "left/right", "comma, and \"quotes\""})
+    EXPECT_TRUE(check_label(rule, "label", good)) << good;
+  for (const std::string bad : {"Anna Schmidt, born 1950", "Anna Schmidt", "Frau M\xC3\xBCller", "=cmd|x", "+1", "-1", "@x", "<b>x</b>",
+                                "a\tb", " a", "a ", "a  b", "\xD7\xA9\xD7\x9C", "a\nb",
+                                "\xE2\x80\xAE"
+                                "abc"}) {
+    const auto checked = check_label(rule, "label", bad);
+    ASSERT_FALSE(checked) << bad;
+    EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);
+    EXPECT_EQ(checked.error().what.find(bad), std::string::npos) << "it may be a name";
+  }
+  EXPECT_THAT(why_refused(check_label(rule, "marker", "Anna Schmidt"), core::ErrorCode::InvalidArgument),
+              HasSubstr("the marker does not follow this clinic's rule for labels; Use words and numbers"));
+}
+
+}  // namespace
+}  // namespace dts::session

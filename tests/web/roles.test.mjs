@@ -24,9 +24,6 @@ const commands = {
   trial: [13, [...field(1, text('floor')), 0x10, 1]],
   resumeSession: [14, field(1, text('20260101T000000Z-floor-1'))],
   getAudit: [15, []],
-  correctSession: [21, [...field(1, text('20260101T000000Z-floor-1')), ...field(8, text('forged'))]],
-  deleteSession: [22, [...field(1, text('20260101T000000Z-floor-1')), ...field(2, text('forged'))]],
-  eraseSubject: [25, field(1, text('P017'))],
 };
 
 const keepSockets = () => {

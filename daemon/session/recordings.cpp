@@ -116,7 +116,7 @@ core::Status Recordings::enter_interrupted() {
 core::Status Recordings::enter(const record::FoundRecording& found) {
   const record::PartRow& part = found.part;
   DTS_TRY(catalogue_->enter(found));
-  DTS_TRY(sum_up(part.session_id));
+  complain(sum_up(part.session_id));
   DTS_TRY_ASSIGN(const auto session, catalogue_->session(part.session_id));
   const bool is_open = session.state == "interrupted" || (session.state == "running" && !under_way_.contains(session.rig));
   if (!is_open || session.parts.back().part != part.part) return {};

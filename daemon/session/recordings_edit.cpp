@@ -29,8 +29,9 @@ core::Status Recordings::correct(const record::SessionRow& session, std::vector<
   }
   if (session.parts.empty()) return core::fail(core::ErrorCode::NotFound, "session " + session.id + " has no recording");
   const bool has_outcome = std::ranges::find(corrections, record::CorrectedField::Outcome, &record::Correction::field) != corrections.end();
+  const std::int64_t utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();  // the same for all: they belong together
   for (record::Correction& correction : corrections) {
-    correction.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();
+    correction.utc_ns = utc_ns;
     all.add(std::move(correction));
   }
   const std::string file = record::corrections_file(session.parts.front().file, session.id);

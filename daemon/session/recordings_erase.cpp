@@ -115,10 +115,10 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
     return core::fail(ErrorCode::WrongState, "another erasure is under way", "wait a minute, then try again");
   }
   erased_.reset();  // of an earlier one whose client did not wait
-  collect_recovered();
   if (is_recovering_) {
     return core::fail(ErrorCode::WrongState, "dtsd is making repaired copies of recordings", "wait a minute, then try again");
   }
+  collect_recovered();  // after the look: its last copy is among these, and must not be entered after the erasure
   if (!owed_.empty()) {
     return core::fail(ErrorCode::Failed, "the catalogue rejects entries at the moment", "see the log of dtsd, then try again");
   }
@@ -162,7 +162,7 @@ void Recordings::collect_erased() {
     removed = std::exchange(removed_, std::nullopt);
   }
   if (!removed) return;
-  erasing_thread_.join();
+  if (erasing_thread_.joinable()) erasing_thread_.join();  // `stop` joins it too
   finish_erasure(std::move(*removed));
 }
 

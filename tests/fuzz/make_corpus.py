@@ -4,6 +4,7 @@
 for each thing that a target tells apart. They are committed. Needs protoc and python3-protobuf."""
 
 import importlib
+import json
 import pathlib
 import re
 import struct
@@ -122,15 +123,35 @@ def rigs() -> dict[str, str]:
     }
 
 
+def corrections() -> dict[str, str]:
+    common = {"utc_ns": 1764000000000000000, "who": "local:anna"}
+    subject = common | {"field": "subject", "old_value": "P071", "new_value": "P017", "reason": "typing error"}
+    outcome = common | {"field": "outcome", "part": 1, "trial": 3, "attempt": 2, "old_value": "done", "new_value": "rejected", "reason": "talked"}
+    deleted = common | {"field": "deleted", "old_value": "no", "new_value": "yes", "reason": "a test"}
+    return {name: json.dumps({"session_id": "s1", "corrections": listed}) for name, listed in (
+        ("none", []), ("subject", [subject]), ("all", [subject, outcome, deleted, common | {"field": "notes", "old_value": "", "new_value": "n", "reason": "r"}]))}
+
+
+def label_patterns() -> dict[str, str]:
+    return {
+        "words": "[A-Za-z0-9(][a-z]*( ([a-z]+|[A-Z0-9]{1,5}))*\neyes closed T1",
+        "counts": "(pre|post)-[0-9]{1,2}\npost-12",
+        "slow": "(a*)*b\n" + 60 * "a",
+        "odd": "[^a-c]\\.{2,}(|x)?\n.d..x",
+        "large": "((a{20}){10}){10}\naa",
+    }
+
+
 def configs() -> dict[str, str]:
     network = '[network]\ncontrol = "tcp://*:5555"\ndata = "tcp://*:5556"\n'
     realtime = '[log]\nlevel = "debug"\n[endpoints]\ncontrol = "ipc:///run/dtsd/control.sock"\ndata = "ipc:///run/dtsd/data.sock"\n[realtime]\nfifo_priority = 40\nlock_memory = false\ncpus = [0]\n'
     storage = '[storage]\ndirectory = "state"\nrefuse_below_min = 5.0\nwarn_below_min = 30\nresume_within_min = 10.0\nstop_below_mib = 1.0\n[protocols]\ndirectory = "protocols"\n'
+    privacy = '[privacy]\nlabel_pattern = "[a-z]+( [a-z0-9]{1,8})*"\nlabel_hint = "small letters"\n'
     return {
         "dtsd.toml": shipped("dtsd.toml"),
         "clinic.toml": shipped("dtsd-clinic.toml"),
         "daq.toml": shipped("dtsd-daq.toml"),
-        "everything.toml": network + realtime + storage,
+        "everything.toml": network + realtime + storage + privacy,
         "empty.toml": "",
     }
 
@@ -184,6 +205,9 @@ def control(module) -> dict[str, bytes]:
     seeds["tare"] = heard(2, {"tare": {"rig": "floor"}}, {"test_device": {"rig": "floor"}})
     seeds["keys"] = heard(3, {"list_keys": {}}, {"add_key": {"name": "zoe", "role": 1, "public_key": KEY_ZERO}}, {"revoke_key": {"name": "zoe"}})
     seeds["audit"] = heard(0, {"get_audit": {"limit": 3}}, {"resume_session": {"session_id": "x"}}, {"list_sessions": {"rig": "floor", "limit": 5}})
+    seeds["corrections"] = heard(2, start, {"stop_session": {}}, {"correct_session": {"session_id": "x", "label": "a", "trial": 1, "outcome": "done", "reason": "r"}},
+                                 {"delete_session": {"session_id": "x", "reason": "r"}}, {"list_sessions": {"deleted": True}})
+    seeds["erasure"] = heard(3, start, {"stop_session": {}}, {"list_subjects": {}}, {"show_subject": {"subject": "s01"}}, {"erase_subject": {"subject": "s01"}})
     seeds["revoked"] = heard(4, {"status": {}}, {"mark": {"text": "x"}})
     return seeds
 
@@ -203,6 +227,7 @@ def bus(control_module, stream) -> dict[str, bytes]:
 
     answers = [{"rigs": {"rigs": [rig]}}, {"error": {"code": 5, "what": "x"}}, {"session": {"session_id": "s", "trial": {"phase": 1}}},
                {"sessions": {"sessions": [{"session_id": "s", "parts": [{"state": 1, "duration_s": 1.5}]}]}},
+               {"subject": {"about": {"subject": "s"}, "sessions": [{"session_id": "s", "corrections": [{"field": "label"}]}]}}, {"erased": {"left": ["x"]}},
                {"protocols": {"protocols": [{"name": "free", "fields": [{"name": "a", "maximum": 2.0}]}]}}, {"tare": {"baseline_mm": [0.1]}}]
     return {
         "in-order": heard(*said.items(), (5, gap)),
@@ -288,7 +313,7 @@ def main() -> None:
     protocols = {path.name: without_comments(path.read_text()) for path in (CONFIG / "protocols").glob("*.toml")}
     for target, seeds in {
         "sensor_curve": sensor_curves(), "cop_calibration": cop_calibrations(), "trunk_model": trunk_models(), "protocol": protocols, "rig": rigs(),
-        "config": configs(), "keys": keys(), "users": users(), "http": http(), "control": control(control_module), "bus": bus(control_module, stream),
+        "config": configs(), "corrections": corrections(), "label_pattern": label_patterns(), "keys": keys(), "users": users(), "http": http(), "control": control(control_module), "bus": bus(control_module, stream),
         "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(),
     }.items():
         write(folder / target, seeds)

@@ -44,12 +44,13 @@ void count(record::Recording& recording, Verified& verified) {
   verified.losses = recording.losses();
   Counts& counts = verified.counts;
   counts.lost = verified.losses.total();
+  const auto corrections = record::corrections_beside(verified.file.path, recording.session().value_or(record::SessionFacts{}));
+  if (!corrections) verified.problem = corrections.error();
   if (recording.session()) counts.planned_trials = report::planned_trials(*recording.session());
   if (counts.planned_trials == 0) return;  // without planned trials there is nothing to find
   record::TrialCollector trials(recording.find_stream("raw"));
   for (auto item = recording.next(); item && *item; item = recording.next()) trials.add(**item);
   auto rows = trials.rows();
-  const auto corrections = record::corrections_beside(verified.file.path, *recording.session());
   for (record::TrialRow& row : rows) {
     const std::string* outcome = corrections ? corrections->outcome(recording.session()->part, row.trial, row.attempt) : nullptr;
     if (outcome != nullptr) row.outcome = *outcome;

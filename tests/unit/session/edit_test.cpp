@@ -287,6 +287,19 @@ TEST_F(EditTest, AnErasureThatACrashInterrupted_IsCompletedAtTheStart_Once) {
   EXPECT_TRUE(recordings_->catalogue().verify_audit());
 }
 
+TEST_F(EditTest, AnErasureThatTheEndOfTheDaemonMeets_IsCompletedThenOrAtTheStart) {
+  start({Protocol{}, standing()});
+  const std::string other = brief("P018");
+  static_cast<void>(brief("P017"));
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  restart();
+  EXPECT_THAT(listed(), ElementsAre(other));
+  EXPECT_THAT(files(), ElementsAre(other + ".xdf", other + ".xdf.idx"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+  const auto trail = recordings_->catalogue().audit(1000).value();
+  EXPECT_EQ(std::ranges::count(trail, std::string("erase_subject"), &record::AuditEntry::what), 1);
+}
+
 TEST_F(EditTest, TheFolderOfTheRecordingsItselfMayBeALink) {
   start({Protocol{}, standing()});
   const std::string id = brief("P017");

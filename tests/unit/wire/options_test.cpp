@@ -51,7 +51,7 @@ TEST(Options, EveryCommandHasARoleAndAnAnswer_AndEveryChangeAName) {
       EXPECT_GT(rules.role(), v1::ROLE_VIEWER);
     }
   }
-  EXPECT_EQ(slow, "stop_session 20 s, tare 15 s, ");
+  EXPECT_EQ(slow, "stop_session 20 s, tare 15 s, erase_subject 20 s, ");
 }
 
 TEST(Options, ARequestWithoutACommand_NeedsWhatNobodyHas) {

@@ -83,7 +83,7 @@ TEST_F(ArchiveTest, AfterAnErasure_NothingIsKept) {
   EXPECT_EQ(cached().size(), 1U);
   begin("export/bids");  // under way while the subject is erased
   archive_->forget();
-  EXPECT_THAT(cached(), testing::Each(testing::StartsWith("work-")));
+  EXPECT_THAT(cached(), ::testing::Each(::testing::StartsWith("work-")));
   static_cast<void>(wait_for(1));
   EXPECT_TRUE(cached().empty()) << "and what was under way is not kept";
   begin("report/session.html");

@@ -12,7 +12,8 @@ CarriedPointer status(std::uint64_t instance_id, std::uint64_t erasures) {
   v1::StatusSnapshot snapshot;
   snapshot.set_instance_id(instance_id);
   snapshot.set_erasures_total(erasures);
-  return std::make_shared<const Carried>(Carried{.topic = "dtsd/status", .kind = Carried::Kind::Status, .bytes = snapshot.SerializeAsString()});
+  return std::make_shared<const Carried>(
+      Carried{.topic = "dtsd/status", .kind = Carried::Kind::Status, .bytes = snapshot.SerializeAsString()});
 }
 
 TEST(ErasureWatch, NoticesEachErasureAndEachRestart_Once) {

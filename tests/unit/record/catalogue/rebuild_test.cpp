@@ -178,6 +178,33 @@ TEST_F(CatalogueRebuild, PartsOfAnOlderCatalogue_AreReadAgainForWhatTheyLack) {
   EXPECT_EQ(sessions_text(), unknown.replace(unknown.find(kLoss), kLoss.size(), "unknown"));
 }
 
+TEST_F(CatalogueRebuild, OfTwoListsOfCorrections_TheLongerOneIsRight) {
+  record("a.xdf", facts());
+  EXPECT_EQ(rebuilt(), "1 added ");
+  Corrections one{.session_id = "s1"};
+  one.add({.who = "local", .field = CorrectedField::Subject, .old_value = "P017", .new_value = "P018", .reason = "r"});
+  Corrections two = one;
+  two.add({.who = "local", .field = CorrectedField::Notes, .old_value = "", .new_value = "n", .reason = "r"});
+  const std::string beside = corrections_file(file("a.xdf"), "s1");
+
+  ASSERT_TRUE(write_corrections(beside, two));  // dtsd ended before it entered the second one
+  ASSERT_TRUE(catalogue().set_corrections(one));
+  EXPECT_EQ(rebuilt(), "");
+  EXPECT_EQ(catalogue().session("s1")->corrections, two.all);
+
+  ASSERT_TRUE(write_corrections(beside, one));  // somebody restored an older folder
+  EXPECT_EQ(rebuilt(), "");
+  EXPECT_EQ(read_corrections(beside).value(), two);
+
+  std::filesystem::remove(beside);
+  EXPECT_EQ(rebuilt(), "");
+  EXPECT_EQ(read_corrections(beside).value(), two);
+
+  ASSERT_TRUE(write_corrections(file("other.corrections.json"), {.session_id = "unknown", .all = one.all}));
+  EXPECT_EQ(rebuilt(), "\n/sessions/other.corrections.json: no session unknown") << "its recordings may be elsewhere";
+  EXPECT_TRUE(std::filesystem::exists(file("other.corrections.json")));
+}
+
 TEST_F(CatalogueRebuild, Calibration_ComesBackWithItsRecording) {
   SessionFacts calibrated = facts();
   calibrated.calibration_id = "cop-7";

@@ -85,7 +85,7 @@ std::vector<std::string> HealthView::table(std::size_t columns) const {
               {milliseconds_text(latency_ms(rig, kNearlyAll))},
               {is_under_way(rig.session()) ? session_line(rig.session()) : "-"}});
   }
-  rigs.may_drop({"US/SCAN", "P50 (ms)", "QUEUES (%)", "DROPPED", "GAPS", "DEVICE"});
+  rigs.may_drop({"US/SCAN", "P50 (ms)", "QUEUES (%)", "DROPPED", "GAPS", "DEVICE", "P95 (ms)"});
   rigs.print(plain);
   std::vector<std::string> lines;
   std::istringstream all(text.str());

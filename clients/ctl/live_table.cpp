@@ -92,8 +92,8 @@ void LiveTable::draw_rows(Time now) {
     return padded(topic, topic_columns, false) + (has_rate ? padded(rate, kRateColumns, true) : "") +
            (has_age ? padded(age, kAgeColumns, true) : "") + padded(lost, kLostColumns, true);
   };
-  const std::string headline = line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "  VALUES";
-  draw_lines({cli::filled({headline}, "", console_.columns, "").front()}, cli::Style::Faint);
+  const std::string headline = line("TOPIC", "RATE (Hz)", "AGE", "LOST");
+  draw_lines({cli::filled({headline, "VALUES"}, "  ", console_.columns, "").front()}, cli::Style::Faint);
   std::size_t left_out = rows_.size();
   for (const auto& [topic, row] : rows_) {
     const bool is_frozen = now - row.seen > kFrozen;

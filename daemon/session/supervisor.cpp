@@ -150,11 +150,14 @@ core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(con
 core::Result<Supervisor::Entry*> Supervisor::find_with_session(const std::string& name) {
   if (!name.empty()) return find(name);
   Entry* only = nullptr;
+  std::string rigs;
   for (auto& [rig_name, entry] : entries_) {
     if (!entry.session.is_under_way()) continue;
-    if (only != nullptr)
-      return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "choose one: --rig " + rig_name);
-    only = &entry;
+    rigs += (rigs.empty() ? "" : " or --rig ") + rig_name;
+    only = rigs == rig_name ? &entry : nullptr;
+  }
+  if (only == nullptr && !rigs.empty()) {
+    return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "choose one: --rig " + rigs);
   }
   if (only == nullptr) return core::fail(core::ErrorCode::WrongState, "no rig has a session");
   return only;

@@ -190,8 +190,8 @@ core::Status TrialRun::undo(std::int64_t now_ns) {
   tick(now_ns);
   if (has_ended_) return wrong_state("the session has ended");
   if (!before_ || now_ns >= undo_until_ns()) {
-    return wrong_state("no redo or reject can be taken back any more", "this is possible for " + std::to_string(static_cast<int>(kUndoS)) +
-                                                                           " s, until the next trial: dtsctl session trial next");
+    return wrong_state("no redo or reject can be taken back any more",
+                       "an undo is possible for " + std::to_string(static_cast<int>(kUndoS)) + " s; continue: dtsctl session trial next");
   }
   const Before before = *std::exchange(before_, std::nullopt);
   phase_ = before.phase;

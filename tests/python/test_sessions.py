@@ -103,10 +103,13 @@ class Sessions(WithDaemon):
             told = next(events)
             session.trial("reject")
             rejected = next(event for event in events if event.fields["step"] == "rejected")
+            undone = session.trial("undo")
+            next(event for event in events if event.fields["step"] == "undone")
 
         self.assertEqual(status.of, 12)
         self.assertEqual((told.kind, told.fields["trial"]), ("trial", 1))
         self.assertEqual(rejected.fields["condition"], "eyes-open-two-feet")
+        self.assertEqual((undone.trial, undone.last_trial), (1, 0))
 
     def test_AuditHasWhatWasDone(self) -> None:
         with self.daemon.start_session("floor", "free") as session:

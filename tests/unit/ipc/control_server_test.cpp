@@ -237,7 +237,8 @@ TEST_F(ControlTest, StatusLeavesOnceASecond_AndAfterEveryChange) {
   tick();
   EXPECT_EQ(data_->turn(), "dtsd/status=v ");
   zmq::socket_t local = client();
-  EXPECT_NE(ask(local, "request_id: 'q' start_session { rig: 'floor' protocol: 'free' }").find("SESSION_STATE_STARTING"), std::string::npos);
+  EXPECT_NE(ask(local, "request_id: 'q' start_session { rig: 'floor' protocol: 'free' }").find("SESSION_STATE_STARTING"),
+            std::string::npos);
   tick();
   EXPECT_EQ(data_->turn(), "floor/session dtsd/status=v ");
   tick();

@@ -19,15 +19,15 @@ constexpr std::size_t kBlock = 10;
 /// The floor rig's pipeline with a trigger on a fifth channel, which crosses its level every 25 scans.
 class Running {
  public:
-  explicit Running(double window_scans = 4.0) {
+  explicit Running(double window_scans = 4.0, bool has_steadiness = false) {
     const PipelineInput input{.rate = rate_hz(100),
                               .sensor_channels = {0, 1, 2, 3},
                               .aux_channels = {4},
                               .aux_formats = {{.name = "sync", .unit = "V"}},
                               .trigger = TriggerInput{.channel = 4, .edges = TriggerEdges::Both},
                               .max_block_scans = kBlock};
-    const std::vector<StageConfig> stages{
-        {"guard", {}}, {"window_filter", {{"window_scans", window_scans}}}, {"linearise", {}}, {"cop", {}}};
+    std::vector<StageConfig> stages{{"guard", {}}, {"window_filter", {{"window_scans", window_scans}}}, {"linearise", {}}, {"cop", {}}};
+    if (has_steadiness) stages.push_back({"steadiness", {}});
     pipeline_ = Pipeline::create(stages, input, surroundings_.context()).value();
     frame_ = pipeline_->make_frame();
   }
@@ -101,6 +101,20 @@ TEST(PipelineState, BlockThatDoesNotContinueIt_StartsANewSegment) {
 
     EXPECT_EQ(restored.run(30, 40), after_gap.run(30, 40)) << "the tare stays, the window does not";
   }
+}
+
+TEST(PipelineState, OfDtsd01_LacksTheNewestNumbersOfAStage) {
+  constexpr std::size_t kAdded = 5 + 1 + 60 * 19;  // stage steadiness: load and place of the person, the last 30 s
+  Running original(4.0, true);
+  original.run(0, 30, 7);
+  std::vector<double> state = original.save();
+  state.resize(state.size() - kAdded);
+
+  Running fresh(4.0, true);
+  ASSERT_TRUE(fresh->restore(state, 7, {30 * kBlock}));
+  EXPECT_EQ(original.run(30, 60, 7), fresh.run(30, 60, 7)) << "the streams";
+  state.pop_back();
+  EXPECT_FALSE(Running(4.0, true)->restore(state, 7, {30 * kBlock}));
 }
 
 TEST(PipelineState, OfOtherStages_IsRefusedByItsLength) {

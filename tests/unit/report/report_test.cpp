@@ -228,6 +228,26 @@ TEST_F(ReportTest, SessionPage_HasMeansQuotientsAndWhatWasLeftOut) {
   EXPECT_THAT(text, HasSubstr("href=\"trial-03.html\""));
 }
 
+TEST_F(ReportTest, Pages_NameConditionsFieldsAndProtocolLikeTheProtocol) {
+  MadeStanding made = two_trials();
+  made.facts.protocol = "romberg";
+  made.facts.fields = {{"weight_kg", "71.5"}, {"shoes", "barefoot"}};
+  made.facts.protocol_definition =
+      "name = \"romberg\"\ntitle = \"Romberg's test\"\n[[field]]\nname = \"weight_kg\"\nlabel = \"Body weight\"\nunit = \"kg\"\nminimum = "
+      "10\n"
+      "maximum = 250\n[trials]\n[[trials.condition]]\nname = \"eyes-open\"\ntitle = \"Eyes open\"\n[[trials.condition]]\n"
+      "name = \"eyes-closed\"\n";
+  const Report report = report_of(write(made));
+  const std::string session = page(report, "session.html");
+
+  for (const char* part :
+       {"Romberg&apos;s test (romberg)", "Body weight", "71.5 kg", "shoes", "Eyes open (n = 1)", "eyes-closed (n = 1)"}) {
+    EXPECT_THAT(session, HasSubstr(part));
+  }
+  EXPECT_THAT(session, HasSubstr("<title>P017, Romberg&apos;s test, 21 Nov 2026: quiet standing</title>"));
+  EXPECT_THAT(page(report, "trial-01.html"), HasSubstr(", trial 1: Eyes open</title>"));
+}
+
 TEST_F(ReportTest, MissingQuotient_HasAReason) {
   MadeStanding made{.length_s = 50.0};
   add_trial(made, 1, 2.0, 20.0, "eyes-open", kOpen);

@@ -60,7 +60,7 @@ TEST_F(SupervisorTest, SeveralRigs_ASessionIsNamedByItsRig) {
   ASSERT_TRUE(supervisor_->start_session("wall", {}));
   EXPECT_THAT(why_refused(supervisor_->trial("", TrialAction::Next)), HasSubstr("rig 'wall' has no session with trials"));
   ASSERT_TRUE(supervisor_->start_session("floor", {}));
-  EXPECT_THAT(why_refused(supervisor_->stop_session(""), ErrorCode::InvalidArgument), HasSubstr("choose one: --rig wall"));
+  EXPECT_THAT(why_refused(supervisor_->stop_session(""), ErrorCode::InvalidArgument), HasSubstr("choose one: --rig floor or --rig wall"));
   EXPECT_TRUE(supervisor_->stop_session("floor"));
   EXPECT_EQ(supervisor_->session("wall")->state, SessionState::Starting);
 }

@@ -9,8 +9,12 @@
 
 namespace dts::report {
 
-/// Returns the plate of the recorded rig; nothing if the definition is missing or not readable.
-[[nodiscard]] std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts);
+/// What a report needs of the recorded rig; nothing is known if the definition is missing or not readable.
+struct RecordedRig {
+  std::optional<PlateSize> plate{};
+  bool corrects_two_feet = false;  ///< Its calibration has a correction for two feet.
+};
+[[nodiscard]] RecordedRig recorded_rig(const record::SessionFacts& facts);
 /// Returns the number of trials that the protocol plans; 0: none, or unknown.
 [[nodiscard]] std::uint32_t planned_trials(const record::SessionFacts& facts);
 

@@ -35,6 +35,7 @@ std::vector<Fact> facts_of(const SessionData& session) {
   for (const auto& [name, value] : about.fields) {
     if (facts.size() < 16) facts.push_back({.name = name, .value = value});
   }
+  if (session.load) facts.push_back({.name = "Load", .value = session.load->sentence()});
   if (!about.label.empty()) facts.push_back({.name = "Note", .value = about.label});
   return facts;
 }

@@ -240,6 +240,7 @@ TEST_F(CopTest, TwoFeet_WritesACalibrationOfTheRig) {
   EXPECT_EQ(json().at("on_top_of"), "plate_model");
   EXPECT_THAT(json().at("id").get<std::string>(), EndsWith("-two-feet"));
   EXPECT_EQ(json().at("travel_mm"), 5.0);
+  EXPECT_NEAR(json().at("too_heavy_kg").get<double>(), 80.0, 10.0);
   files::Problems problems;
   const auto calibration = files::read_cop_calibration(path("cal.toml"), problems);
   ASSERT_TRUE(calibration);

@@ -31,7 +31,7 @@ dts_install_for_prefix(${CMAKE_SOURCE_DIR}/systemd/tmpfiles.d/dts-gateway.conf l
 install(FILES config/udev/70-dtsd.rules DESTINATION lib/udev/rules.d)
 
 install(FILES config/dtsd-clinic.toml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dtsd RENAME dtsd.toml)
-install(DIRECTORY config/rigs config/sensors config/protocols config/models DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dtsd
+install(DIRECTORY config/rigs config/sensors config/protocols config/models config/calibrations DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dtsd
   FILES_MATCHING PATTERN *.toml)
 install(FILES config/gateway.toml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dts-gateway)
 # Absent without npm.

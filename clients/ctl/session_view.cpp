@@ -99,6 +99,11 @@ void print_results(cli::Console& console, const v1::SessionRecord& session) {
   }
   if (session.results_size() > 0) console.out << '\n';
   if (session.results_size() > 0) results.print(console);
+  for (const v1::SessionResult& result : session.results()) {
+    const cli::Json details = cli::Json::parse(result.details(), nullptr, false);
+    if (!details.is_object() || !details.contains("note") || !details.at("note").is_string()) continue;
+    console.out << cli::printable(result.name()) << ": " << cli::printable(details.at("note").get<std::string>()) << '\n';
+  }
 }
 
 /// Returns "812 .. 2312"; "0:812 .. 1:212" (segment:scan) if the trial has a gap.

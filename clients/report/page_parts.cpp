@@ -114,6 +114,9 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
   facts.push_back(
       {.name = "Calibration", .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
+  facts.push_back({.name = "Two feet",
+                   .value = session.corrects_two_feet ? "load and position are corrected for a person on two feet"
+                                                      : "not corrected: on two feet the load reads too low and sway slightly too small"});
   facts.push_back({.name = "Stages", .value = about.stages.empty() ? "-" : core::join(about.stages, "; ")});
   return facts;
 }
@@ -123,6 +126,7 @@ std::vector<std::string> session_alerts(const SessionData& session) {
   if (session.is_synthetic()) {
     alerts.push_back("Synthetic data from a simulator (" + session.facts->device_uri + "). No person was measured.");
   }
+  if (session.load && session.load->is_doubtful()) alerts.push_back("Load: " + session.load->sentence() + ".");
   for (const PartData& part : session.parts) {
     if (!part.damage.empty())
       alerts.push_back("The recording " + part.file + " is damaged (" + part.damage + "): only the undamaged part is shown.");

@@ -13,14 +13,14 @@ constexpr double kLargestPlateMm = 100'000.0;
 
 }  // namespace
 
-std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts) {
-  if (facts.rig_definition.empty()) return std::nullopt;
+RecordedRig recorded_rig(const record::SessionFacts& facts) {
+  if (facts.rig_definition.empty()) return {};
   files::Problems problems;
   const auto config = files::read_rig_text(facts.rig_definition, "the recorded rig", problems);
   const PlateSize plate{.a_mm = config.model.plate.a.value, .b_mm = config.model.plate.b.value};
   const auto is_plate = [](double mm) { return std::isfinite(mm) && mm > 0.0 && mm < kLargestPlateMm; };
-  if (!problems.empty() || !is_plate(plate.a_mm) || !is_plate(plate.b_mm)) return std::nullopt;
-  return plate;
+  if (!problems.empty() || !is_plate(plate.a_mm) || !is_plate(plate.b_mm)) return {};
+  return {.plate = plate, .corrects_two_feet = config.cop_calibration && config.cop_calibration->two_feet};
 }
 
 session::Protocol recorded_protocol(const record::SessionFacts& facts) {

@@ -10,8 +10,12 @@
 
 namespace dts::report {
 
-/// Returns the plate of the recorded rig; nothing if the definition is missing or not readable.
-[[nodiscard]] std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts);
+/// What a report needs of the recorded rig; nothing is known if the definition is missing or not readable.
+struct RecordedRig {
+  std::optional<PlateSize> plate{};
+  bool corrects_two_feet = false;  ///< Its calibration has a correction for two feet.
+};
+[[nodiscard]] RecordedRig recorded_rig(const record::SessionFacts& facts);
 /// Returns the recorded protocol for the names of conditions and fields. What cannot be read, or was written for another version, is left
 /// out: then the keys are shown.
 [[nodiscard]] session::Protocol recorded_protocol(const record::SessionFacts& facts);

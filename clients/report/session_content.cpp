@@ -42,6 +42,7 @@ std::vector<Fact> facts_of(const SessionData& session) {
   for (const auto& [name, value] : about.fields) {
     if (facts.size() < 16) facts.push_back(field_fact(session, name, value));
   }
+  if (session.load) facts.push_back({.name = "Load", .value = session.load->sentence()});
   if (!about.label.empty()) {
     facts.push_back({.name = "Label", .value = with_recorded(session, record::CorrectedField::Label, about.label)});
   }

@@ -14,6 +14,7 @@
 #include "report/recorded_definitions.h"
 #include "report/watched_recording.h"
 #include "session/protocol.h"
+#include "session/standing_load.h"
 
 namespace dts::report {
 namespace {
@@ -159,10 +160,15 @@ void summarise(SessionData& session) {
                    .end_scan = trial.recorded.end_scan,
                    .end_segment = trial.recorded.end_segment,
                    .analysis = trial.is_kept() ? trial.analysis : std::nullopt,
-                   .problem = trial.problem});
+                   .problem = trial.problem,
+                   .mean_load_n = session::mean_load_n(trial.recorded.cop)});
     if (trial.is_kept()) results.push_back(all.back());
   }
   session.summary = session::sway_summary(results);
+  if (session.corrects_two_feet && session.facts) {
+    session.load = session::standing_load(results, session.facts->fields);
+    if (session.load) session.summary.push_back(session::to_figure(*session.load));
+  }
   session.missing_quotients = session::missing_quotients(all);
   const auto is_corrected = [](const TrialData& trial) { return !trial.recorded_outcome.empty(); };
   if (session.parts.size() != 1 || std::ranges::any_of(session.trials, is_corrected)) return;
@@ -205,7 +211,9 @@ core::Result<SessionData> read_session(const ReportSource& source, const ReportP
     DTS_TRY(read_part(source.files[part], waiting, {.begin = begin, .end = begin + share}, session));
   }
   if (session.facts) {
-    session.plate = recorded_plate(*session.facts);
+    const RecordedRig rig = recorded_rig(*session.facts);
+    session.plate = rig.plate;
+    session.corrects_two_feet = rig.corrects_two_feet;
     session.protocol = recorded_protocol(*session.facts);
     session.planned_trials = planned_trials(*session.facts);
     session.foot_length_mm = foot_length_mm(session.facts);

@@ -16,6 +16,7 @@
 #include "report/stabilogram.h"
 #include "session/protocol.h"
 #include "session/recorded_sway.h"
+#include "session/standing_load.h"
 
 namespace dts::report {
 
@@ -61,6 +62,8 @@ struct SessionData {
   std::vector<std::string> differing_results;  ///< Names of results that differ from those that the daemon recorded.
   std::optional<PlateSize> plate;
   session::Protocol protocol{};  ///< As recorded, for names.
+  bool corrects_two_feet = false;             ///< The rig's calibration has a correction for two feet.
+  std::optional<session::StandingLoad> load;  ///< Only of such a rig.
   std::uint32_t planned_trials = 0;
   std::optional<double> foot_length_mm;
 

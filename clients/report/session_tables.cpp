@@ -156,7 +156,7 @@ std::vector<Table> condition_tables(const SessionData& session) {
   for (const session::SessionFigure& result : session.summary) {
     if (is_romberg(result)) continue;
     const ResultName name = parts_of(result.name);
-    groups.add(name.group, name.symbol, result.value);
+    if (!name.group.empty()) groups.add(name.group, name.symbol, result.value);  // else of the whole session, such as the load
   }
   std::vector<Table> tables;
   for (std::size_t first = 0; first < groups.names.size() && tables.size() < kMostTables; first += kMostConditions) {

@@ -21,6 +21,7 @@ constexpr double kHuge = 1e30;
 constexpr double kLargestPositionMm = 1e5;
 constexpr double kLargestLoadN = 1e6;
 constexpr double kLargestDeflectionMm = 1e3;
+constexpr double kSmallestTravelMm = 0.1;
 
 std::vector<double> read_numbers(TomlReader& reader, std::string_view key, std::size_t count, double largest = kHuge) {
   return read_list(reader, key, reader.node(key), count, count, largest);
@@ -156,6 +157,42 @@ std::vector<physics::CopCalibrationPoint> read_points(TomlReader& top, std::size
   return points;
 }
 
+physics::TwoFeetPolynomial read_two_feet(TomlReader reader, std::size_t feature_count) {
+  physics::TwoFeetPolynomial polynomial{.feature_count = feature_count};
+  const auto read_features = [&](std::string_view key, auto set) {
+    const auto values = read_numbers(reader, key, feature_count);
+    for (std::size_t f = 0; f < values.size(); ++f) set(polynomial.features[f], values[f]);
+  };
+  using Feature = physics::TwoFeetPolynomial::Feature;
+  read_features("mean", [](Feature& feature, double value) { feature.mean = value; });
+  read_features("sd", [&](Feature& feature, double value) {
+    if (value <= 0.0) reader.report("sd", "sd: every number must be positive");
+    feature.sd = value;
+  });
+  read_features("lowest", [](Feature& feature, double value) { feature.range.lowest = value; });
+  read_features("highest", [&](Feature& feature, double value) {
+    feature.range.highest = value;
+    if (value < feature.range.lowest) reader.report("highest", "highest: a number is below the one in lowest");
+  });
+  for (const auto& [key, target] :
+       {std::pair{"x_mm", &polynomial.x_mm}, std::pair{"y_mm", &polynomial.y_mm}, std::pair{"log_load", &polynomial.log_load}}) {
+    const auto coefficients = read_numbers(reader, key, target->size());
+    std::copy(coefficients.begin(), coefficients.end(), target->begin());
+  }
+  reader.finish();
+  return polynomial;
+}
+
+physics::TwoFeetForm read_two_feet(TomlReader reader) {
+  reader.require("travel_mm");
+  physics::TwoFeetForm form;
+  form.travel_mm = reader.number("travel_mm", form.travel_mm, kSmallestTravelMm, kLargestDeflectionMm);
+  form.with_width = read_two_feet(reader.table("with_width"), physics::TwoFeetPolynomial::kMaxFeatures);
+  form.without_width = read_two_feet(reader.table("without_width"), physics::TwoFeetPolynomial::kMaxFeatures - 1);
+  reader.finish();
+  return form;
+}
+
 /// Identity, origin and format of a calibration: everything except the estimator's coefficients.
 struct Head {
   std::string id;
@@ -210,6 +247,8 @@ std::optional<physics::CopCalibration> read_cop_calibration(TomlReader& top, Pro
   std::optional<physics::CopErrorFigures> cross_validated;
   if (top.has("cross_validated")) cross_validated = read_cop_figures(top.table("cross_validated"));
   auto form = read_form(top, head.method, head.sensors);
+  std::optional<physics::TwoFeetForm> two_feet;
+  if (top.has("two_feet")) two_feet = read_two_feet(top.table("two_feet"));
   auto points = read_points(top, head.sensors);
   top.finish();
   if (problems.size() > known_problems) return std::nullopt;
@@ -218,12 +257,20 @@ std::optional<physics::CopCalibration> read_cop_calibration(TomlReader& top, Pro
     top.report("method", core::to_string(estimator.error()));
     return std::nullopt;
   }
-  return physics::CopCalibration{.id = head.id,
-                                 .origin = head.origin,
-                                 .estimator = std::move(*estimator),
-                                 .points = std::move(points),
-                                 .residuals = residuals,
-                                 .cross_validated = cross_validated};
+  physics::CopCalibration calibration{.id = head.id,
+                                      .origin = head.origin,
+                                      .estimator = std::move(*estimator),
+                                      .points = std::move(points),
+                                      .residuals = residuals,
+                                      .cross_validated = cross_validated};
+  if (!two_feet) return calibration;
+  auto correction = physics::TwoFeetCorrection::from_form(*two_feet);
+  if (!correction) {
+    top.report("two_feet", core::to_string(correction.error()));
+    return std::nullopt;
+  }
+  calibration.two_feet = *correction;
+  return calibration;
 }
 
 }  // namespace dts::files

@@ -39,6 +39,14 @@ constexpr std::string_view kMomentHelp = R"(# load_n = sum of load_n_per_mm[i] w
 # without: x_mm = x_centre_mm + (sum of x_moment_n[i] s_i) / (sum of load_n_per_mm[i] s_i). y likewise.
 )";
 
+constexpr std::string_view kTwoFeetHelp =
+    R"(# Correction for a person on two feet, after the formulas above: features f = x_mm, y_mm, load_n and, if known, the stance width in mm
+# between the middle lines of the feet. Each is clamped to [lowest, highest]; t = (f - mean) / sd. The terms are all products
+# t1^i t2^j t3^k t4^l with i + j + k + l <= 3 (without the width: t1^i t2^j t3^k with i + j + k <= 4), i rising slowest. With p the sum of
+# coefficient times term: x_mm += p of x_mm, y_mm += p of y_mm, load_n *= exp(p of log_load). A deflection above travel_mm is beyond the
+# sensors.
+)";
+
 class CalibrationWriter {
  public:
   void text(std::string_view key, std::string_view value) { out_ << key << " = " << toml_quoted(value) << '\n'; }
@@ -112,7 +120,33 @@ class CalibrationWriter {
 
   void form(const physics::ModelForm&) {}  // never in a calibration: CopEstimator::fit rejects it
 
+  void two_feet(std::string_view table, const physics::TwoFeetPolynomial& polynomial) {
+    out_ << "[two_feet." << table << "]\n";
+    const std::span features(polynomial.features.data(), polynomial.feature_count);
+    const auto list = [&](std::string_view key, auto value_of) {
+      std::vector<double> values;
+      for (const physics::TwoFeetPolynomial::Feature& feature : features) values.push_back(value_of(feature));
+      numbers(key, values);
+    };
+    using Feature = physics::TwoFeetPolynomial::Feature;
+    list("mean", [](const Feature& feature) { return feature.mean; });
+    list("sd", [](const Feature& feature) { return feature.sd; });
+    list("lowest", [](const Feature& feature) { return feature.range.lowest; });
+    list("highest", [](const Feature& feature) { return feature.range.highest; });
+    numbers("x_mm", polynomial.x_mm);
+    numbers("y_mm", polynomial.y_mm);
+    numbers("log_load", polynomial.log_load);
+  }
+
+  void two_feet(const physics::TwoFeetForm& form) {
+    out_ << "\n[two_feet]\n" << kTwoFeetHelp;
+    number("travel_mm", form.travel_mm);
+    two_feet("with_width", form.with_width);
+    two_feet("without_width", form.without_width);
+  }
+
   void points(const CopCalibration& calibration) {
+    if (calibration.points.empty()) return;
     out_ << "\n# The loads it was fitted to, and estimate minus truth.\n";
     for (const auto& [sample, x_error_mm, y_error_mm, load_error_percent] : calibration.points) {
       out_ << "[[point]]\n";
@@ -157,6 +191,7 @@ std::string cop_calibration_text(const CopCalibration& calibration) {
     writer.figures("cross_validated", *calibration.cross_validated);
   }
   std::visit([&writer](const auto& form) { writer.form(form); }, calibration.estimator.form());
+  if (calibration.two_feet) writer.two_feet(calibration.two_feet->form());
   writer.points(calibration);
   return writer.result();
 }

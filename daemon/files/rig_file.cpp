@@ -28,23 +28,26 @@ void read_acquisition(TomlReader reader, pipeline::RigConfig& config) {
 
 /// Reads `calibration = "file.toml"`, relative to the rig file; `dtsctl calibrate cop` or `dtslab cop fit` writes this file. In a rig
 /// definition it is a table.
-void read_calibration(TomlReader& top, pipeline::RigConfig& config, References references, Problems& problems) {
+std::optional<physics::CopCalibration> read_calibration(TomlReader& top, const physics::RigModel& model, References references,
+                                                        Problems& problems) {
   std::optional<toml::table> parsed;
   auto reader = top.table_or_file("calibration", references, parsed);
-  if (!reader) return;
-  config.cop_calibration = read_cop_calibration(*reader, problems);
-  if (!config.cop_calibration) return;
-  const std::size_t sensors = config.cop_calibration->estimator.sensor_count();
-  if (sensors == config.model.sensors.size()) return;
-  top.report("calibration", "calibration '" + config.cop_calibration->id + "' is for " + std::to_string(sensors) +
-                                " sensors, the rig has " + std::to_string(config.model.sensors.size()));
+  if (!reader) return std::nullopt;
+  auto calibration = read_cop_calibration(*reader, problems);
+  if (!calibration) return std::nullopt;
+  const std::size_t sensors = calibration->estimator.sensor_count();
+  if (sensors != model.sensors.size()) {
+    top.report("calibration", "calibration '" + calibration->id + "' is for " + std::to_string(sensors) + " sensors, the rig has " +
+                                  std::to_string(model.sensors.size()));
+  }
+  return calibration;
 }
 
 /// If the rig has a calibration, the cop stage uses its estimator: the stage's option `estimator` must be absent or the same.
 void settle_estimator(TomlReader& reader, pipeline::StageConfig& stage, const pipeline::RigConfig& config) {
   if (stage.id != "cop" || !config.cop_calibration) return;
-  const auto& [id, origin, estimator, points, residuals, cross_validated] = *config.cop_calibration;
-  const std::string method(physics::to_string(estimator.method()));
+  const std::string& id = config.cop_calibration->id;
+  const std::string method(physics::to_string(config.cop_calibration->estimator.method()));
   const auto [option, is_new] = stage.options.try_emplace("estimator", method);
   if (is_new || option->second == pipeline::OptionValue(method)) return;
   reader.report("estimator", "the rig's calibration '" + id + "' is for estimator \"" + method +
@@ -171,7 +174,7 @@ pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, 
   TomlReader sync = top.table("session");
   config.sync_pulse_ms = sync.number("sync_pulse_ms", 0.0, 0.0, 10'000.0);
   sync.finish();
-  read_calibration(top, config, references, problems);
+  config.cop_calibration = read_calibration(top, config.model, references, problems);
   read_model(top, config, references, problems);
   read_stages(top, config);
   config.published = read_streams(top, "publish");
@@ -185,6 +188,22 @@ pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, 
 pipeline::RigConfig read_rig_file(const std::string& file, Problems& problems) {
   const auto table = parse_toml(file, problems);
   return table ? read_rig(*table, file, References::Files, problems) : pipeline::RigConfig();
+}
+
+RigToCalibrate read_rig_to_calibrate(const std::string& file, Problems& problems) {
+  const auto table = parse_toml(file, problems);
+  if (!table) return {};
+  TomlReader top(&*table, "", file, problems);
+  RigToCalibrate rig{.model = read_rig_model(top, problems).model, .calibration = {}};
+  rig.calibration = read_calibration(top, rig.model, References::Files, problems);
+  for (TomlReader& stage : top.tables("stage")) {
+    if (stage.text("id", "") != "cop") continue;
+    const auto method = physics::parse_cop_method(stage.text("estimator", physics::to_string(rig.method)));
+    if (!method) stage.report("estimator", core::to_string(method.error()));
+    if (method) rig.method = *method;
+  }
+  if (rig.calibration) rig.method = rig.calibration->estimator.method();
+  return rig;
 }
 
 pipeline::RigConfig read_rig_text(const std::string& text, const std::string& name, Problems& problems) {

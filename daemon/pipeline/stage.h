@@ -17,6 +17,7 @@
 #include "physics/cop/cop_calibration.h"
 #include "physics/rig_model.h"
 #include "pipeline/steadiness_window.h"
+#include "pipeline/subject_stance.h"
 #include "pipeline/tare.h"
 
 namespace dts::pipeline {
@@ -44,7 +45,7 @@ struct StageDescription {
   std::vector<OptionDescription> options;
 };
 
-/// The environment of a stage. `rig`, `tare`, `windows`, calibration and model outlive the stage; the context itself need not.
+/// The environment of a stage. `rig`, `tare`, `windows`, `stances`, calibration and model outlive the stage; the context itself need not.
 struct StageContext {
   const physics::RigModel& rig;
   /// Input range of each sensor channel of the device, V, to detect values at the rail.
@@ -63,6 +64,8 @@ struct StageContext {
   const physics::CopCalibration* cop_calibration = nullptr;
   /// The model that classifies the trunk movement in a reach; nullptr: the rig has none.
   const classifier::TrunkModel* trunk_model = nullptr;
+  /// How the subject of a session stands; nullptr: never known.
+  SubjectStances* stances = nullptr;
 };
 
 /// Option values by name, complete and in range: `create_stage` checks them against the description and adds the defaults, so that a stage

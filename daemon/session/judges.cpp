@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "session/session_events.h"
+#include "session/standing_load.h"
 
 namespace dts::session {
 
@@ -35,6 +36,13 @@ std::vector<TrialResultEvent> SwayJudge::take_results() {
   return events;
 }
 
+std::vector<SessionFigure> SwayJudge::summary() const {
+  std::vector<SessionFigure> figures = results_.summary();
+  if (!corrects_two_feet_) return figures;
+  if (const auto load = standing_load(results_.counting(), fields_)) figures.push_back(to_figure(*load));
+  return figures;
+}
+
 std::vector<std::unique_ptr<TrialJudge>> make_judges(const Rig& rig, const record::SessionFacts& facts, const std::string& software,
                                                      core::Worker& worker) {
   std::vector<std::unique_ptr<TrialJudge>> judges;
@@ -43,8 +51,9 @@ std::vector<std::unique_ptr<TrialJudge>> make_judges(const Rig& rig, const recor
     const auto& model = rig.config().trunk_model;
     judges.push_back(std::make_unique<ReachJudge>(facts.session_id, ReachResults(person_of(facts.fields), model ? &*model : nullptr)));
   }
+  const bool corrects_two_feet = rig.config().cop_calibration && rig.config().cop_calibration->two_feet;
   if (const auto cop_rate = rig.cop_rate())
-    judges.push_back(std::make_unique<SwayJudge>(facts.session_id, software, rig.config().rate, *cop_rate, worker));
+    judges.push_back(std::make_unique<SwayJudge>(facts, software, rig.config().rate, *cop_rate, corrects_two_feet, worker));
   return judges;
 }
 

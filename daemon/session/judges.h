@@ -37,9 +37,14 @@ class ReachJudge final : public TrialJudge {
 /// Judges quiet standing.
 class SwayJudge final : public TrialJudge {
  public:
-  /// `software`: which program computes the results.
-  SwayJudge(std::string session_id, std::string software, core::Rate raw_rate, core::Rate cop_rate, core::Worker& worker)
-      : session_id_(std::move(session_id)), software_(std::move(software)), results_(raw_rate, cop_rate, worker) {}
+  /// `software`: which program computes the results. `corrects_two_feet`: the load of people on two feet is right, so it is a result.
+  SwayJudge(const record::SessionFacts& facts, std::string software, core::Rate raw_rate, core::Rate cop_rate, bool corrects_two_feet,
+            core::Worker& worker)
+      : session_id_(facts.session_id),
+        fields_(facts.fields),
+        software_(std::move(software)),
+        corrects_two_feet_(corrects_two_feet),
+        results_(raw_rate, cop_rate, worker) {}
 
   void take(const core::Block& cop) override { results_.take(cop); }
   void take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) override { results_.take(event, segment, scan); }
@@ -47,11 +52,13 @@ class SwayJudge final : public TrialJudge {
   [[nodiscard]] bool is_analysing() const override { return results_.is_analysing(); }
   void wait() const override { results_.wait(); }
   [[nodiscard]] std::vector<TrialResultEvent> take_results() override;
-  [[nodiscard]] std::vector<SessionFigure> summary() const override { return results_.summary(); }
+  [[nodiscard]] std::vector<SessionFigure> summary() const override;
 
  private:
   std::string session_id_;
+  std::vector<std::pair<std::string, std::string>> fields_;
   std::string software_;
+  bool corrects_two_feet_;
   SwayResults results_;
 };
 

@@ -19,6 +19,7 @@
 #include "pipeline/pipeline.h"
 #include "pipeline/rig_config.h"
 #include "pipeline/steadiness_window.h"
+#include "pipeline/subject_stance.h"
 #include "pipeline/tare.h"
 #include "session/acquisition.h"
 #include "session/channel_statistics.h"
@@ -112,6 +113,8 @@ class Rig final : private ScanSink {
   [[nodiscard]] std::optional<core::Rate> cop_rate() const noexcept;
   /// Returns the measuring windows of trials, which the control thread sends to the stage `steadiness`. Thread: control.
   [[nodiscard]] pipeline::SteadinessWindows& windows() noexcept { return *windows_; }
+  /// Returns what the control thread sends to the stage `cop` about the subject of a session. Thread: control.
+  [[nodiscard]] pipeline::SubjectStances& stances() noexcept { return *stances_; }
   /// Passes a cue to the device: a simulated subject follows it. Thread: control.
   void hear(const device::Cue& cue) noexcept { device_->hear(cue); }
   /// Returns the branch of the frames to the recorder.
@@ -136,6 +139,7 @@ class Rig final : private ScanSink {
   std::unique_ptr<device::Device> device_;
   std::unique_ptr<pipeline::Tare> tare_;
   std::unique_ptr<pipeline::SteadinessWindows> windows_;
+  std::unique_ptr<pipeline::SubjectStances> stances_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::Frame frame_;  ///< The newest frame.
   core::FrameRing frames_;

@@ -107,14 +107,17 @@ core::Result<RigPipeline> make_rig_pipeline(const pipeline::RigConfig& config, c
   DTS_TRY_ASSIGN(const auto input, describe_input(config, device));
   auto tare = std::make_unique<pipeline::Tare>();
   auto windows = std::make_unique<pipeline::SteadinessWindows>();
+  auto stances = std::make_unique<pipeline::SubjectStances>();
   DTS_TRY_ASSIGN(auto pipeline, pipeline::Pipeline::create(config.stages, input,
                                                            {.rig = config.model,
                                                             .input_ranges = input_ranges(config, device),
                                                             .tare = *tare,
                                                             .windows = *windows,
                                                             .cop_calibration = config.cop_calibration ? &*config.cop_calibration : nullptr,
-                                                            .trunk_model = config.trunk_model ? &*config.trunk_model : nullptr}));
-  return RigPipeline{.tare = std::move(tare), .windows = std::move(windows), .pipeline = std::move(pipeline)};
+                                                            .trunk_model = config.trunk_model ? &*config.trunk_model : nullptr,
+                                                            .stances = stances.get()}));
+  return RigPipeline{
+      .tare = std::move(tare), .windows = std::move(windows), .stances = std::move(stances), .pipeline = std::move(pipeline)};
 }
 
 core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device, std::uint32_t segment,

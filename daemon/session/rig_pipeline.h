@@ -11,6 +11,7 @@
 #include "pipeline/pipeline.h"
 #include "pipeline/rig_config.h"
 #include "pipeline/steadiness_window.h"
+#include "pipeline/subject_stance.h"
 #include "pipeline/tare.h"
 #include "record/recorder.h"
 
@@ -20,6 +21,7 @@ namespace dts::session {
 struct RigPipeline {
   std::unique_ptr<pipeline::Tare> tare;
   std::unique_ptr<pipeline::SteadinessWindows> windows;
+  std::unique_ptr<pipeline::SubjectStances> stances;
   std::unique_ptr<pipeline::Pipeline> pipeline;
 };
 

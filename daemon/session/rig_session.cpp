@@ -13,6 +13,7 @@
 #include "record/sha256.h"
 #include "record/utf8_text.h"
 #include "session/session_events.h"
+#include "session/trial_stance.h"
 
 namespace dts::session {
 namespace {
@@ -187,7 +188,11 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   if (request.settle_s == 0.0) request.settle_s = protocol.settle_s;
   if (request.duration_s == 0.0) request.duration_s = protocol.duration_s;
   DTS_TRY(session_.check_free());
-  DTS_TRY(services_.recordings.begin(rig_, facts));
+  rig_.stances().begin(stance_width_mm(facts.fields));  // before the recording, which begins with the state of the stages
+  if (const auto begun = services_.recordings.begin(rig_, facts); !begun) {
+    rig_.stances().begin(0.0);
+    return begun;
+  }
   is_recording_ = true;
   is_aborted_ = false;
   is_next_wanted_ = false;
@@ -298,6 +303,7 @@ void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
 
 void RigSession::recording_finished(const FinishedRecording& finished, const Moment& moment) {
   is_recording_ = false;
+  rig_.stances().begin(0.0);  // the next person may stand differently
   if (session_.is_under_way() && session_.view(moment.now_ns).state != SessionState::Stopping) {
     session_.fail(moment.now_ns, "the recording stopped: " + finished.incomplete);  // a session must be recorded
     end_trials(moment);
@@ -348,6 +354,7 @@ void RigSession::collect(const DataPosition& at) {
     enter_trial(event, due);
     for (const auto& judge : judges_) judge->take(event, due.segment, due.scan);
     open_window(event, due);
+    announce_feet(rig_.stances(), event, due.segment, due.scan, rig_.config().rate);
     give_cue(event);
   }
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <exception>
 
+#include "session/standing_load.h"
+
 namespace dts::session {
 namespace {
 
@@ -36,14 +38,6 @@ std::optional<CopCut> samples_of(SwayTrialResult& result, const CopTrace& trace,
   return samples;
 }
 
-core::Result<posturography::Analysis> analyse(const CopCut& samples) {
-  try {
-    return posturography::analyse(samples.series(), {.preparation = posturography::kReportPreparation});
-  } catch (const std::exception& error) {  // no memory: not a reason to end the daemon
-    return core::fail(core::ErrorCode::LimitExceeded, std::string(error.what()) + ": analyse the recording with dtslab sway");
-  }
-}
-
 }  // namespace
 
 SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate, core::Worker& worker)
@@ -52,6 +46,16 @@ SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate, core::Worker&
       trace_(raw_rate, cop_rate),
       last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)),
       undo_scans_(raw_rate.scans_in_ms(kUndoMs)) {}
+
+core::Result<SwayResults::Analysed> SwayResults::analyse(const CopCut& samples) {
+  try {
+    const posturography::CopSeries series = samples.series();
+    DTS_TRY_ASSIGN(auto analysis, posturography::analyse(series, {.preparation = posturography::kReportPreparation}));
+    return Analysed{.analysis = std::move(analysis), .mean_load_n = mean_load_n(series)};
+  } catch (const std::exception& error) {  // no memory: not a reason to end the daemon
+    return core::fail(core::ErrorCode::LimitExceeded, std::string(error.what()) + ": analyse the recording with dtslab sway");
+  }
+}
 
 void SwayResults::take(const core::Block& cop) {
   trace_.take(cop);
@@ -166,7 +170,8 @@ std::vector<SwayTrialResult> SwayResults::take_decided() {
     if (ended.analysis.valid()) {
       auto analysis = ended.analysis.get();
       if (analysis) {
-        attempt.result.analysis = std::move(*analysis);
+        attempt.result.analysis = std::move(analysis->analysis);
+        attempt.result.mean_load_n = analysis->mean_load_n;
       } else {
         attempt.result.problem = analysis.error().what;
       }
@@ -177,12 +182,12 @@ std::vector<SwayTrialResult> SwayResults::take_decided() {
   return decided;
 }
 
-std::vector<SessionFigure> SwayResults::summary() const {
+std::vector<SwayTrialResult> SwayResults::counting() const {
   std::vector<SwayTrialResult> counting;
   for (const auto& [key, attempt] : attempts_) {
     if (attempt.state == State::Decided && !attempt.voided) counting.push_back(attempt.result);
   }
-  return sway_summary(counting);
+  return counting;
 }
 
 }  // namespace dts::session

@@ -33,7 +33,8 @@ struct SwayTrialResult {
   core::ScanIndex end_scan;       ///< and its end (exclusive),
   std::uint32_t end_segment = 0;  ///< in this segment: differs from `segment` if the trial has gaps.
   std::optional<posturography::Analysis> analysis{};
-  std::string problem{};  ///< Why there is no analysis.
+  std::string problem{};                ///< Why there is no analysis.
+  std::optional<double> mean_load_n{};  ///< Not part of the trial's event.
 };
 
 /// Returns results over all valid trials: the mean of each core measure by condition ("eyes-open-two-feet/MVELO"), and the Romberg quotient
@@ -73,12 +74,18 @@ class SwayResults {
   void wait() const;
 
   /// Returns the trials decided since the last call, in the order of their ends. Leaves out void trials, and returns them if that is
-  /// undone. A trial that is redone or rejected later is void in the summary.
+  /// undone. A trial that is redone or rejected later no longer counts.
   [[nodiscard]] std::vector<SwayTrialResult> take_decided();
-  /// Covers the trials that `take_decided` has returned.
-  [[nodiscard]] std::vector<SessionFigure> summary() const;
+  /// Returns the trials that `take_decided` has returned and that still count.
+  [[nodiscard]] std::vector<SwayTrialResult> counting() const;
+  /// Returns `sway_summary` of these trials.
+  [[nodiscard]] std::vector<SessionFigure> summary() const { return sway_summary(counting()); }
 
  private:
+  struct Analysed {
+    posturography::Analysis analysis;
+    std::optional<double> mean_load_n;
+  };
   using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
   /// Waiting: for the last samples. Ended: the analysis runs, or its result was not yet taken. Dropped: its samples are not kept any more.
   enum class State : std::uint8_t { None, Measuring, Waiting, Ended, Decided, Dropped };
@@ -89,9 +96,10 @@ class SwayResults {
   };
   struct Ended {
     Key key;
-    std::future<core::Result<posturography::Analysis>> analysis;  ///< Absent: the result has a problem.
+    std::future<core::Result<Analysed>> analysis;  ///< Absent: the result has a problem.
   };
 
+  [[nodiscard]] static core::Result<Analysed> analyse(const CopCut& samples);
   static void begin(Attempt& attempt, const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan);
   void undo(const Key& key);
   void end_complete();

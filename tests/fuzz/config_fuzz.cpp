@@ -15,7 +15,7 @@ namespace {
 class ConfigFolder {
  public:
   ConfigFolder() {
-    for (const char* name : {"rigs", "sensors", "models"}) {
+    for (const char* name : {"rigs", "sensors", "models", "calibrations"}) {
       std::filesystem::create_directory_symlink(std::string(DTS_SOURCE_DIR "/config/") + name, folder_.file(name));
     }
     // One is enough: all of them are read in every run.

@@ -3,6 +3,7 @@
 // the area that it is valid for, or said not to be.
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -11,7 +12,6 @@
 
 namespace dts::fuzz::cop_calibration {
 namespace {
-
 
 std::optional<physics::CopCalibration> read(const std::string& text, files::Problems& problems) {
   const auto table = files::parse_toml_text(text, "cop.toml", problems);
@@ -51,6 +51,18 @@ void check_estimates(const physics::CopEstimator& estimator) {
   check_estimate(estimator, {});
 }
 
+void check_correction(const physics::TwoFeetCorrection& two_feet) {
+  const std::vector<double> deflection_mm(4, 1.0);
+  for (const double size : {1e-6, 1.0, 215.0, 1e3, 1e6}) {
+    for (const std::optional<double> width_mm :
+         {std::optional<double>(), std::optional(-size), std::optional(size), std::optional(1e300)}) {
+      const auto corrected = two_feet.apply({.x_mm = size, .y_mm = -size, .load_n = size, .flags = 0}, deflection_mm, width_mm);
+      promise(!std::isnan(corrected.x_mm) && !std::isnan(corrected.y_mm), "a corrected position is a number");
+      promise(std::isfinite(corrected.load_n) && corrected.load_n > 0.0, "a corrected load is finite and positive");
+    }
+  }
+}
+
 }  // namespace
 
 void try_bytes(const std::uint8_t* bytes, std::size_t size) {
@@ -63,6 +75,7 @@ void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   promise(again.has_value(), "what was written can be read");
   promise(files::cop_calibration_text(*again) == text, "the calibration read is the one written");
   check_estimates(again->estimator);
+  if (again->two_feet) check_correction(*again->two_feet);
 }
 
 }  // namespace dts::fuzz::cop_calibration

@@ -69,10 +69,16 @@ def cop_calibrations() -> dict[str, str]:
     axes = {count: f"[[x_ratio]]\n{ratio}" * count + f"[[y_ratio]]\n{ratio}" * count for count in (1, 2)}
     five = str([0.2] * 5)
     moment = f"[moment]\nx_centre_mm = 215.0\ny_centre_mm = 215.0\nload_n_per_mm = {[200.0] * 5}\nx_moment_n = {five}\ny_moment_n = {five}\nshare = {[[0.0, 1.0]] * 5}\n"
+    feet = "[two_feet]\ntravel_mm = 5.0\n"
+    for table, means, sds in (("with_width", [215.0, 215.0, 650.0, 185.0], [20.0, 25.0, 180.0, 45.0]), ("without_width", [215.0, 215.0, 650.0], [20.0, 25.0, 180.0])):
+        bounds = "".join(f"{key} = {[mean + side * 2 * sd for mean, sd in zip(means, sds)]}\n" for key, side in (("lowest", -1), ("highest", 1)))
+        terms = "".join(f"{key} = {[first] + [0.1, -0.2] * 17}\n" for key, first in (("x_mm", 1.0), ("y_mm", -1.0), ("log_load", 0.1)))
+        feet += f"[two_feet.{table}]\nmean = {means}\nsd = {sds}\n{bounds}{terms}"
     quadratic = f"x_quadratic_mm = {[1.0] * 15}\ny_quadratic_mm = {[1.0] * 15}\n"
     return {
         "poly3.toml": cop_calibration("poly3", load + f"x_mm = {rows(215.0)}\ny_mm = {rows(215.0)}\n"),
         "poly3-two.toml": cop_calibration("poly3", f"[polynomial]\n{ranges}sum_mm_per_n = {rows(0.004, 1e-4)}\nx_mm = {rows(215.0, 1.0)}\ny_mm = {rows(215.0, 1.0)}\n"),
+        "two-feet.toml": cop_calibration("poly3", load + f"x_mm = {rows(215.0)}\ny_mm = {rows(215.0)}\n" + feet),
         "thesis.toml": cop_calibration("thesis", axes[1] + load),
         "thesis-per-pair.toml": cop_calibration("thesis_per_pair", axes[2] + load),
         "moment.toml": cop_calibration("moment", moment, 5),

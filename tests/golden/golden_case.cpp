@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "golden/golden_case.h"
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,6 +31,15 @@ template <class Value>
 Value checked(const core::Result<Value>& result, const std::string& where) {
   if (!result) fail(where + ": " + core::to_string(result.error()));
   return *result;
+}
+
+/// Returns a rig definition that uses the plate model: for weights, and for other estimators.
+std::string without_calibration(const std::string& rig_text) {
+  toml::table rig = toml::parse(rig_text);
+  rig.erase("calibration");
+  std::ostringstream text;
+  text << toml::toml_formatter(rig, toml::format_flags::none) << '\n';
+  return std::move(text).str();
 }
 
 pipeline::RigConfig read_rig(std::string text, const std::string& name) {
@@ -128,6 +138,8 @@ Case read_case(const std::string& name) {
     std::istringstream words(step.rest);
     if (step.verb == "rig") {
       rig_text = checked(files::rig_definition(DTS_SOURCE_DIR "/" + step.rest), where);
+    } else if (step.verb == "uncalibrated") {
+      rig_text = without_calibration(rig_text);
     } else if (step.verb == "replace") {
       replace(rig_text, step.rest, where);
     } else if (step.verb == "block" || step.verb == "publish" || step.verb == "trigger") {

@@ -2,8 +2,6 @@
 #include "lab/cop/cop_command.h"
 
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <set>
@@ -15,7 +13,6 @@
 #include "cli/json.h"
 #include "cli/table.h"
 #include "files/cop_calibration_file.h"
-#include "files/whole_file.h"
 #include "lab/base/command.h"
 #include "lab/base/problems.h"
 #include "lab/base/rig.h"
@@ -32,24 +29,8 @@ struct FitArguments {
   bool is_json = false;
 };
 
-struct EstimateArguments {
-  std::string calibration;
-  std::string points;
-  std::string out;
-};
-
 using physics::CopCalibration;
 using physics::CopErrorFigures;
-using physics::CopEstimate;
-
-std::string now_utc() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts{};
-  ::gmtime_r(&now, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
-}
 
 cli::Json to_json(const CopErrorFigures& figures) {
   cli::Json json = cli::Json::object();
@@ -83,36 +64,6 @@ void print_fit(const CopCalibration& calibration, const FitArguments& arguments,
   if (calibration.cross_validated) add("cross-validation", *calibration.cross_validated);
   table.print(console);
   cli::print_hint(console, "to use it: dtslab cop estimate " + arguments.out + " POINTS.csv --out EST.csv");
-}
-
-void add_number(std::string& line, double value) {
-  line += ',';
-  if (!std::isfinite(value)) return;  // an undefined value is an empty cell
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr;
-  line.append(text.data(), end);
-}
-
-std::string estimates_text(const CopPoints& points, const physics::CopEstimator& estimator) {
-  std::string text = points.table.header();
-  for (const char* name : kEstimateColumns) text += "," + std::string(name);
-  text += '\n';
-  for (std::size_t row = 0; row < points.samples.size(); ++row) {
-    const CopEstimate estimate = estimator.estimate(points.samples[row].deflection_mm);
-    text += points.table.lines()[row];
-    add_number(text, estimate.x_mm);
-    add_number(text, estimate.y_mm);
-    add_number(text, estimate.load_n);
-    text += "," + physics::cop_flags_text(estimate.flags) + "\n";
-  }
-  return text;
-}
-
-core::Status check_is_new(const std::string& out) {
-  std::error_code error;
-  if (!std::filesystem::exists(std::filesystem::symlink_status(out, error))) return {};
-  return core::fail(core::ErrorCode::InvalidArgument, "--out " + out + " already exists: a calibration is never overwritten",
-                    "give another file with --out");
 }
 
 // Above these limits a calibration is worse than the method allows: a measurement is wrong, or there are too few.
@@ -166,30 +117,34 @@ int run_cop_fit(const FitArguments& arguments, cli::Console& console) {
   return cli::kOk;
 }
 
-int run_cop_estimate(const EstimateArguments& arguments, cli::Console& console) {
-  const auto apart = check_out(arguments.out, {arguments.points, arguments.calibration});
-  if (!apart) return fail_with(console, apart.error());
-  files::Problems problems;
-  const auto calibration = files::read_cop_calibration(arguments.calibration, problems);
-  if (!calibration) return report_problems(console, problems);
-  const CopPoints points = read_cop_points(arguments.points, calibration->estimator.sensor_count(), false, std::nullopt, problems);
-  if (!problems.empty()) return report_problems(console, problems);
-  const auto written = files::write_whole_file(arguments.out, estimates_text(points, calibration->estimator));
-  if (!written) return fail_with(console, written.error());
-  cli::print_hint(console, std::to_string(points.samples.size()) + " estimates in " + arguments.out);
-  return cli::kOk;
+}  // namespace
+
+std::string now_utc() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
 }
 
-}  // namespace
+core::Status check_is_new(const std::string& out) {
+  std::error_code error;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(out, error))) return {};
+  return core::fail(core::ErrorCode::InvalidArgument, "--out " + out + " already exists: a calibration is never overwritten",
+                    "give another file with --out");
+}
 
 void add_commands(cli::CommandLine& line) {
   CLI::App* cop = cli::add_group(line.app, "cop", "Calibrate and evaluate estimators of the centre of pressure",
                                  "dtslab cop fit points.csv --rig rig.toml --out cal.toml | a calibration from known loads\n"
+                                 "dtslab cop two-feet --rig rig.toml --out cal.toml | with the correction for a person on two feet\n"
                                  "dtslab cop evaluate --noise realistic | expected error of a platform\n");
-  const auto [fit, fitted] = add_command(line, *cop, "fit", "Calibrate an estimator with known loads",
-                                         "dtslab cop fit points.csv --rig rig.toml --out cal.toml | poly3\n"
-                                         "dtslab cop fit points.csv --rig rig.toml --estimator thesis --out cal.toml | as in section 4.4 of the thesis\n",
-                                         run_cop_fit);
+  const auto [fit, fitted] =
+      add_command(line, *cop, "fit", "Calibrate an estimator with known loads",
+                  "dtslab cop fit points.csv --rig rig.toml --out cal.toml | poly3\n"
+                  "dtslab cop fit points.csv --rig rig.toml --estimator thesis --out cal.toml | as in section 4.4 of the thesis\n",
+                  run_cop_fit);
   fit.add_option("POINTS.csv", fitted.points, "CSV file with columns p_n,x_mm,y_mm and w1_mm,w2_mm,... per sensor; origin at a corner")
       ->required()
       ->option_text(" ");
@@ -198,12 +153,8 @@ void add_commands(cli::CommandLine& line) {
   fit.add_option("--out", fitted.out, "Calibration file to write; never overwritten")->option_text("CAL.toml")->required();
   add_json(fit, fitted.is_json);
 
-  const auto [estimate, estimated] =
-      add_command(line, *cop, "estimate", "Apply a calibration to deflections",
-                  "dtslab cop estimate cal.toml points.csv --out est.csv | adds est_x_mm,est_y_mm,est_p_n,flags\n", run_cop_estimate);
-  estimate.add_option("CAL.toml", estimated.calibration, "Calibration file of dtslab cop fit")->required()->option_text(" ");
-  estimate.add_option("POINTS.csv", estimated.points, "CSV file with columns w1_mm,w2_mm,...; other columns are copied")->required()->option_text(" ");
-  estimate.add_option("--out", estimated.out, "File to write")->option_text("EST.csv")->required();
+  add_estimate(line, *cop);
+  add_two_feet(line, *cop);
   add_evaluate(line, *cop);
 }
 

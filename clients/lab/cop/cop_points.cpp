@@ -11,6 +11,7 @@ namespace {
 constexpr double kLargestLoadN = 1e5;
 constexpr double kLargestDeflectionMm = 1000.0;
 constexpr double kAnywhereMm = 1e4;
+constexpr double kLargestWidthMm = 2000.0;
 
 /// Returns the value of a row; NaN if the column does not exist.
 double value_at(const std::vector<double>& column, std::size_t row) {
@@ -37,6 +38,9 @@ CopPoints read_cop_points(const std::string& file, std::size_t sensor_count, boo
   for (const std::string& name : names)
     columns.push_back({.name = name, .minimum = -kLargestDeflectionMm, .maximum = kLargestDeflectionMm});
   if (!needs_truth) {
+    columns.push_back({.name = kPersonColumn, .is_required = false, .is_text = true});
+    columns.push_back({.name = kWidthColumn, .is_required = false, .may_be_empty = true, .minimum = 0.0, .maximum = kLargestWidthMm});
+    columns.push_back({.name = kWeightColumn, .is_required = false, .may_be_empty = true, .minimum = 0.0, .maximum = kLargestLoadN});
     for (const char* name : kEstimateColumns) columns.push_back({.name = name, .is_required = false, .is_text = true});
   }
   const std::size_t before = problems.size();

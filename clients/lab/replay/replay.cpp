@@ -9,6 +9,8 @@
 #include "device/replay/scan_merger.h"
 #include "lab/replay/event_check.h"
 #include "session/rig_pipeline.h"
+#include "session/session_events.h"
+#include "session/trial_stance.h"
 
 namespace dts::lab::replay {
 namespace {
@@ -62,6 +64,7 @@ class Replay {
 
  private:
   core::Status process_item(const record::RecordedItem& item);
+  void process_event(const v1::Event& event);
   core::Status process_ready();
   core::Status begin(const core::Block& block);
   void process();
@@ -119,9 +122,17 @@ core::Status Replay::process_item(const record::RecordedItem& item) {
   if (const auto* scans = std::get_if<record::RecordedScans>(&item)) {
     if (StreamCheck* check = checks_by_stream_[scans->stream].get()) check->add_recorded(*scans);
   }
-  if (const auto* timed = std::get_if<record::TimedEvent>(&item)) events_.add_recorded(timed->event);
+  if (const auto* timed = std::get_if<record::TimedEvent>(&item)) process_event(timed->event);
   DTS_TRY(merger_.add(item));
   return process_ready();
+}
+
+/// Announces to the stages what the daemon announced. A trial is in the file before the scan from which its stance is valid.
+void Replay::process_event(const v1::Event& event) {
+  events_.add_recorded(event);
+  if (!event.has_trial()) return;
+  const auto trial = session::trial_of(event);
+  if (trial) session::announce_feet(*rig_.stances, *trial, event.segment(), {event.scan()}, device_.rate);
 }
 
 core::Status Replay::process_ready() {

@@ -9,6 +9,7 @@
 
 #include "core/result.h"
 #include "physics/cop/cop_estimator.h"
+#include "physics/cop/two_feet.h"
 
 namespace dts::physics {
 
@@ -44,7 +45,8 @@ struct CopErrorFigures {
 
 [[nodiscard]] CopErrorFigures error_figures(std::span<const CopCalibrationPoint> points);
 
-/// A measured calibration. `dtsctl calibrate cop` and `dtslab cop fit` create it; the cop stage uses it.
+/// A calibration of a rig. `dtsctl calibrate cop` and `dtslab cop fit` create it from measurements, `dtslab cop two-feet` from the plate
+/// model if there are none; the cop stage uses it.
 struct CopCalibration {
   std::string id;  ///< "cop-20260131T120000Z-1a2b3c4d": date and a checksum of method and samples.
   CopCalibrationOrigin origin;
@@ -54,6 +56,8 @@ struct CopCalibration {
   /// Errors at each point by an estimator fitted without that point; its load error is the stated error of the load. Absent if there are
   /// too few points for the check (the position of Thesis is interpolated).
   std::optional<CopErrorFigures> cross_validated;
+  /// For a person on two feet, on top of `estimator`; `dtslab cop two-feet` adds it.
+  std::optional<TwoFeetCorrection> two_feet{};
 
   /// Stated error of the load, rms %: cross-validated when possible.
   [[nodiscard]] double load_error_percent() const noexcept {

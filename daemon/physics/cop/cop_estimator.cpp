@@ -135,8 +135,11 @@ std::string_view to_string(CopMethod method) noexcept { return kMethodNames[stat
 
 std::string cop_flags_text(std::uint8_t flags) {
   std::string text;
-  for (const auto& [flag, word] : {std::pair{cop_flag::kNoContact, "no_contact"}, std::pair{cop_flag::kOutsideArea, "outside_area"},
-                                   std::pair{cop_flag::kOutsideLoad, "outside_load"}}) {
+  for (const auto& [flag, word] :
+       {std::pair{cop_flag::kNoContact, "no_contact"}, std::pair{cop_flag::kOutsideArea, "outside_area"},
+        std::pair{cop_flag::kOutsideLoad, "outside_load"}, std::pair{cop_flag::kOutsideTwoFeet, "outside_two_feet"},
+        std::pair{cop_flag::kOutsideTravel, "outside_travel"}, std::pair{cop_flag::kAbout, "about"},
+        std::pair{cop_flag::kDoubtful, "doubtful"}}) {
     if ((flags & flag) != 0) text += (text.empty() ? "" : "|") + std::string(word);
   }
   return text;

@@ -48,9 +48,17 @@ inline constexpr std::uint8_t kNoContact = 1U << 0;    ///< No load on the plate
 inline constexpr std::uint8_t kOutsideArea = 1U << 1;  ///< Outside the calibrated area: the position is clamped to it.
 inline constexpr std::uint8_t kOutsideLoad = 1U << 2;  ///< Outside the calibrated load range: the load's influence is that at the end of
                                                        ///< the range.
+// Of the correction for two feet (two_feet.h).
+inline constexpr std::uint8_t kOutsideTwoFeet = 1U << 3;  ///< Unlike the stances of the correction: corrected as the nearest of them.
+inline constexpr std::uint8_t kOutsideTravel = 1U << 4;   ///< A deflection beyond the travel of the sensors.
+inline constexpr std::uint8_t kAbout = 1U << 5;           ///< Corrected without the stance width: the load is approximate.
+inline constexpr std::uint8_t kDoubtful = 1U << 6;        ///< The stated weight differs: stance width or weight is wrong.
+/// Outside the calibration: the estimate is less exact than the calibration states.
+inline constexpr std::uint8_t kOutside = kOutsideArea | kOutsideLoad | kOutsideTwoFeet | kOutsideTravel;
 }  // namespace cop_flag
 
-/// Returns "no_contact", "outside_area", "outside_load" joined by '|'; empty for 0.
+/// Returns "no_contact", "outside_area", "outside_load", "outside_two_feet", "outside_travel", "about", "doubtful" joined by '|'; empty
+/// for 0.
 [[nodiscard]] std::string cop_flags_text(std::uint8_t flags);
 
 /// Centre of pressure and load. Plate coordinates (corner origin), mm and N.
@@ -60,7 +68,7 @@ struct CopEstimate {
   double load_n = std::numeric_limits<double>::quiet_NaN();
   std::uint8_t flags = cop_flag::kNoContact;
 
-  [[nodiscard]] bool is_inside_calibration() const noexcept { return flags == 0; }
+  [[nodiscard]] bool is_inside_calibration() const noexcept { return (flags & (cop_flag::kNoContact | cop_flag::kOutside)) == 0; }
 };
 
 class CopInverse;

@@ -2,8 +2,8 @@
 #include "physics/cop/cop_trials.h"
 
 #include <algorithm>
-#include <random>
 
+#include "physics/cop/uniform_random.h"
 #include "physics/stance.h"
 
 namespace dts::physics {
@@ -30,28 +30,6 @@ constexpr double kShortestFootMm = 230.0;
 constexpr double kLongestFootMm = 280.0;
 constexpr double kLean = 0.2;  ///< Largest deviation from one half of the shares of a foot and of the forefoot.
 
-/// Returns 0..1 from the generator's upper 53 bits: the same with every library.
-class Uniform {
- public:
-  explicit Uniform(std::uint64_t seed) : random_(seed) {}
-  double operator()(double lowest, double highest) { return lowest + (highest - lowest) * static_cast<double>(random_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 random_;
-};
-
-/// Returns the weighted centre of the patches' centres.
-Point centre_of(std::span<const PlateLoad> loads) {
-  double sum_n = 0.0;
-  Point moment;
-  for (const PlateLoad& load : loads) {
-    sum_n += load.force.value;
-    moment.x = moment.x + load.area.centre.x * load.force.value;
-    moment.y = moment.y + load.area.centre.y * load.force.value;
-  }
-  return {moment.x / sum_n, moment.y / sum_n};
-}
-
 }  // namespace
 
 SensorRectangle SensorRectangle::of(const RigModel& rig) {
@@ -63,6 +41,17 @@ SensorRectangle SensorRectangle::of(const RigModel& rig) {
   const auto [left, right] = std::ranges::minmax(w, {}, [](const SensorModel& sensor) { return sensor.position.x; });
   const auto [bottom, top] = std::ranges::minmax(w, {}, [](const SensorModel& sensor) { return sensor.position.y; });
   return {left.position.x, right.position.x, bottom.position.y, top.position.y};
+}
+
+Point centre_of(std::span<const PlateLoad> loads) {
+  double sum_n = 0.0;
+  Point moment;
+  for (const PlateLoad& load : loads) {
+    sum_n += load.force.value;
+    moment.x = moment.x + load.area.centre.x * load.force.value;
+    moment.y = moment.y + load.area.centre.y * load.force.value;
+  }
+  return {moment.x / sum_n, moment.y / sum_n};
 }
 
 std::vector<Point> table_41_positions() {
@@ -100,7 +89,7 @@ std::vector<CopTrial> point_trials(std::span<const Point> positions, std::span<c
 }
 
 std::vector<CopTrial> foot_trials(const Plate& plate, std::size_t feet, std::size_t count, Interval load_n, std::uint64_t seed) {
-  Uniform uniform(seed);
+  UniformRandom uniform(seed);
   std::vector<CopTrial> trials;
   for (std::size_t attempt = 0; trials.size() < count && attempt < 10 * count; ++attempt) {
     Stance stance{.load = {uniform(load_n.lowest, load_n.highest)}};

@@ -20,6 +20,9 @@ struct CopTrial {
   std::vector<PlateLoad> loads;
 };
 
+/// Returns the centre of pressure of the loads; they must not be empty.
+[[nodiscard]] Point centre_of(std::span<const PlateLoad> loads);
+
 /// The rectangle between the four sensors of a floor platform, or around all sensors of another rig. Sides are averages, because the sides
 /// of the sensor square need not be exactly parallel to the plate's. The rig must have at least one sensor.
 struct SensorRectangle {

@@ -5,6 +5,7 @@
 
 #include "unit/files/calibration_of_test.h"
 #include "unit/files/files_fixture.h"
+#include "unit/physics/cop/constant_two_feet.h"
 
 namespace dts::files {
 namespace {
@@ -231,6 +232,57 @@ TEST_F(CopCalibrationFile, FormsOfOtherMethods_AreRefusedAtTheirPlace) {
        {"share", "share = [" + shares + "]", "cop:47:9: share: write the lowest value of a range first"}},
       read);
   expect_problems(edited(moment, "x_quadratic_mm", ""), {{"y_quadratic_mm", "", ""}}, read);
+}
+
+/// With a correction for two feet, and without points.
+physics::CopCalibration with_two_feet() {
+  physics::CopCalibration calibration = calibration_of_test(CopMethod::Poly3);
+  calibration.points.clear();
+  physics::TwoFeetForm form = physics::test::constant_form();
+  for (std::size_t k = 0; k < form.with_width.x_mm.size(); ++k) form.with_width.x_mm[k] = 1.0 / (1.0 + static_cast<double>(k));
+  form.travel_mm = 4.5;
+  calibration.two_feet = physics::TwoFeetCorrection::from_form(form).value();
+  return calibration;
+}
+
+TEST_F(CopCalibrationFile, CorrectionForTwoFeet_ReadsBackTheSame) {
+  const physics::CopCalibration written = with_two_feet();
+
+  ASSERT_TRUE(write_cop_calibration(path("cop.toml"), written));
+  Problems problems;
+  const auto read = read_cop_calibration(path("cop.toml"), problems);
+
+  ASSERT_TRUE(read) << text_of(problems);
+  ASSERT_TRUE(read->two_feet);
+  EXPECT_EQ(read->two_feet->form(), written.two_feet->form());
+  EXPECT_TRUE(read->points.empty());
+  EXPECT_THAT(cop_calibration_text(*read), HasSubstr("x_mm += p of x_mm"));
+  EXPECT_EQ(cop_calibration_text(*read), cop_calibration_text(written));
+}
+
+TEST_F(CopCalibrationFile, MistakesInTheCorrectionForTwoFeet_AreReportedWithTheirPlace) {
+  const std::string text = cop_calibration_text(with_two_feet());
+  const std::string correction = text.substr(text.find("\n[two_feet]\n"));
+  const std::string head = text.substr(0, text.size() - correction.size());
+  const auto problems_of = [&](const std::string& line, const std::string& by) {
+    Problems problems;
+    read(head + edited(correction, line, by), problems);
+    std::string found;  // without the place, which is that of the line
+    for (const Problem& problem : problems) found += (found.empty() ? "" : "\n") + problem.text + (problem.line > 60 ? "" : " ?");
+    return found;
+  };
+  EXPECT_EQ(problems_of("travel_mm", "travel_mm = 1e3"), "");
+  EXPECT_EQ(problems_of("travel_mm", "travel_mm = 0.0"), "[two_feet] travel_mm = 0 is out of range; allowed: 0.1 .. 1000");
+  EXPECT_EQ(problems_of("travel_mm", ""), "[two_feet] travel_mm is missing");
+  EXPECT_EQ(problems_of("travel_mm", "travel_mm = 5\nfeet = 2"), "unknown key 'feet' in [two_feet]");
+  EXPECT_EQ(problems_of("mean", "mean = [1, 2, 3]"), "mean must be a list of 4 numbers");
+  EXPECT_EQ(problems_of("sd", "sd = [1, 2, 0, 4]"), "sd: every number must be positive");
+  EXPECT_EQ(problems_of("highest", "highest = [1e3, 1e3, 399, 1e3]"), "highest: a number is below the one in lowest");
+  EXPECT_EQ(problems_of("x_mm", "x_mm = [1.0]"), "x_mm must be a list of 35 numbers");
+  EXPECT_EQ(problems_of("log_load", "log_load = [nan]"), "log_load must be a list of 35 numbers");
+  EXPECT_EQ(problems_of("highest", "highest = [1e9, 1e9, 1e9, 1e9]"),
+            "centre-of-pressure calibration: a number, a range or a count of the correction for two feet is not valid");
+  EXPECT_THAT(problems_of("[two_feet.without_width]", "[two_feet.no_width]"), HasSubstr("unknown key 'no_width' in [two_feet]"));
 }
 
 TEST_F(CopCalibrationFile, FileOrFolderThatIsNotThere_IsReported) {

@@ -30,7 +30,7 @@ class RigWithCalibration : public FilesTest {
   }
 
   const physics::CopCalibration calibration_ = calibration_of_test(physics::CopMethod::Thesis);
-  const std::string shipped_ = content_of(kConfig / "rigs/floor-sim.toml");
+  const std::string shipped_ = edited(content_of(kConfig / "rigs/floor-sim.toml"), "calibration", "# calibration");
 };
 
 constexpr const char* kCalibration = "calibration = \"../calibration.toml\"";
@@ -40,6 +40,31 @@ TEST_F(RigWithCalibration, Estimator_IsTheCalibrationsAndMayBeWritten) {
   EXPECT_EQ(estimator_with(kCalibration, "estimator = \"thesis\""), "thesis");
   EXPECT_EQ(estimator_with("", ""), "");
   EXPECT_EQ(estimator_with("", "estimator = \"poly3\""), "poly3");
+}
+
+TEST_F(RigWithCalibration, RigToCalibrate_IsReadWithoutTheRest) {
+  const auto read_part = [this](const std::string& text) {
+    Problems problems;
+    const RigToCalibrate rig = read_rig_to_calibrate(write("rigs/floor.toml", text), problems);
+    EXPECT_EQ(text_of(problems), "");
+    EXPECT_EQ(rig.model.sensors.size(), 4U);
+    return rig;
+  };
+  const std::string calibrated = edited(shipped_, "# calibration", kCalibration);
+  const RigToCalibrate with = read_part(edited(calibrated, "estimator", ""));
+  ASSERT_TRUE(with.calibration);
+  EXPECT_EQ(with.calibration->id, calibration_.id);
+  EXPECT_EQ(with.method, physics::CopMethod::Thesis);
+
+  EXPECT_EQ(read_part(edited(shipped_, "estimator", "estimator = \"model\"")).method, physics::CopMethod::Model);
+  const RigToCalibrate bare = read_part(shipped_.substr(0, shipped_.find("[[stage]]")));
+  EXPECT_FALSE(bare.calibration);
+  EXPECT_EQ(bare.method, physics::CopMethod::Poly3);
+
+  Problems problems;
+  (void)read_rig_to_calibrate(write("rigs/floor.toml", edited(shipped_, "estimator", "estimator = \"best\"")), problems);
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_NE(problems.front().text.find("unknown centre-of-pressure method 'best'"), std::string::npos);
 }
 
 TEST_F(RigWithCalibration, WhatDoesNotFit_IsReportedAtItsPlace) {

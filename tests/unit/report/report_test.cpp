@@ -388,6 +388,24 @@ TEST_F(ReportTest, WhoeverNoLongerWaits_IsObeyed) {
   }
 }
 
+TEST_F(ReportTest, LoadOnTwoFeet_IsShownWithHowItWasCorrected) {
+  MadeStanding made = two_trials();
+  made.facts.fields = {{"weight_kg", "60"}};
+  const std::string before = page(report_of(write(made)), "session.html");
+  EXPECT_THAT(before, HasSubstr("not corrected: on two feet the load reads too low"));
+  EXPECT_THAT(before, Not(HasSubstr("about 71 kg")));
+
+  made.facts.rig_definition = files::rig_definition(std::string(DTS_SOURCE_DIR) + "/config/rigs/floor-sim.toml").value_or("");
+  const std::string about = page(report_of(write(made, "b.xdf")), "session.html");
+  EXPECT_THAT(about, HasSubstr("Load: about 71 kg, corrected for two feet without a stance width; stated weight is doubtful: 60 kg."));
+  EXPECT_THAT(about, HasSubstr("load and position are corrected for a person on two feet"));
+
+  made.facts.fields = {{"weight_kg", "70"}, {"stance_width_mm", "180"}};
+  const std::string stated = page(report_of(write(made, "c.xdf")), "session.html");
+  EXPECT_THAT(stated, HasSubstr("71.4 kg, corrected for two feet with the stated stance width of 180 mm"));
+  EXPECT_THAT(stated, Not(HasSubstr("doubtful:")));
+}
+
 TEST_F(ReportTest, RigDefinition_GivesThePlateUnlessItIsBroken) {
   MadeStanding made = two_trials();
   made.facts.rig_definition = files::rig_definition(std::string(DTS_SOURCE_DIR) + "/config/rigs/floor-sim.toml").value_or("");

@@ -44,8 +44,12 @@ void EmulatorProcess::write_files(const Options& options) const {
   const auto config = std::filesystem::path(DTS_SOURCE_DIR) / "config";
   std::filesystem::copy(config / "sensors", directory_ / "sensors");
   std::filesystem::create_directory(directory_ / "rigs");
-  std::filesystem::copy(config / "rigs" / "floor-sim.toml", directory_ / "rigs" / "floor.toml");
-  std::ofstream(directory_ / "rigs" / "floor.toml", std::ios::app) << "\n" << options.rig_tables;
+  std::ifstream shipped(config / "rigs" / "floor-sim.toml");
+  std::ofstream rig(directory_ / "rigs" / "floor.toml");
+  for (std::string line; std::getline(shipped, line);) {
+    if (!line.starts_with("calibration = ")) rig << line << '\n';  // weights have the point calibration
+  }
+  rig << "\n" << options.rig_tables;
   std::ofstream(directory_ / "weights.csv") << options.weights;
   std::ofstream(directory_ / "dtsd.toml") << "[[rig]]\nname = \"floor\"\nfile = \"rigs/floor.toml\"\ndevice = \"" << options.uri << "\"\n";
 }

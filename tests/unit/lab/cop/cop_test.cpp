@@ -3,11 +3,13 @@
 
 #include <sstream>
 
+#include "files/cop_calibration_file.h"
 #include "lab/base/csv.h"
 #include "lab/base/thesis_setup.h"
 #include "physics/cop/cop_evaluation.h"
 #include "physics/cop/sensed_plate.h"
 #include "unit/lab/run_fixture.h"
+#include "unit/physics/cop/constant_two_feet.h"
 
 namespace dts::lab::cop {
 namespace {
@@ -168,6 +170,86 @@ TEST_F(CopTest, BadCalibration_ExitsWithTwo) {
   EXPECT_EQ(run_with({"cop", "estimate", write("cal.toml", "format = 1\n"), points, "--out", path("est.csv")}), cli::kUsage);
   EXPECT_EQ(run_with({"cop", "estimate", path("none.toml"), points, "--out", path("est.csv")}), cli::kUsage);
   EXPECT_FALSE(std::filesystem::exists(path("est.csv")));
+}
+
+/// 2 mm to the right, 3 mm back, 10 % more load; without the width 20 %.
+std::string constant_correction(const std::string& file) {
+  const auto samples =
+      physics::model_samples(CopMethod::Poly3, thesis_setup::floor_platform(), physics::PlateBehaviour::Stiffening).value();
+  auto calibration = physics::calibrate_cop(CopMethod::Poly3, samples, {.created_utc = "2026-01-31T12:00:00Z", .rig = "floor"}).value();
+  calibration.two_feet = physics::TwoFeetCorrection::from_form(physics::test::constant_form()).value();
+  EXPECT_TRUE(files::write_cop_calibration(file, calibration));
+  return file;
+}
+
+TEST_F(CopTest, Estimate_CorrectsPeopleButNoPoints) {
+  const auto plate = physics::SensedPlate::create(thesis_setup::floor_platform(), physics::PlateBehaviour::Stiffening);
+  std::ostringstream w;
+  for (const double deflection_mm : plate->deflection_mm({{215.0}, {215.0}}, {600.0})) w << ',' << deflection_mm;
+  const std::string points =
+      write("people.csv",
+            "person,stated_width_mm,stated_weight_n,w1_mm,w2_mm,w3_mm,w4_mm\n,,"
+            "" + w.str() +
+                "\nP1,200,655" + w.str() + "\nP1,," + w.str() + "\nP2,,600" + w.str() + "\n,200," + w.str() + "\nP3,500," + w.str() + "\n");
+
+  ASSERT_EQ(run_with({"cop", "estimate", constant_correction(path("cal.toml")), points, "--out", path("est.csv")}), cli::kOk) << talk();
+
+  files::Problems problems;
+  const CsvTable table =
+      CsvTable::read(path("est.csv"), {{.name = "est_x_mm"}, {.name = "est_p_n"}, {.name = "flags", .is_text = true}}, problems);
+  ASSERT_EQ(table.row_count(), 6U);
+  const auto& load_n = table.numbers("est_p_n");
+  EXPECT_NEAR(load_n[0], 600.0, 6.0) << "a point load";
+  EXPECT_NEAR(load_n[1] / load_n[0], 1.1, 1e-6);
+  EXPECT_NEAR(load_n[2] / load_n[0], 1.1, 1e-6) << "the width is that of the person";
+  EXPECT_NEAR(load_n[3] / load_n[0], 1.2, 1e-6);
+  EXPECT_NEAR(load_n[4] / load_n[0], 1.1, 1e-6) << "a person without a name";
+  EXPECT_NEAR(table.numbers("est_x_mm")[1] - table.numbers("est_x_mm")[0], 2.0, 1e-6);
+  EXPECT_THAT(table.texts("flags"), ::testing::ElementsAre("", "", "", "about|doubtful", "", "outside_two_feet"));
+  EXPECT_THAT(talk(), HasSubstr("person 'P2': stated width or weight is doubtful"));
+  EXPECT_THAT(talk(), ::testing::Not(HasSubstr("P1")));
+}
+
+TEST_F(CopTest, EstimateBeyondTheSensors_IsSaid) {
+  const std::string points = write("deep.csv", "person,w1_mm,w2_mm,w3_mm,w4_mm\nP1,5.2,5.1,5,5\nP1,4.9,4.9,4.9,4.9\n");
+
+  ASSERT_EQ(run_with({"cop", "estimate", constant_correction(path("cal.toml")), points, "--out", path("est.csv")}), cli::kOk) << talk();
+
+  EXPECT_THAT(content("est.csv"), HasSubstr("outside_travel"));
+  EXPECT_THAT(talk(), HasSubstr("1 rows have a deflection above 5.0 mm: the sensors do not measure that far"));
+}
+
+TEST_F(CopTest, CalibrationWithoutTheCorrection_IgnoresThePeople) {
+  ASSERT_EQ(run_with({"cop", "fit", points_file(CopMethod::Poly3), "--rig", kFloorRig, "--out", path("cal.toml")}), cli::kOk);
+  const std::string points = write("people.csv", "person,stated_width_mm,w1_mm,w2_mm,w3_mm,w4_mm\nP1,200,2,2,2,2\n");
+
+  ASSERT_EQ(run_with({"cop", "estimate", path("cal.toml"), points, "--out", path("est.csv")}), cli::kOk) << talk();
+
+  EXPECT_THAT(content("est.csv"), EndsWith(",\n")) << "no flags";
+}
+
+TEST_F(CopTest, TwoFeet_WritesACalibrationOfTheRig) {
+  const std::string curve = std::string(DTS_SOURCE_DIR) + "/config/sensors/hoa1405-assumed.toml";
+  std::string rig = "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = 198.7e9\nnu = 0.27\n[support]\nkind = \"corner\"\n";
+  for (const char* at : {"x_mm = 86\ny_mm = 86", "x_mm = 344\ny_mm = 86", "x_mm = 86\ny_mm = 344", "x_mm = 344\ny_mm = 344"}) {
+    rig += "[[sensor]]\nlabel = \"" + std::to_string(rig.size()) + "\"\n" + std::string(at) + "\ncurve = \"" + curve + "\"\n";
+  }
+  const std::string bare = write("rig.toml", rig + "[[stage]]\nid = \"cop\"\nestimator = \"thesis\"\n");
+  ASSERT_EQ(run_with({"cop", "two-feet", "--rig", bare, "--out", path("cal.toml"), "--json"}), cli::kOk) << talk();
+
+  EXPECT_EQ(json().at("on_top_of"), "plate_model");
+  EXPECT_THAT(json().at("id").get<std::string>(), EndsWith("-two-feet"));
+  EXPECT_EQ(json().at("travel_mm"), 5.0);
+  EXPECT_NEAR(json().at("too_heavy_kg").get<double>(), 80.0, 10.0);
+  files::Problems problems;
+  const auto calibration = files::read_cop_calibration(path("cal.toml"), problems);
+  ASSERT_TRUE(calibration);
+  EXPECT_TRUE(calibration->two_feet);
+  EXPECT_EQ(calibration->estimator.method(), CopMethod::Thesis);
+  EXPECT_THAT(refusal_of({"cop", "two-feet", "--rig", kFloorRig, "--out", path("cal.toml")}),
+              HasSubstr("a calibration is never overwritten"));
+  const std::string chair = std::string(DTS_SOURCE_DIR) + "/config/rigs/chair-sim.toml";
+  EXPECT_THAT(refusal_of({"cop", "two-feet", "--rig", chair, "--out", path("chair.toml")}), HasSubstr("needs 4"));
 }
 
 // Research sheet section 6: thesis pair averages 1.25 mm bias and 1.30 noisy over the sensor square on the linear plate.

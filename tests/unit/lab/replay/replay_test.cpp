@@ -2,11 +2,15 @@
 #include "lab/replay/replay.h"
 
 #include "device/registry.h"
+#include "files/cop_calibration_file.h"
 #include "files/rig_file.h"
 #include "lab/simulate/simulated_rig.h"
 #include "record/recorder.h"
 #include "session/rig_pipeline.h"
+#include "session/session_events.h"
+#include "session/trial_stance.h"
 #include "unit/lab/run_fixture.h"
+#include "unit/physics/cop/constant_two_feet.h"
 
 namespace dts::lab::replay {
 namespace {
@@ -23,7 +27,9 @@ struct Middle {
   bool has_state = true;
   std::uint64_t lost_at = 0;  ///< About this scan a block finds no room on the way to the recorder.
   bool is_closed = true;
-  float spoilt_by = 0.0F;  ///< Added to one value of the centre of pressure.
+  double stance_width_mm = 0.0;   ///< Stated when the recording begins.
+  std::uint64_t one_foot_at = 0;  ///< "Go" of a trial on one foot; 0: none.
+  float spoilt_by = 0.0F;         ///< Added to one value of the centre of pressure.
 };
 
 void record_middle(const Middle& middle, const std::string& file) {
@@ -44,6 +50,7 @@ void record_middle(const Middle& middle, const std::string& file) {
   core::Acquired acquired{.block = core::Block(device->describe().channels.size(), 13)};
   core::Frame frame = rig.pipeline->make_frame();
   std::unique_ptr<record::Recorder> recorder;
+  bool is_one_foot_announced = middle.one_foot_at == 0;
   std::uint32_t segment = 0;
   for (std::uint64_t done = 0; done < middle.before_scans + middle.scans;) {
     const auto read = device->read(acquired.block, std::int64_t{1} << 62U);
@@ -57,9 +64,19 @@ void record_middle(const Middle& middle, const std::string& file) {
     if (!recorder && done >= middle.before_scans) {
       recorder =
           record::Recorder::create(file, facts, session::recorded_streams(config, device->describe(), rig.pipeline->formats())).value();
+      rig.stances->begin(middle.stance_width_mm);
       std::vector<double> state(rig.pipeline->state_size());
       rig.pipeline->save(state);
       if (middle.has_state) recorder->set_stage_state(state);
+    }
+    if (recorder && !is_one_foot_announced && done >= middle.one_foot_at) {
+      const session::TrialEvent go{.kind = session::TrialEventKind::Go, .trial = 1, .labels = {{"feet", "one"}}};
+      v1::Event event = session::to_event(go, facts.session_id);
+      event.set_segment(segment);
+      event.set_scan(middle.one_foot_at);
+      ASSERT_TRUE(recorder->take(event));
+      session::announce_feet(*rig.stances, go, segment, {middle.one_foot_at}, config.rate);
+      is_one_foot_announced = true;
     }
     rig.pipeline->process(acquired, frame);
     acquired.gap_before = {};
@@ -124,6 +141,36 @@ TEST_F(RunTest, ReplayWithGapsAndOtherStages_IsIdentical) {
 
   EXPECT_EQ(json()["segments"], 2);
   EXPECT_GT(stream(json(), "floor/cop")["scans"], 180);
+}
+
+/// The floor platform with a correction for two feet: 10 % more load, 20 % if the stance width is unknown.
+std::string definition_with_two_feet() {
+  const std::string definition = simulate::floor_definition(100.0);
+  files::Problems problems;
+  const physics::RigModel rig = files::read_rig_text(definition, "definition", problems).model;
+  const auto samples = physics::model_samples(physics::CopMethod::Poly3, rig, physics::PlateBehaviour::Stiffening).value();
+  auto calibration = physics::calibrate_cop(physics::CopMethod::Poly3, samples, {.created_utc = "2026-01-31T12:00:00Z"}).value();
+  calibration.points.clear();
+  calibration.two_feet = physics::TwoFeetCorrection::from_form(physics::test::constant_form()).value();
+  std::string text = "[calibration]\n" + files::cop_calibration_text(calibration);
+  for (std::size_t at = text.find("\n["); at != std::string::npos; at = text.find("\n[", at + 2)) text.insert(at + 2, "calibration.");
+  return definition + text;
+}
+
+TEST_F(RunTest, ReplayOfAPersonOnTwoFeetAndOnOne_IsIdentical) {
+  for (const std::uint64_t before : {0U, 333U, 900U}) {
+    const std::string file = path("feet" + std::to_string(before) + ".xdf");
+    record_middle({.definition = definition_with_two_feet(), .before_scans = before, .stance_width_mm = 180.0, .one_foot_at = 1100}, file);
+
+    ASSERT_EQ(run_with({"replay", file, "--json"}), cli::kOk) << talk() << out();
+
+    EXPECT_TRUE(json()["is_identical"]);
+    const double load_n = json()["cop"]["last"]["load_n"];
+    EXPECT_NEAR(load_n, 0.91 * 686.0, 15.0) << "on one foot the point calibration applies";
+  }
+  record_middle({.definition = definition_with_two_feet(), .stance_width_mm = 180.0}, path("two.xdf"));
+  ASSERT_EQ(run_with({"replay", path("two.xdf"), "--json"}), cli::kOk) << talk() << out();
+  EXPECT_NEAR(json()["cop"]["last"]["load_n"].get<double>(), 1.1 * 0.91 * 686.0, 15.0) << "by the stated width";
 }
 
 TEST_F(RunTest, ReplayWithoutStateOrByAnotherRig_TellsTheFirstDifference) {

@@ -10,7 +10,7 @@ constexpr double kSettleMs = 500.0;
 constexpr double kLongestOutMs = 250.0;
 constexpr double kSettledPart = 0.05;
 constexpr double kLeavingPart = 0.2;
-constexpr double kLargestLoadN = 1e9;  // limit for a value from a file
+constexpr double kLargestReferenceN = 1e9;  // limit for a value from a file
 
 }  // namespace
 
@@ -54,7 +54,7 @@ void SettledStance::save(StateWriter& writer) const noexcept {
 void SettledStance::restore(StateReader& reader) noexcept {
   is_settled_ = reader.flag();
   run_ = reader.count(is_settled_ ? longest_out_ : settle_);
-  reference_n_ = reader.number(0.0, kLargestLoadN);
+  reference_n_ = reader.number(0.0, kLargestReferenceN);
 }
 
 }  // namespace dts::pipeline

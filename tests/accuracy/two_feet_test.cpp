@@ -223,7 +223,7 @@ class TwoFeetAccuracy : public testing::TestWithParam<JudgedPlate> {};
 
 TEST_P(TwoFeetAccuracy, OfUnseenPeopleOnOtherFeet_IsWithinTheLimits) {
   const auto& [name, rig, most_ap_percent, most_ap_percent_p95] = GetParam();
-  const auto correction = TwoFeetCorrection::from_form(fit_two_feet(CopMethod::Poly3, rig).value()).value();
+  const auto correction = TwoFeetCorrection::from_form(fit_two_feet(CopMethod::Poly3, rig).value().form).value();
   const auto points = CopEstimator::from_model(CopMethod::Poly3, rig).value();
   const auto plate = SensedPlate::create(rig, PlateBehaviour::Stiffening).value();
   Random random(2024);

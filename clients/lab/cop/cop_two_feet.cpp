@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `dtslab cop two-feet`: adds the correction for a person on two feet to the calibration of a rig.
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -8,11 +9,13 @@
 #include "cli/json.h"
 #include "cli/progress.h"
 #include "cli/table.h"
+#include "core/special_numbers.h"
 #include "files/cop_calibration_file.h"
 #include "files/rig_file.h"
 #include "lab/base/command.h"
 #include "lab/base/problems.h"
 #include "lab/cop/cop_command.h"
+#include "physics/body/two_link.h"
 #include "physics/cop/two_feet_fit.h"
 
 namespace dts::lab::cop {
@@ -48,30 +51,36 @@ int run_two_feet(const TwoFeetArguments& arguments, cli::Console& console) {
   auto calibration = rig.calibration ? core::Result<CopCalibration>(*rig.calibration)
                                      : calibrate_on_model(rig.method, rig.model, std::filesystem::path(arguments.rig).stem().string());
   if (!calibration) return fail_with(console, calibration.error());
-  core::Result<physics::TwoFeetForm> form;
+  core::Result<physics::TwoFeetFit> fitted;
   {
     cli::Progress progress(console, "simulating people on two feet");
-    form = physics::fit_two_feet(rig.method, rig.model, physics::kTwoFeetStances, [&progress](double done) { progress.report(done); });
+    fitted = physics::fit_two_feet(rig.method, rig.model, physics::kTwoFeetStances, [&progress](double done) { progress.report(done); });
   }
-  if (!form) return fail_with(console, form.error());
-  auto correction = physics::TwoFeetCorrection::from_form(*form);
+  if (!fitted) return fail_with(console, fitted.error());
+  auto correction = physics::TwoFeetCorrection::from_form(fitted->form);
   if (!correction) return fail_with(console, correction.error());
   constexpr std::string_view kSuffix = "-two-feet";
   if (!calibration->id.ends_with(kSuffix)) calibration->id += kSuffix;
   calibration->two_feet = *correction;
   if (const auto written = files::write_cop_calibration(arguments.out, *calibration); !written) return fail_with(console, written.error());
+  const double too_heavy_kg = fitted->too_heavy_n.value_or(core::kNaN) / physics::kGravityMPerS2;
   if (arguments.is_json) {
-    console.out << cli::document({{"id", calibration->id},
-                                  {"estimator", std::string(physics::to_string(calibration->estimator.method()))},
-                                  {"on_top_of", rig.calibration ? "calibration" : "plate_model"},
-                                  {"stances", physics::kTwoFeetStances},
-                                  {"travel_mm", form->travel_mm},
-                                  {"file", arguments.out}});
+    cli::Json json{{"id", calibration->id},
+                   {"estimator", std::string(physics::to_string(calibration->estimator.method()))},
+                   {"on_top_of", rig.calibration ? "calibration" : "plate_model"},
+                   {"stances", physics::kTwoFeetStances},
+                   {"travel_mm", fitted->form.travel_mm}};
+    cli::set_number(json, "too_heavy_kg", too_heavy_kg);
+    json["file"] = arguments.out;
+    console.out << cli::document(json);
     return cli::kOk;
   }
   console.out << calibration->id << ": " << (rig.calibration ? "the calibration of the rig" : "calibrated on the plate model")
-              << ", corrected for two feet with " << physics::kTwoFeetStances << " simulated people; sensors measure up to "
-              << cli::decimal(form->travel_mm, 1) << " mm\n";
+              << ", corrected for two feet with " << physics::kTwoFeetStances << " simulated people\n";
+  if (std::isfinite(too_heavy_kg)) {
+    warn(console, "people above " + cli::decimal(too_heavy_kg, 0) + " kg can bend this plate by more than " +
+                      cli::decimal(fitted->form.travel_mm, 1) + " mm, beyond the travel of the sensors; use a stiffer plate for them");
+  }
   cli::print_hint(console, "to use it, write into the rig file: calibration = \"" + arguments.out + "\"");
   return cli::kOk;
 }

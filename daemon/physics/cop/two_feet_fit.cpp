@@ -41,10 +41,13 @@ double load_of(const CopTrial& trial) {
   return sum_n;
 }
 
-core::Result<Observations> observe(const TwoFeetStance& stance, const SensedPlate& plate, const CopEstimator& points) {
+core::Result<Observations> observe(const TwoFeetStance& stance, const SensedPlate& plate, const CopEstimator& points, TwoFeetFit& fit) {
   Observations seen;
   for (const CopTrial& trial : stance.positions) {
-    const CopEstimate estimate = points.estimate(plate.deflection_mm(trial.loads));
+    const std::vector<double> deflection_mm = plate.deflection_mm(trial.loads);
+    if (std::ranges::max(deflection_mm) > fit.form.travel_mm)
+      fit.too_heavy_n = std::min(fit.too_heavy_n.value_or(load_of(trial)), load_of(trial));
+    const CopEstimate estimate = points.estimate(deflection_mm);
     if ((estimate.flags & cop_flag::kNoContact) != 0) {
       return refuse_calibration("the plate model has no centre of pressure under a person on two feet",
                                 "check plate, supports and sensors in the rig file");
@@ -147,8 +150,8 @@ double travel_of(const RigModel& rig) {
 
 }  // namespace
 
-core::Result<TwoFeetForm> fit_two_feet(CopMethod method, const RigModel& rig, std::size_t stances,
-                                       const std::function<void(double)>& progress) {
+core::Result<TwoFeetFit> fit_two_feet(CopMethod method, const RigModel& rig, std::size_t stances,
+                                      const std::function<void(double)>& progress) {
   const std::vector<TwoFeetStance> library = two_feet_stances(rig.plate, stances, kStanceSeed);
   if (stances == 0 || library.size() < stances) {
     return refuse_calibration("a plate of " + std::to_string(rig.plate.a.value) + " x " + std::to_string(rig.plate.b.value) +
@@ -156,16 +159,16 @@ core::Result<TwoFeetForm> fit_two_feet(CopMethod method, const RigModel& rig, st
   }
   DTS_TRY_ASSIGN(const auto points, CopEstimator::from_model(method, rig));
   DTS_TRY_ASSIGN(const auto plate, SensedPlate::create(rig, PlateBehaviour::Stiffening));
+  TwoFeetFit fitted{.form = {.travel_mm = travel_of(rig)}};
   std::vector<Observations> seen;
   for (const TwoFeetStance& stance : library) {
-    DTS_TRY_ASSIGN(auto observations, observe(stance, plate, points));
+    DTS_TRY_ASSIGN(auto observations, observe(stance, plate, points, fitted));
     seen.push_back(std::move(observations));
     progress(static_cast<double>(seen.size()) / static_cast<double>(library.size()));
   }
-  TwoFeetForm form{.travel_mm = travel_of(rig)};
-  DTS_TRY_ASSIGN(form.with_width, fit(seen, TwoFeetPolynomial::kMaxFeatures));
-  DTS_TRY_ASSIGN(form.without_width, fit(seen, TwoFeetPolynomial::kMaxFeatures - 1));
-  return form;
+  DTS_TRY_ASSIGN(fitted.form.with_width, fit(seen, TwoFeetPolynomial::kMaxFeatures));
+  DTS_TRY_ASSIGN(fitted.form.without_width, fit(seen, TwoFeetPolynomial::kMaxFeatures - 1));
+  return fitted;
 }
 
 }  // namespace dts::physics

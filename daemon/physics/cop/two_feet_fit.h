@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/result.h"
@@ -27,11 +28,17 @@ inline constexpr double kWidthErrorMm = 20.0;  ///< Largest error of a stated st
 /// the plate is too small for most stances.
 [[nodiscard]] std::vector<TwoFeetStance> two_feet_stances(const Plate& plate, std::size_t count, std::uint64_t seed);
 
+struct TwoFeetFit {
+  TwoFeetForm form{};
+  /// The lightest of the simulated people who bend the plate beyond the sensors' travel, N; absent: nobody does.
+  std::optional<double> too_heavy_n{};
+};
+
 /// Fits the correction for a rig: computes the deflections of its plate model under `stances` random people, applies the point calibration
 /// of the same model, and fits polynomials to the errors. The correction applies on top of the rig's own point calibration, measured or
 /// not. `progress` receives the finished part, 0..1. Takes seconds. Fails as CopEstimator::from_model, and with InvalidArgument if the
 /// plate is too small for two feet or has too little contact with them.
-[[nodiscard]] core::Result<TwoFeetForm> fit_two_feet(
+[[nodiscard]] core::Result<TwoFeetFit> fit_two_feet(
     CopMethod method, const RigModel& rig, std::size_t stances = kTwoFeetStances,
     const std::function<void(double)>& progress = [](double) {});
 

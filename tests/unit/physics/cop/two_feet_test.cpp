@@ -176,7 +176,7 @@ TEST(TwoFeetStances, OfOneSeed_AreTheSame) {
 /// Fitted once for all tests: it takes a second.
 const TwoFeetCorrection& fitted() {
   static const TwoFeetCorrection correction =
-      TwoFeetCorrection::from_form(fit_two_feet(CopMethod::Poly3, floor_rig(10.75), 400).value()).value();
+      TwoFeetCorrection::from_form(fit_two_feet(CopMethod::Poly3, floor_rig(10.75), 400).value().form).value();
   return correction;
 }
 
@@ -249,7 +249,17 @@ TEST(FitTwoFeet, SensorsOfLessTravel_LimitIt) {
   RigModel rig = floor_rig(10.75);
   rig.sensors[2].unloaded_gap = {7.0};  // the curve begins at 4 mm
 
-  EXPECT_NEAR(fit_two_feet(CopMethod::Poly3, rig, 60).value().travel_mm, 3.0, 1e-12);
+  EXPECT_NEAR(fit_two_feet(CopMethod::Poly3, rig, 60).value().form.travel_mm, 3.0, 1e-12);
+}
+
+TEST(FitTwoFeet, NamesThePeopleWhoAreTooHeavyForTheSensors) {
+  const auto thin = fit_two_feet(CopMethod::Poly3, floor_rig(10.75), 400).value();
+  RigModel rig = floor_rig(10.75);
+  rig.plate.h = {4.0};
+
+  ASSERT_TRUE(thin.too_heavy_n);
+  EXPECT_NEAR(*thin.too_heavy_n / 9.8, 84.0, 6.0) << "sheet two-feet";
+  EXPECT_FALSE(fit_two_feet(CopMethod::Poly3, rig, 60).value().too_heavy_n);
 }
 
 TEST(FitTwoFeet, PlateTooSmallForFeet_IsRejected) {

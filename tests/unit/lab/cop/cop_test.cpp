@@ -230,7 +230,8 @@ TEST_F(CopTest, CalibrationWithoutTheCorrection_IgnoresThePeople) {
 
 TEST_F(CopTest, TwoFeet_WritesACalibrationOfTheRig) {
   const std::string curve = std::string(DTS_SOURCE_DIR) + "/config/sensors/hoa1405-assumed.toml";
-  std::string rig = "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = 198.7e9\nnu = 0.27\n[support]\nkind = \"corner\"\n";
+  std::string rig =
+      "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = 198.7e9\nnu = 0.27\n[support]\nkind = \"corner\"\ninset_mm = 10.75\n";
   for (const char* at : {"x_mm = 86\ny_mm = 86", "x_mm = 344\ny_mm = 86", "x_mm = 86\ny_mm = 344", "x_mm = 344\ny_mm = 344"}) {
     rig += "[[sensor]]\nlabel = \"" + std::to_string(rig.size()) + "\"\n" + std::string(at) + "\ncurve = \"" + curve + "\"\n";
   }

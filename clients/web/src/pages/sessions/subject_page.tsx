@@ -105,6 +105,7 @@ export const SubjectPage = ({ link, subject }: { link: Link; subject: string }):
   const erased = useSignal<EraseSubjectResponse | undefined>(undefined);
   const isUp = link.state.value === 'up' && erased.value === undefined;
   const { answer, error } = useAsked(isUp ? `subject ${subject}` : '', () => askSubject(link, subject)).value;
+  const isEmpty = erased.value === undefined && answer !== undefined && answer.sessions.length === 0;
   const whyNot = whyNotOperate(link) || (link.me.value.role < Role.ENGINEER ? words.needsEngineer : '');
   return (
     <div class="column">
@@ -116,7 +117,12 @@ export const SubjectPage = ({ link, subject }: { link: Link; subject: string }):
       <h1>{words.title(subject)}</h1>
       {erased.value !== undefined && <Erased subject={subject} erased={erased.value} />}
       {erased.value === undefined && error !== undefined && <Notice kind="error" what={error.message} hint={error.hint} testId="subject-error" />}
-      {erased.value === undefined && answer !== undefined && (
+      {isEmpty && (
+        <p class="empty" data-testid="no-subject">
+          {words.none(subject)}
+        </p>
+      )}
+      {erased.value === undefined && answer !== undefined && !isEmpty && (
         <>
           <Facts record={answer} />
           <div class="row">

@@ -70,6 +70,7 @@ export const floor = {
   elapsed: 's so far',
   settleLeft: 's to settle',
   load: 'Load',
+  loadAbout: 'Load, about',
   tiles: { velocity: 'Mean velocity', area: '95 % ellipse area', rangeAp: 'Range front-back', rangeMl: 'Range left-right' },
   noSway: 'Steadiness: no measurement yet',
   preliminary: (window: string) => `preliminary, ${window}`,

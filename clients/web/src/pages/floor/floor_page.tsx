@@ -93,10 +93,11 @@ const TrialHead = ({ session, records }: { session: SessionInfo | undefined; rec
   );
 };
 
-/** The load, to check that a person stands on the plate. */
-const Load = ({ floor }: { floor: LiveFloor }): JSX.Element => (
-  <Tile label={words.load} value={fixed(floor.now.value.loadKg, 0)} unit="kg" testId="load-kg" />
-);
+/** The load, to check that a person stands on the plate. Of a person on two feet it is exact only if the stance width is known. */
+const Load = ({ floor, session }: { floor: LiveFloor; session: SessionInfo | undefined }): JSX.Element => {
+  const isExact = isActive(session) && 'stance_width_mm' in session.fields;
+  return <Tile label={isExact ? words.load : words.loadAbout} value={fixed(floor.now.value.loadKg, 0)} unit="kg" testId="load-kg" />;
+};
 
 interface SideProps {
   link: Link;
@@ -125,7 +126,7 @@ const Side = ({ link, status, floor, form, commands, marking }: SideProps): JSX.
         {isActive(session) && <Countdown link={link} session={session} />}
       </div>
       <SwayTiles floor={floor}>
-        <Load floor={floor} />
+        <Load floor={floor} session={session} />
       </SwayTiles>
       <SessionControls link={link} status={status} commands={commands} marking={marking} onStart={form.open} />
     </div>

@@ -12,6 +12,7 @@ look_after_reboot() {
   check 'the finished recording is sound' quiet dtsctl session verify "$whole"
   check 'the DAQ streams' within 120 is_streaming
   check 'the session that ran is complete, in its two parts' is_complete "$resumed" 2
+  dtsctl session show "$resumed"
   check 'its recording is sound' quiet dtsctl session verify "$resumed"
   check 'the gateway hears the daemon' within 60 gateway_sees_daemon
 }

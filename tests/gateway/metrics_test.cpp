@@ -31,7 +31,7 @@ TEST(GatewayMetrics, SayWhatTheDaemonDoes) {
   const DaemonProcess daemon;
   const GatewayProcess gateway(daemon, {});
   ASSERT_NE(gateway.port(), 0) << gateway.log();
-  ASSERT_EQ(daemon.ctl({"session", "start", "--rig", "floor"}).status, 0);
+  ASSERT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free"}).status, 0);
   std::string page;
 
   const bool has_all = eventually([&] {

@@ -42,7 +42,7 @@ class Sessions(WithDaemon):
         self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P017")], [session.id])
 
     def test_SessionIsCorrectedDeletedAndErased(self) -> None:
-        with self.daemon.start_session("floor", subject="P071", label="first") as session:
+        with self.daemon.start_session("floor", "free", subject="P071", label="first") as session:
             session.mark("hello")
 
         corrected = self.daemon.correct_session(session.id, "typing error", subject="P072", label="")

@@ -184,7 +184,7 @@ TEST(Recording, NothingIdentifying_ReachesFilesLogsOrTheBus) {
   EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--field", "name=Jane Doe"}).status, 2);
   EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--field", "Jane=Doe"}).status, 2);
   EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--field", "date_of_birth=1958-03-07"}).status, 2);
-  EXPECT_NE(daemon.ctl({"session", "start", "--rig", "Jane", "--subject", "P1"}).status, 0);
+  EXPECT_NE(daemon.ctl({"session", "start", "--rig", "Jane", "--protocol", "free", "--subject", "P1"}).status, 0);
   const std::string id = record(daemon, 100, {"--subject", "P017"});
   ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
 

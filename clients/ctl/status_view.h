@@ -19,7 +19,7 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
 /// Returns true for a chair without a known zero: no reach on it can be classified. A replay contains its zero, and a rig's file may have
 /// one.
 [[nodiscard]] bool needs_tare(const v1::RigStatus& rig);
-/// Returns the daemon's notices; a notice about several threads is one line: "threads publish, rig-floor: SCHED_FIFO rejected ...".
+/// Returns the daemon's notices; a notice about several threads is one line: "threads publish, acq-floor: SCHED_FIFO rejected ...".
 [[nodiscard]] std::vector<std::string> notice_lines(const v1::StatusSnapshot& status);
 /// Returns "floor-7 running for 12.0 s of 25.0 s"; "-" if there was no session.
 [[nodiscard]] std::string session_line(const v1::SessionInfo& session);

@@ -16,7 +16,7 @@ namespace {
 void read_acquisition(TomlReader reader, pipeline::RigConfig& config) {
   const double rate_hz = reader.number("rate_hz", 100.0, 1.0, 20000.0);
   config.rate = core::Rate::from_hz(rate_hz).value();  // the line above ensures the range
-  const double block_ms = reader.number("block_ms", 20.0, 0.05, 1000.0);
+  const double block_ms = reader.number("block_ms", 10.0, 0.05, 1000.0);
   const bool is_low_latency = reader.boolean("low_latency", false);
   config.block_scans = is_low_latency ? 1 : config.rate.scans_in_ms(block_ms);
   if (config.block_scans > core::kMaxBlockScans) {

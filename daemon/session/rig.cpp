@@ -141,7 +141,7 @@ Rig::~Rig() { stop(); }
 void Rig::start(core::Log log) {
   std::promise<std::vector<std::string>> ready;
   thread_ = std::jthread([this, &ready] {
-    ready.set_value(core::configure_this_thread("rig-" + config_->name, config_->policy));
+    ready.set_value(core::configure_this_thread("acq-" + config_->name, config_->policy));
     acquisition_.run();
   });
   for (std::string& refused : ready.get_future().get()) {

@@ -95,7 +95,7 @@ double percent(const dts::bench::UseRate& use, const std::string& thread) {
 
 /// Of the rig's thread; an older build has two.
 double rig_percent(const dts::bench::UseRate& use, const std::string& rig) {
-  return percent(use, "rig-" + rig) + percent(use, "acq-" + rig) + percent(use, "pipe-" + rig);
+  return percent(use, "acq-" + rig) + percent(use, "pipe-" + rig);
 }
 
 /// The cells of one row: CPU by thread, switches and memory.

@@ -208,6 +208,7 @@ JsonLine Producer::report() {
   line.add("push_p50", figures_.send.us(0.5)).add("push_p99", figures_.send.us(0.99)).add("push_max", figures_.send.us(1.0));
   line.add("age_at_push_p50", figures_.age.us(0.5)).add("age_at_push_p99", figures_.age.us(0.99));
   line.add("late_max", static_cast<double>(device_->latest_ns()) * 1e-3);
+  line.add("turn_max", static_cast<double>(device_->longest_turn_ns()) * 1e-3);
   line.add("cpu_pct", 100.0 * (end.cpu_s - begin.cpu_s) / wall_s);
   line.add("cs_per_msg", static_cast<double>(end.context_switches - begin.context_switches) / measured);
   return line.add("rss0", static_cast<std::uint64_t>(begin.resident_kb)).add("rss", static_cast<std::uint64_t>(end.resident_kb));

@@ -3,8 +3,8 @@
 """Compares dtsd with the ways a user could take instead: liblsl, plain libzmq with protobuf, and a shared-memory ring as the floor.
 
 Prints the tables of each measurement, then one table with the goals of the fast path. Needs the programs of the peer benchmarks, which it
-builds from --peers-dir (or DTS_PEERS_DIR), and peer_dtsd and daemon_bench of this build. Every process runs at SCHED_FIFO 50 and in a
-network namespace of its own if that is permitted; only the throughput runs at nice -15. --extra adds peers from a JSON file:
+builds from --peers-dir (or DTS_PEERS_DIR), and peer_dtsd and daemon_bench of this build. Every process runs at SCHED_FIFO 50 (see
+--scheduling) and in a network namespace of its own if that is permitted; only the throughput runs at nice -15. --extra adds peers from a JSON file:
 {"lsl": {"cmd": ["program", "argument"]}}; the goals relative to liblsl need a peer of the name lsl.
 """
 import argparse
@@ -27,7 +27,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 NAMESPACE_MARK = 'DTS_BENCH_NAMESPACE'
 RATE_HZ = 1500
 BLOCK_SCANS = 30  # 20 ms
-PARTS = ('latency', 'throughput', 'memory', 'calls', 'stops', 'demo')
+PARTS = ('latency', 'throughput', 'memory', 'calls', 'stops', 'turns', 'demo')
 
 
 def parse_arguments():
@@ -39,7 +39,10 @@ def parse_arguments():
     parser.add_argument('--before-dtsd', help='dtsd of an older build, for the demo')
     parser.add_argument('--quick', action='store_true', help='short measurements: shows that everything works, the values are rough')
     parser.add_argument('--rounds', type=int, default=5)
+    parser.add_argument('--scheduling', choices=('fifo', 'ordinary'), default='fifo',
+                        help='fifo: SCHED_FIFO 50 if permitted; ordinary: as the shell does (default: %(default)s)')
     parser.add_argument('--seconds', type=float, default=4.0, help='length of a latency measurement')
+    parser.add_argument('--turn-seconds', type=float, default=600.0, help='length of the search for the longest turn (default: %(default)s)')
     parser.add_argument('--parts', default=','.join(PARTS), help='comma-separated measurements (default: %(default)s)')
     arguments = parser.parse_args()
     if arguments.quick:
@@ -409,6 +412,33 @@ def measure_stops(bench, goals, stops, seconds):
                   periods.get(('before_latest', chunk), ()))
 
 
+@contextlib.contextmanager
+def busy_cores(directory):
+    load = subprocess.Popen(['stress-ng', '--cpu', '0', '--vm', '1', '--vm-bytes', '256M', '--temp-path', directory],
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        load.terminate()
+        load.wait()
+
+
+def measure_turns(bench, seconds):
+    """The longest turn of the rig's thread, from one read of the device to the next, while every core is busy."""
+    if not shutil.which('stress-ng'):
+        print('\nLongest turns: skipped, stress-ng is not installed (Debian package stress-ng).')
+        return
+    rows = []
+    with tempfile.TemporaryDirectory() as directory, busy_cores(directory):
+        for name, chunk, part in (('dtsd_five', 1, 0.8), ('dtsd_five', BLOCK_SCANS, 0.2)):
+            run = bench.run(name, chunk, 4, part * seconds)
+            if run:
+                lost = sum(consumer['lost'] for consumer in run.consumers)
+                rows.append([chunk, run.producer['msgs'], *(f'{run.producer[key]:.0f}' for key in ('turn_max', 'push_max', 'late_max')), lost])
+    print_table(f'Longest turns of the rig thread, five streams, four subscribers, {seconds:.0f} s beside stress-ng on every core, us',
+                ['scans a block', 'turns', 'longest turn', 'longest send call', 'latest start of a turn', 'lost'], rows)
+
+
 def measure_demo(arguments, goals):
     command = [arguments.bin + '/daemon_bench', '--part', 'demo', '--rounds', str(arguments.rounds), '--seconds', '3' if arguments.quick else '20']
     if arguments.before_dtsd:
@@ -432,7 +462,7 @@ def main():
     enter_namespace()
     if os.environ.get(NAMESPACE_MARK):
         raise_loopback()
-    has_fifo = subprocess.run(['chrt', '-f', '50', 'true'], stderr=subprocess.DEVNULL, check=False).returncode == 0
+    has_fifo = arguments.scheduling == 'fifo' and subprocess.run(['chrt', '-f', '50', 'true'], stderr=subprocess.DEVNULL, check=False).returncode == 0
     parts, goals, begin = arguments.parts.split(','), Goals(), time.monotonic()
     with tempfile.TemporaryDirectory(prefix='dts-peers-') as directory:
         build_peers(arguments.peers_dir, directory + '/build')
@@ -454,6 +484,8 @@ def main():
             measure_calls(bench, goals, arguments.rounds, directory)
         if 'stops' in parts:
             measure_stops(bench, goals, 1 if arguments.quick else arguments.rounds, 2 if arguments.quick else 5)
+        if 'turns' in parts:
+            measure_turns(bench, 4 if arguments.quick else arguments.turn_seconds)
         if 'demo' in parts:
             measure_demo(arguments, goals)
     goals.show()

@@ -59,6 +59,7 @@ device::ReadResult ScheduledDevice::read(core::Block& block, std::int64_t deadli
   block.set_count(0);
   if (state_ != DeviceState::Streaming) return {};
   note_progress();
+  note_turn();
   const std::int64_t due = due_ns(begin_ns_.load(std::memory_order_acquire));  // pairs with begin()
   std::int64_t now_ns = clock_.now_ns();
   while (now_ns < due) {
@@ -70,6 +71,7 @@ device::ReadResult ScheduledDevice::read(core::Block& block, std::int64_t deadli
   if (message_ >= plan_.warm_messages) latest_ns_ = std::max(latest_ns_, now_ns - due);
   fill(block);
   ++message_;
+  handed_over_ns_ = clock_.now_ns();
   return {ReadOutcome::Scans, {}};
 }
 
@@ -82,6 +84,12 @@ void ScheduledDevice::note_progress() noexcept {
   if (message_ != plan_.total_messages || use_at_end_.at_ns != 0) return;
   use_at_end_ = ProcessUse::now(clock_.now_ns());
   is_done_.store(true, std::memory_order_release);  // pairs with is_done()
+}
+
+void ScheduledDevice::note_turn() noexcept {
+  if (message_ > plan_.warm_messages && handed_over_ns_ != 0)
+    longest_turn_ns_ = std::max(longest_turn_ns_, clock_.now_ns() - handed_over_ns_);
+  handed_over_ns_ = 0;
 }
 
 void ScheduledDevice::fill(core::Block& block) noexcept {

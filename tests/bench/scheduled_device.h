@@ -27,6 +27,8 @@ class ScheduledDevice final : public device::Device {
   [[nodiscard]] const ProcessUse& use_at_begin() const noexcept { return use_at_begin_; }
   [[nodiscard]] const ProcessUse& use_at_end() const noexcept { return use_at_end_; }
   [[nodiscard]] std::int64_t latest_ns() const noexcept { return latest_ns_; }
+  /// The longest turn of the reading thread: from the end of one read to the begin of the next.
+  [[nodiscard]] std::int64_t longest_turn_ns() const noexcept { return longest_turn_ns_; }
 
   [[nodiscard]] const device::DeviceDescription& describe() const noexcept override { return description_; }
   [[nodiscard]] device::DeviceState state() const noexcept override { return state_; }
@@ -44,6 +46,7 @@ class ScheduledDevice final : public device::Device {
  private:
   [[nodiscard]] std::int64_t due_ns(std::int64_t begin_ns) noexcept;
   void note_progress() noexcept;
+  void note_turn() noexcept;
   void fill(core::Block& block) noexcept;
 
   Plan plan_;
@@ -59,6 +62,8 @@ class ScheduledDevice final : public device::Device {
   std::int64_t next_tick_ns_ = 0;
   std::uint32_t random_ = 12345;
   std::int64_t latest_ns_ = 0;
+  std::int64_t handed_over_ns_ = 0;
+  std::int64_t longest_turn_ns_ = 0;
   ProcessUse use_at_begin_;
   ProcessUse use_at_end_;
 };

@@ -24,7 +24,7 @@ void count() noexcept {
   std::array<char, 16> buffer{};
   pthread_getname_np(pthread_self(), buffer.data(), buffer.size());
   const std::string_view name(buffer.data());
-  if (name.starts_with("rig-")) calls_of_sample_threads.fetch_add(1, std::memory_order_relaxed);
+  if (name.starts_with("acq-")) calls_of_sample_threads.fetch_add(1, std::memory_order_relaxed);
 }
 
 void* try_to_allocate(std::size_t size, std::size_t alignment) noexcept {

@@ -9,7 +9,7 @@ namespace dts::test {
 /// operator new and delete replaced.
 [[nodiscard]] std::uint64_t heap_calls_of_this_thread() noexcept;
 
-/// The same for all threads whose name starts like that of a rig's thread ("rig-"), while counting is on.
+/// The same for all threads whose name starts like that of a rig's thread ("acq-"), while counting is on.
 void count_sample_threads(bool is_on) noexcept;
 [[nodiscard]] std::uint64_t heap_calls_of_sample_threads() noexcept;
 

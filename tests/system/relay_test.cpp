@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// dts-relay between the real daemon and clients with keys: what ends one of the two does not end the other.
+// dts-relay between the real daemon and clients with keys: what ends one of the two does not end the other. The relay is killed three
+// times, or every 5 s for DTS_RELAY_KILL_SECONDS.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "system/networked_daemon.h"
 
@@ -13,6 +17,17 @@ namespace {
 
 using std::chrono::milliseconds;
 using ::testing::HasSubstr;
+
+struct Kills {
+  int count = 3;
+  std::chrono::seconds pause{0};
+};
+
+Kills wanted_kills() {
+  const char* wanted = std::getenv("DTS_RELAY_KILL_SECONDS");
+  constexpr int kPauseSeconds = 5;
+  return wanted == nullptr ? Kills{} : Kills{std::atoi(wanted) / kPauseSeconds, std::chrono::seconds(kPauseSeconds)};
+}
 
 class RelayTest : public NetworkedDaemon {
  protected:
@@ -24,17 +39,16 @@ class RelayTest : public NetworkedDaemon {
   }
   /// Returns the scans lost before the next block that was sampled at `scan` or later; nothing if none comes.
   static std::optional<std::uint64_t> lost_until(client::Subscriber& subscriber, std::uint64_t scan) {
+    const auto patience_ends = std::chrono::steady_clock::now() + kPatience;
     std::uint64_t lost = 0;
-    bool has_arrived = false;
-    static_cast<void>(eventually([&] {
+    while (std::chrono::steady_clock::now() < patience_ends) {
       const auto message = subscriber.receive(milliseconds(200)).value();
       const auto* block = message ? std::get_if<client::Block>(&*message) : nullptr;
-      if (block == nullptr) return false;
+      if (block == nullptr) continue;
       lost += block->lost_scans;
-      has_arrived = block->first_scan >= scan;
-      return has_arrived;
-    }));
-    return has_arrived ? std::optional(lost) : std::nullopt;
+      if (block->first_scan >= scan) return lost;
+    }
+    return std::nullopt;
   }
   [[nodiscard]] std::uint64_t scans() const { return daemon_.control().status()->rigs(0).scans_total(); }
 };
@@ -51,7 +65,11 @@ TEST_F(RelayTest, KilledInASession_CostsNoScan_AndItsClientsComeBack) {
   ASSERT_EQ(lost_until(local, scans()), 0U);
   ASSERT_EQ(lost_until(remote, scans()), 0U);
 
-  for (int death = 0; death < 3; ++death) {
+  const Kills kills = wanted_kills();
+  ASSERT_GT(kills.count, 0);
+  std::uint64_t missed_total = 0;
+  for (int death = 0; death < kills.count; ++death) {
+    std::this_thread::sleep_for(kills.pause);
     EXPECT_EQ(relay_.end(SIGKILL), 128 + SIGKILL);
     const std::uint64_t killed_at = scans();
     EXPECT_EQ(lost_until(local, killed_at + 50), 0U) << "sampling goes on without it";
@@ -60,12 +78,14 @@ TEST_F(RelayTest, KilledInASession_CostsNoScan_AndItsClientsComeBack) {
     const auto missed = lost_until(remote, scans());
     ASSERT_TRUE(missed) << "the subscriber resumes by itself";
     EXPECT_GT(*missed, 0U) << "and knows what it has missed";
+    missed_total += *missed;
     EXPECT_EQ(lost_until(local, scans()), 0U);
   }
 
   ASSERT_TRUE(mate.stop_session("floor")) << "as do those who send commands";
   const Finished shown = daemon_.ctl({"session", "show", session->session_id(), "--json"});
   EXPECT_EQ(nlohmann::json::parse(shown.out).at("lost_scans"), 0) << shown.out;
+  std::cout << "relay killed " << kills.count << " times: the remote client missed " << missed_total << " scans and was told of each\n";
   EXPECT_EQ(daemon_.ctl({"session", "verify", session->session_id()}).status, 0);
   EXPECT_THAT(daemon_.ctl({"audit"}).out, HasSubstr("key:otto"));
 }

@@ -77,7 +77,7 @@ TEST_F(ConfigFiles, Complete_HasNoProblemAndTheDefaults) {
   const pipeline::RigConfig& rig = loaded.config.rigs[0].rig;
   EXPECT_EQ(rig.device_uri, "sim:floor");
   EXPECT_EQ(rig.rate, core::Rate::create(100, 1).value());
-  EXPECT_EQ(rig.block_scans, 2U);
+  EXPECT_EQ(rig.block_scans, 1U);
   EXPECT_EQ(rig.sensor_channels, std::vector<std::size_t>{0});
   EXPECT_EQ(rig.model.sensors[0].curve.name(), "test");
   EXPECT_EQ(loaded.config.realtime.policy(1).fifo_priority, 49);

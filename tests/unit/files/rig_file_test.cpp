@@ -103,7 +103,7 @@ TEST_F(RigFile, WhatMayBeLeftOut_TakesItsDefault) {
   EXPECT_EQ(rig.kind, "floor");
   EXPECT_FALSE(rig.model.transient_sensors || rig.cop_calibration || rig.trunk_model);
   EXPECT_EQ(rig.rate, core::Rate::from_hz(100.0).value());
-  EXPECT_EQ(rig.block_scans, 2U);
+  EXPECT_EQ(rig.block_scans, 1U);
   EXPECT_EQ(rig.sync_pulse_ms, 0.0);
   EXPECT_EQ(rig.trigger->edges, pipeline::TriggerEdges::Rising);
   EXPECT_EQ(rig.trigger->level, pipeline::TriggerInput().level);

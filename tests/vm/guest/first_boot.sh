@@ -36,7 +36,7 @@ run_in_real_time() {
   systemctl restart dtsd
   check 'a simulated rig streams' within 60 is_streaming
   local thread
-  for thread in rig-floor publish ZMQbg/IO/0; do
+  for thread in acq-floor publish ZMQbg/IO/0; do
     check "$thread has SCHED_FIFO" is_real_time $thread
   done
   check 'memory is locked' is_locked

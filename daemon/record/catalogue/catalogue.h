@@ -236,8 +236,9 @@ struct Rebuilt {
 /// whose file does not exist any more as Missing. Identifies a recording by the facts in its header, not by its file name. If one part has
 /// several files, uses the closed one, or else the repaired copy. Adds a recording without footers as Interrupted. Reads the headers of
 /// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Then reads the
-/// corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added. Writes a
-/// file that is missing. Fails with NotFound, and marks no part, if the folder does not exist.
+/// corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added. A file
+/// elsewhere (a copied folder) counts only if it is longer than all of these. Writes a file that is missing; a failure is listed in
+/// `unreadable`. Fails with NotFound, and marks no part, if the folder does not exist.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);
 
 }  // namespace dts::record

@@ -128,6 +128,7 @@ void Catalogue::Implementation::apply(const Corrections& corrections) const {
   if (const std::string* label = corrections.value(CorrectedField::Label)) {
     database.run("UPDATE sessions SET corrected_label = ? WHERE id = ?", *label, id);
   }
+  if (corrections.has_removed(CorrectedField::Label)) database.run("UPDATE sessions SET label = '' WHERE id = ?", id);
   if (const std::string* notes = corrections.value(CorrectedField::Notes)) {
     database.run("UPDATE sessions SET notes = ? WHERE id = ?", *notes, id);
   }

@@ -80,8 +80,9 @@ class Recordings {
   /// closed, and with Failed while the catalogue rejects entries.
   [[nodiscard]] core::Result<record::SessionRow> closed_session(const std::string& id) const;
   /// Adds corrections to a session that `closed_session` has returned: to the file beside its recordings, then to the catalogue. Sets
-  /// number and time. If an outcome is among them, computes the session's results again. Fails with LimitExceeded above `kMostCorrections`;
-  /// then nothing was changed, as after every other error.
+  /// number and time. If an outcome was corrected, computes the session's results again, which needs the files of reaches. Fails with
+  /// LimitExceeded above `kMostCorrections`, and with DataDamaged or WrongState if the file cannot be read or has other corrections than
+  /// the catalogue. After an error nothing was changed.
   [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
 
   // recordings_erase.cpp
@@ -131,6 +132,7 @@ class Recordings {
   void enter_or_owe(std::function<core::Status()> entry);
   void enter_owed();
   [[nodiscard]] core::Status sum_up(const std::string& session_id);
+  void sum_up_corrected();
   [[nodiscard]] core::Status check_erasable(const std::vector<record::SessionRow>& sessions) const;
   core::Status remove_mentions(record::Erasure& erasure);
   [[nodiscard]] core::Status erase_rows(record::Erasure& erasure);

@@ -328,7 +328,7 @@ core::Result<std::vector<PartRow>> Catalogue::parts() const try {
   return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::set_corrections(const Corrections& corrections) try {
+core::Status Catalogue::set_corrections(const Corrections& corrections, const std::optional<std::vector<ResultRow>>& results) try {
   const Database& database = implementation_->database;
   const std::string& id = corrections.session_id;
   Transaction transaction(database);
@@ -342,6 +342,9 @@ core::Status Catalogue::set_corrections(const Corrections& corrections) try {
         one.reason);
   }
   implementation_->apply(corrections);
+  if (results) {
+    if (auto set = set_results(id, *results); !set) return set;
+  }
   transaction.commit();
   return {};
 } catch (const SQLite::Exception& exception) {

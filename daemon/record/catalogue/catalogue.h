@@ -102,6 +102,8 @@ struct ResultRow {
   double value = 0.0;
   std::string unit;
   std::string details;  ///< JSON; may be empty.
+
+  friend bool operator==(const ResultRow&, const ResultRow&) = default;
 };
 
 /// A recording that was found on the disk.
@@ -184,9 +186,10 @@ class Catalogue {
   /// session's state only if this part is newer than all known parts. The corrections of the session stay.
   [[nodiscard]] core::Status enter(const FoundRecording& found);
 
-  /// Replaces all corrections of a session and sets its values accordingly, completely or not at all. Fails with NotFound if there is no
-  /// such session.
-  [[nodiscard]] core::Status set_corrections(const Corrections& corrections);
+  /// Replaces all corrections of a session, sets its values accordingly and replaces its results if some are given, completely or not at
+  /// all. A label that a correction removed is not kept. Fails with NotFound if there is no such session, and like `set_results`.
+  [[nodiscard]] core::Status set_corrections(const Corrections& corrections,
+                                             const std::optional<std::vector<ResultRow>>& results = std::nullopt);
   /// Replaces all results of a session, completely or not at all. Fails like `put_result`.
   [[nodiscard]] core::Status set_results(const std::string& session_id, const std::vector<ResultRow>& results);
   /// Removes all rows of sessions, and subjects without a session, completely or not at all. Unknown sessions are ignored. The bytes of
@@ -225,12 +228,11 @@ class Catalogue {
 [[nodiscard]] std::string reason_of(const Verification& verified, const std::string& file);
 
 struct Rebuilt {
-  std::size_t added = 0;                 ///< Parts that the catalogue did not know.
-  std::size_t missing = 0;               ///< Parts whose file does not exist any more.
-  std::vector<std::string> unreadable;   ///< "file: why"
-  std::size_t read_again = 0;            ///< Parts whose losses the catalogue did not know.
-  std::size_t found_again = 0;           ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
-  std::vector<std::string> corrected{};  ///< Sessions with corrections that were read from their files, or whose recordings were read.
+  std::size_t added = 0;                ///< Parts that the catalogue did not know.
+  std::size_t missing = 0;              ///< Parts whose file does not exist any more.
+  std::vector<std::string> unreadable;  ///< "file: why"
+  std::size_t read_again = 0;           ///< Parts whose losses the catalogue did not know.
+  std::size_t found_again = 0;          ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
 };
 /// Adds every recording (*.xdf, *.xdf.part) in `folder` and its subfolders that the catalogue does not know, with its trials. Marks parts
 /// whose file does not exist any more as Missing. Identifies a recording by the facts in its header, not by its file name. If one part has

@@ -168,7 +168,6 @@ class Rebuild {
   Catalogue& catalogue_;
   std::map<std::pair<std::string, std::uint32_t>, PartRow> parts_;
   std::set<std::string> files_;
-  std::set<std::string> entered_;  ///< Sessions of which a recording was entered.
   Rebuilt result_;
 };
 
@@ -214,7 +213,6 @@ core::Status Rebuild::enter(const core::Result<FoundRecording>& found, const std
   if (entered) {
     ++(is_known ? result_.found_again : result_.added);
     parts_.insert_or_assign({found->part.session_id, found->part.part}, found->part);
-    entered_.insert(found->part.session_id);
     return {};
   }
   const ErrorCode code = entered.error().code;
@@ -241,18 +239,13 @@ core::Status Rebuild::read_corrections_in(const std::vector<std::string>& files)
         result_.unreadable.push_back(found.file + ": " + set.error().what);  // the recordings are elsewhere; keep the file
         continue;
       }
-      entered_.insert(id);
     }
     if (!is_right && ours == known.end()) continue;  // an empty copy
     const Corrections& right = is_right ? found.corrections : ours->second;
     if (!found.is_beside || right != found.corrections) write_beside(right, found.is_beside ? found.file : std::string());
-    if (entered_.contains(id)) result_.corrected.push_back(id);
     if (ours != known.end()) known.erase(ours);
   }
-  for (const auto& [id, one] : known) {
-    write_beside(one, {});
-    if (entered_.contains(id)) result_.corrected.push_back(id);
-  }
+  for (const auto& [id, one] : known) write_beside(one, {});
   return {};
 }
 

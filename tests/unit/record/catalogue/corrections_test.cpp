@@ -202,3 +202,7 @@ TEST_F(CorrectionsTest, ResultsAreReplacedAsAWhole) {
 
 }  // namespace
 }  // namespace dts::record
+  const std::vector<ResultRow> bad{{.session_id = "s1", .name = "nan", .value = std::nan(""), .unit = "", .details = ""}};
+  EXPECT_FALSE(catalogue().set_corrections(corrections({outcome(1, "done", "rejected")}), bad));
+  EXPECT_TRUE(catalogue().session("s1")->corrections.empty()) << "nor corrections";
+  EXPECT_EQ(catalogue().results("s1")->front().name, "new");

@@ -240,7 +240,8 @@ struct Rebuilt {
 /// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Then reads the
 /// corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added. A file
 /// elsewhere (a copied folder) counts only if it is longer than all of these. Writes a file that is missing; a failure is listed in
-/// `unreadable`. Fails with NotFound, and marks no part, if the folder does not exist.
+/// `unreadable`. Removes files of corrections that a crash left unfinished. Fails with NotFound, and marks no part, if the folder does not
+/// exist.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);
 
 }  // namespace dts::record

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 
+#include "core/utf8.h"
 #include "record/replace_file.h"
 
 namespace dts::record {
@@ -19,7 +20,6 @@ using core::ErrorCode;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t kLongestCorrections = 4U << 20U;
-constexpr std::size_t kLongestValue = 4096;
 constexpr std::array kCorrectedFields{CorrectedField::Subject, CorrectedField::Label, CorrectedField::Notes, CorrectedField::Outcome,
                                       CorrectedField::Deleted};
 
@@ -35,7 +35,7 @@ class CorrectionReader {
 
   [[nodiscard]] std::string text(const char* key) {
     const auto found = object_.find(key);
-    const bool is_good = found != object_.end() && found->is_string() && found->get_ref<const std::string&>().size() <= kLongestValue;
+    const bool is_good = found != object_.end() && found->is_string() && is_text(found->get_ref<const std::string&>());
     if (!is_good) return note(key), "";
     return found->get<std::string>();
   }
@@ -53,6 +53,9 @@ class CorrectionReader {
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
 
  private:
+  /// As in a request: one line without control characters.
+  static bool is_text(const std::string& text) { return text.size() <= kLongestCorrectionText && core::printable(text) == text; }
+
   const Json& object_;
   std::string problem_;
 };

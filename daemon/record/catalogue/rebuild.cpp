@@ -41,6 +41,7 @@ Rank rank(std::string_view file) {
 struct FoundFiles {
   std::vector<std::string> recordings{};
   std::vector<std::string> corrections{};
+  std::vector<std::string> unfinished{};  ///< Corrections that a crash left while they were written.
 };
 
 core::Result<FoundFiles> files_in(const std::string& folder) {
@@ -53,6 +54,7 @@ core::Result<FoundFiles> files_in(const std::string& folder) {
     if (!entry->is_regular_file(unknown)) continue;  // opening a pipe would block
     if (file.ends_with(".xdf") || file.ends_with(".xdf.part")) files.recordings.push_back(file);
     if (file.ends_with(kCorrectionsEnding)) files.corrections.push_back(file);
+    if (file.ends_with(std::string(kCorrectionsEnding) + ".new")) files.unfinished.push_back(file);
   }
   if (error)
     return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "check that the disk with the recordings is mounted");
@@ -322,6 +324,10 @@ core::Result<FoundRecording> read_recording(const std::string& file) {
 
 core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
   DTS_TRY_ASSIGN(const auto files, files_in(folder));
+  for (const std::string& file : files.unfinished) {  // a later erasure would not find what they have
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
   DTS_TRY_ASSIGN(auto known, catalogue.parts());
   Rebuild rebuilding(catalogue, std::move(known));
   DTS_TRY(rebuilding.fill_in_losses());

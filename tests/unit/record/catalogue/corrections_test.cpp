@@ -100,7 +100,8 @@ TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
   for (const std::string& text : std::vector<std::string>{
            "", "[]", "{}", head + "3}", head + "[3]}", "{\"corrections\": []}", head + "[" + many + "]}", std::string(100'000, '['),
            changed("\"label\"", "\"name\""), changed("\"local\"", "3"), changed("1,", "-1,"), changed("1,", "1e99,"),
-           changed("\"label\"", "\"outcome\""), changed("\"x\"", "\"" + std::string(5000, 'x') + "\"")}) {
+           changed("\"label\"", "\"outcome\""), changed("\"x\"", "\"" + std::string(5000, 'x') + "\""), changed("\"x\"", "\"a\\nb\""),
+           changed("\"r\"", "\"\\u001b[31m\""), changed("\"x\"", "\"\\u202eabc\"")}) {
     const auto read = read_corrections(write(text));
     EXPECT_EQ(code(read), core::ErrorCode::DataDamaged) << text.substr(0, 200);
     EXPECT_NE(what(read).find("s1.corrections.json"), std::string::npos);

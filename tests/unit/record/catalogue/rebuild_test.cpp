@@ -222,6 +222,12 @@ TEST_F(CatalogueRebuild, CorrectionsThatCannotBeWritten_AreListed) {
   EXPECT_EQ(catalogue().session("s1")->corrections, notes({"1"}).all);
 }
 
+TEST_F(CatalogueRebuild, CorrectionsThatACrashLeftUnfinished_AreRemoved) {
+  std::ofstream(file("s1.corrections.json.new")) << "as P017";
+  EXPECT_EQ(rebuilt(), "");
+  EXPECT_FALSE(std::filesystem::exists(file("s1.corrections.json.new")));
+}
+
 TEST_F(CatalogueRebuild, OfTwoListsOfCorrections_TheLongerOneIsRight) {
   record("a.xdf", facts());
   EXPECT_EQ(rebuilt(), "1 added ");

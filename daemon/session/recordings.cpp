@@ -101,7 +101,7 @@ core::Status Recordings::enter_interrupted() {
   for (const std::string& problem : rebuilt.unreadable) log_.warning("cannot enter a recording into the catalogue: " + problem);
   if (rebuilt.added > 0) log_.info(std::to_string(rebuilt.added) + " recordings entered into the catalogue");
   sum_up_corrected();  // the last daemon may have ended between corrections and results
-  if (erasure_) complain(catalogue_->erase(erasure_->sessions));  // its files could not be removed yet, and were entered again
+  end_continued_erasure();
   if (rebuilt.read_again > 0) log_.info(std::to_string(rebuilt.read_again) + " recordings read again for their lost scans");
   DTS_TRY_ASSIGN(auto sessions, catalogue_->sessions({.limit = 10'000, .shown = record::Shown::Both}));
   for (record::SessionRow& session : sessions) end_left_running(session);

@@ -192,9 +192,11 @@ class Catalogue {
                                              const std::optional<std::vector<ResultRow>>& results = std::nullopt);
   /// Replaces all results of a session, completely or not at all. Fails like `put_result`.
   [[nodiscard]] core::Status set_results(const std::string& session_id, const std::vector<ResultRow>& results);
-  /// Removes all rows of sessions, and subjects without a session, completely or not at all. Unknown sessions are ignored. The bytes of
-  /// removed rows are overwritten, also in the log of the database.
+  /// Removes all rows of sessions, and subjects without a session, completely or not at all. Unknown sessions are ignored.
   [[nodiscard]] core::Status erase(const std::vector<std::string>& session_ids);
+  /// Writes the whole database again and empties its log, so that no bytes of removed rows remain. Returns false if another program that
+  /// reads the catalogue prevents it: the log then still has them.
+  [[nodiscard]] core::Result<bool> overwrite_removed();
 
   [[nodiscard]] core::Result<std::vector<SubjectRow>> subjects() const;  ///< Sorted.
   /// Returns the sessions that have corrections.
@@ -202,6 +204,8 @@ class Catalogue {
   [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(
       const SessionFilter& filter) const;                                       ///< With parts and corrections, without trials.
   [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;  ///< With all rows. Fails with NotFound.
+  /// Returns the IDs of all sessions whose recorded subject ID, recorded label or corrections contain this text, sorted.
+  [[nodiscard]] core::Result<std::vector<std::string>> sessions_with(const std::string& text) const;
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;

@@ -124,13 +124,13 @@ const std::string* Corrections::outcome(std::uint32_t part, std::uint32_t trial,
   return newest == all.rend() ? nullptr : &newest->new_value;
 }
 
-void Corrections::add(Correction correction) {
-  correction.number = static_cast<std::uint32_t>(all.size() + 1);
-  all.push_back(std::move(correction));
 bool Corrections::has_removed(CorrectedField field) const {
   return std::ranges::any_of(all, [field](const Correction& one) { return one.field == field && one.new_value.empty(); });
 }
 
+void Corrections::add(Correction correction) {
+  correction.number = static_cast<std::uint32_t>(all.size() + 1);
+  all.push_back(std::move(correction));
   const Correction& added = all.back();
   const bool is_text = added.field == CorrectedField::Label || added.field == CorrectedField::Notes;
   if (!is_text || !added.new_value.empty()) return;

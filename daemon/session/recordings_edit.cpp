@@ -13,6 +13,12 @@ bool has_outcome(const std::vector<record::Correction>& corrections) {
   return std::ranges::find(corrections, record::CorrectedField::Outcome, &record::Correction::field) != corrections.end();
 }
 
+/// Returns whether this hides or restores a session, or removes a text: that must be possible, whatever was corrected before.
+bool is_removal(const record::Correction& correction) {
+  using enum record::CorrectedField;
+  return correction.field == Deleted || ((correction.field == Label || correction.field == Notes) && correction.new_value.empty());
+}
+
 /// Fails if the file, which is about to be replaced, has something that the catalogue does not have.
 core::Status check_file(const std::string& file, const record::SessionRow& session) {
   const auto found = record::read_corrections(file);
@@ -39,10 +45,11 @@ core::Result<record::SessionRow> Recordings::closed_session(const std::string& i
 
 core::Status Recordings::correct(const record::SessionRow& session, std::vector<record::Correction> corrections) {
   record::Corrections all{.session_id = session.id, .all = session.corrections};
-  if (all.all.size() + corrections.size() > record::kMostCorrections) {
+  const std::size_t most = std::ranges::all_of(corrections, is_removal) ? record::kMostListed : record::kMostCorrections;
+  if (all.all.size() + corrections.size() > most) {
     return core::fail(core::ErrorCode::LimitExceeded,
                       "session " + session.id + " already has " + std::to_string(all.all.size()) + " corrections",
-                      "a session has at most " + std::to_string(record::kMostCorrections));
+                      "a session has at most " + std::to_string(most));
   }
   if (session.parts.empty()) return core::fail(core::ErrorCode::NotFound, "session " + session.id + " has no recording");
   const std::string file = record::corrections_file(session.parts.front().file, session.id);

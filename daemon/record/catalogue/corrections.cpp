@@ -19,7 +19,7 @@ namespace {
 using core::ErrorCode;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kLongestCorrections = 4U << 20U;
+constexpr std::uintmax_t kLongestCorrections = 16U << 20U;
 constexpr std::array kCorrectedFields{CorrectedField::Subject, CorrectedField::Label, CorrectedField::Notes, CorrectedField::Outcome,
                                       CorrectedField::Deleted};
 
@@ -151,7 +151,7 @@ core::Result<Corrections> read_corrections(const std::string& file) {
   const auto status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) return core::fail(ErrorCode::NotFound, "no file '" + file + "'");
   if (!std::filesystem::is_regular_file(status)) return damaged_corrections(file, "it is not a file");
-  if (std::filesystem::file_size(file, error) > kLongestCorrections || error) return damaged_corrections(file, "it is larger than 4 MiB");
+  if (std::filesystem::file_size(file, error) > kLongestCorrections || error) return damaged_corrections(file, "it is larger than 16 MiB");
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream.good() && !stream.eof()) return damaged_corrections(file, "reading failed");
@@ -161,7 +161,9 @@ core::Result<Corrections> read_corrections(const std::string& file) {
   CorrectionReader reader(json);
   Corrections read{.session_id = reader.text("session_id")};
   if (read.session_id.empty()) return damaged_corrections(file, "it names no session");
-  if (json["corrections"].size() > kMostCorrections) return damaged_corrections(file, "it has more than 1000 corrections");
+  if (json["corrections"].size() > kMostListed) {
+    return damaged_corrections(file, "it has more than " + std::to_string(kMostListed) + " corrections");
+  }
   for (const Json& object : json["corrections"]) {
     DTS_TRY_ASSIGN(auto correction, read_correction(object, file, static_cast<std::uint32_t>(read.all.size() + 1)));
     read.all.push_back(std::move(correction));

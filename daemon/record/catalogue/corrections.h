@@ -39,7 +39,8 @@ struct Correction {
   friend bool operator==(const Correction&, const Correction&) = default;
 };
 
-inline constexpr std::size_t kMostCorrections = 1000;        ///< Of one session.
+inline constexpr std::size_t kMostCorrections = 1000;        ///< Of one session. Removals and deletions are possible beyond it.
+inline constexpr std::size_t kMostListed = 2000;             ///< Of one session, with these.
 inline constexpr std::size_t kLongestCorrectionText = 4096;  ///< Bytes of a value or a reason in a file.
 
 /// All corrections of a session, oldest first. They are in a file beside the recordings, "SESSION.corrections.json", so that they survive

@@ -404,6 +404,26 @@ TEST_F(EditTest, AFileOfCorrectionsThatSomebodyChanged_IsNotReplaced) {
   EXPECT_TRUE(row(id).corrections.empty());
 }
 
+TEST_F(EditTest, AfterTheLastCorrection_ATextCanStillBeRemoved_AndTheSessionDeleted) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P071");
+  record::Corrections all{.session_id = id};
+  for (std::size_t count = 0; count < record::kMostCorrections; ++count) {
+    all.add({.who = kAnna, .field = record::CorrectedField::Notes, .old_value = "", .new_value = std::to_string(count), .reason = "r"});
+  }
+  ASSERT_TRUE(record::write_corrections(corrections_file(id), all));
+  ASSERT_TRUE(recordings_->catalogue().set_corrections(all));
+  const auto corrected = [&](const std::string& notes) {
+    return supervisor_->correct_session({.session_id = id, .notes = notes, .reason = "r"}, kAnna);
+  };
+  EXPECT_THAT(why_refused(corrected("n"), core::ErrorCode::LimitExceeded), HasSubstr("at most 1000"));
+  EXPECT_TRUE(corrected(""));
+  EXPECT_TRUE(supervisor_->delete_session(id, "r", false, kAnna));
+  restart();
+  EXPECT_TRUE(row(id).is_deleted);
+  EXPECT_EQ(row(id).notes, "");
+}
+
 TEST_F(EditTest, WordsOfDtsdAreNoMentions) {
   start({Protocol{}, standing()});
   const std::string other = stand("P018");

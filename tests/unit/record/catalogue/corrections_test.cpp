@@ -98,7 +98,7 @@ TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
     return head + "[" + text.replace(text.find(from), from.size(), to) + "]}";
   };
   std::string many;
-  for (std::size_t count = 0; count <= kMostCorrections; ++count) many += (count == 0 ? "" : ",") + one;
+  for (std::size_t count = 0; count <= kMostListed; ++count) many += (count == 0 ? "" : ",") + one;
   for (const std::string& text : std::vector<std::string>{
            "", "[]", "{}", head + "3}", head + "[3]}", "{\"corrections\": []}", head + "[" + many + "]}", std::string(100'000, '['),
            changed("\"label\"", "\"name\""), changed("\"local\"", "3"), changed("1,", "-1,"), changed("1,", "1e99,"),

@@ -158,8 +158,7 @@ TEST_F(CsvExportTest, ALabelThatWasRemoved_IsNotExportedAsRecorded) {
   Corrections corrections{.session_id = recording_.facts->session_id};
   const auto exported = [&](const std::string& from, const std::string& to) {
     corrections.add({.who = "local", .field = CorrectedField::Label, .old_value = from, .new_value = to, .reason = "r"});
-    const auto earlier = std::filesystem::directory_iterator(folder_);
-    for (const auto& entry : earlier) std::filesystem::remove(entry.path());
+    std::filesystem::remove_all(folder_);  // an export replaces no file
     EXPECT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
     return text("20261121T144525Z-floor-1_recording.json");
   };

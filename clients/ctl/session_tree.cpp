@@ -163,6 +163,10 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
       ->option_text("N")
       ->check(whole_number_between(1, 1'000'000))
       ->needs(trial);
+  edit->add_option("--part", wishes.part, "Part of its session, if a resumed session repeated the trial. Default: the newest")
+      ->option_text("N")
+      ->check(whole_number_between(1, 1'000'000))
+      ->needs(trial);
   CLI::Option* outcome = edit->add_option("--outcome", wishes.outcome, "Correct outcome: done, redone, rejected or aborted")
                              ->option_text("NAME")
                              ->check(CLI::IsMember({"done", "redone", "rejected", "aborted"}))

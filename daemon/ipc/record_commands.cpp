@@ -14,9 +14,8 @@ using core::ErrorCode;
 constexpr std::size_t kMostSessions = 1000;  // keeps an answer below a few MB
 constexpr const char* kBackups =
     "Backups and copies still have this subject. Replace each backup by a new one, or note the subject ID in the list of erasures that "
-    "your "
-    "clinic keeps apart from this machine, and erase the subject again after you restore a backup. Reports, exports and copies that people "
-    "saved elsewhere must be deleted by them.";
+    "your clinic keeps apart from this machine, and erase the subject again after you restore a backup. Reports, exports and copies that "
+    "people saved elsewhere must be deleted by them. A gateway that does not run drops its cached reports and exports when it starts.";
 
 }  // namespace
 

@@ -15,9 +15,9 @@
 namespace dts::session {
 namespace {
 
-std::optional<physics::Person> person_in(const record::PartRow& part) {
-  const auto facts = record::read_session_facts(part.file);
-  return facts ? person_of(facts->fields) : std::nullopt;
+core::Result<std::optional<physics::Person>> person_in(const record::PartRow& part) {
+  DTS_TRY_ASSIGN(const auto facts, record::read_session_facts(part.file));
+  return person_of(facts.fields);
 }
 
 core::Result<std::vector<SessionFigure>> figures_of(const record::SessionRow& session, const record::PartRow& part) {
@@ -41,7 +41,8 @@ core::Result<std::vector<SessionFigure>> figures_of(const record::SessionRow& se
     std::ranges::stable_sort(reaches, {}, [](const auto& reach) { return std::pair(std::get<0>(reach), std::get<1>(reach)); });
     std::vector<ReachTrialResult> results;
     for (auto& reach : reaches) results.push_back(std::move(std::get<2>(reach)));
-    figures = summarize(results, person_in(part));
+    DTS_TRY_ASSIGN(const auto person, person_in(part));
+    figures = summarize(results, person);
   }
   std::ranges::move(sway_summary(standing), std::back_inserter(figures));
   return figures;

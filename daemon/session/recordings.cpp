@@ -100,8 +100,8 @@ core::Status Recordings::enter_interrupted() {
   DTS_TRY_ASSIGN(const auto rebuilt, record::rebuild(*catalogue_, sessions_directory(config_)));
   for (const std::string& problem : rebuilt.unreadable) log_.warning("cannot enter a recording into the catalogue: " + problem);
   if (rebuilt.added > 0) log_.info(std::to_string(rebuilt.added) + " recordings entered into the catalogue");
-  for (const std::string& id : rebuilt.corrected) complain(sum_up(id));
-  if (erasure_) complain(catalogue_->erase(erasure_->sessions));  // its files could not be removed yet, and were entered again
+  sum_up_corrected();  // the last daemon may have ended between corrections and results
+  end_continued_erasure();
   if (rebuilt.read_again > 0) log_.info(std::to_string(rebuilt.read_again) + " recordings read again for their lost scans");
   DTS_TRY_ASSIGN(auto sessions, catalogue_->sessions({.limit = 10'000, .shown = record::Shown::Both}));
   for (record::SessionRow& session : sessions) end_left_running(session);

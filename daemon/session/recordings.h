@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <deque>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -84,17 +85,19 @@ class Recordings {
   /// closed, and with Failed while the catalogue rejects entries.
   [[nodiscard]] core::Result<record::SessionRow> closed_session(const std::string& id) const;
   /// Adds corrections to a session that `closed_session` has returned: to the file beside its recordings, then to the catalogue. Sets
-  /// number and time. If an outcome is among them, computes the session's results again. Fails with LimitExceeded above `kMostCorrections`;
-  /// then nothing was changed, as after every other error.
+  /// number and time. If an outcome was corrected, computes the session's results again, which needs the files of reaches. Fails with
+  /// LimitExceeded above `kMostCorrections`, and with DataDamaged or WrongState if the file cannot be read or has other corrections than
+  /// the catalogue. After an error nothing was changed.
   [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
 
   // recordings_erase.cpp
   /// Returns the IDs of other sessions whose corrections, recorded subject ID or recorded label have this subject ID.
   [[nodiscard]] core::Result<std::vector<std::string>> sessions_mentioning(const std::string& subject) const;
   /// Begins to erase a subject: its sessions are in no list any more when this returns; a thread removes the files. Fails with NotFound if
-  /// nothing has this subject ID, with WrongState while one of its sessions runs, while repaired copies are made or during another erasure,
-  /// and with NotAllowed if a recording is a link or outside the folder of the recordings. After these errors nothing was removed. An
-  /// erasure that failed half-way continues.
+  /// no session has or had this subject ID, with WrongState while one of its sessions runs or a file of its recordings is missing, while
+  /// repaired copies are made or during another erasure, and with NotAllowed if a recording is a link or outside the folder of the
+  /// recordings. After these errors nothing was removed. An erasure that failed half-way continues, with the sessions that the subject has
+  /// now.
   [[nodiscard]] core::Status begin_erasure(const std::string& subject, const std::string& who);
   /// Returns the result of an erasure that ended since the last call. The audit trail then has it.
   [[nodiscard]] std::optional<core::Result<record::Erased>> take_erased() { return std::exchange(erased_, std::nullopt); }
@@ -135,10 +138,14 @@ class Recordings {
   void enter_or_owe(std::function<core::Status()> entry);
   void enter_owed();
   [[nodiscard]] core::Status sum_up(const std::string& session_id);
-  [[nodiscard]] core::Status check_erasable(const std::vector<record::SessionRow>& sessions) const;
+  void sum_up_corrected();
+  [[nodiscard]] core::Status check_erasable(const std::vector<record::SessionRow>& sessions);
+  [[nodiscard]] core::Status check_part(const record::PartRow& part, const std::filesystem::path& folder);
   core::Status remove_mentions(record::Erasure& erasure);
   [[nodiscard]] core::Status erase_rows(record::Erasure& erasure);
   void continue_erasure();
+  void end_continued_erasure();
+  [[nodiscard]] core::Status enter_erasure(const std::string& count);
   void start_erasing();
   void collect_erased();
   void finish_erasure(core::Result<record::Erased> erased);
@@ -169,7 +176,7 @@ class Recordings {
   std::optional<core::Result<record::Erased>> erased_;
   std::uint64_t erasures_ = 0;
   std::mutex removed_mutex_;
-  std::optional<core::Result<record::Erased>> removed_;  ///< By the erasing thread.
+  std::optional<core::Result<record::Erased>> removed_;  ///< By the erasing thread; at the start, by `continue_erasure`.
   std::jthread erasing_thread_;
 
   std::atomic<bool> is_recovering_ = false;

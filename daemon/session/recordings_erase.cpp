@@ -3,7 +3,7 @@
 //
 //     erasure.json on the disk --> rows --> mentions in other sessions --> files --> audit entry --> erasure.json removed
 //
-// The next start continues with an erasure.json that it finds, before it looks for recordings.
+// The next start continues with an erasure.json that it finds, before it looks for recordings. It enters the erasure after that.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -27,12 +27,18 @@ bool is_below(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
-/// Returns the correction without the subject ID.
+/// Removes the subject ID from a correction. Other values than these have words of dtsd ("done", "yes"), not of people.
 bool remove_mention(record::Correction& correction, const std::string& subject) {
+  using enum record::CorrectedField;
+  std::vector<std::string*> texts{&correction.reason};
+  if (correction.field == Label || correction.field == Notes) texts.insert(texts.end(), {&correction.old_value, &correction.new_value});
+  if (correction.field == Subject) {  // another subject ID may contain this one
+    for (std::string* value : {&correction.old_value, &correction.new_value}) {
+      if (*value == subject) texts.push_back(value);
+    }
+  }
   bool is_changed = false;
-  for (std::string* text : {&correction.old_value, &correction.new_value, &correction.reason}) {
-    const bool is_id = correction.field == record::CorrectedField::Subject && text != &correction.reason;
-    if (is_id && *text != subject) continue;  // another subject ID, which only contains this one
+  for (std::string* text : texts) {
     auto changed = record::without_mention(*text, subject);
     if (!changed) continue;
     *text = std::move(*changed);
@@ -41,24 +47,32 @@ bool remove_mention(record::Correction& correction, const std::string& subject) 
   return is_changed;
 }
 
+/// Returns whether a session was recorded with this subject ID, or had it.
+bool had_subject(const record::SessionRow& session, const std::string& subject) {
+  return session.recorded_subject == subject || std::ranges::any_of(session.corrections, [&](const record::Correction& one) {
+           return one.field == record::CorrectedField::Subject && (one.old_value == subject || one.new_value == subject);
+         });
+}
+
 }  // namespace
 
 core::Result<std::vector<std::string>> Recordings::sessions_mentioning(const std::string& subject) const {
-  DTS_TRY_ASSIGN(const auto sessions, catalogue_->sessions({.limit = kMostSessions, .shown = record::Shown::Both}));
+  if (subject.empty()) return std::vector<std::string>();
+  DTS_TRY_ASSIGN(const auto candidates, catalogue_->sessions_with(subject));
   std::vector<std::string> ids;
-  for (const record::SessionRow& session : sessions) {
+  for (const std::string& id : candidates) {
+    DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
     if (session.subject == subject) continue;
     const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject);
     const bool is_corrected =
         std::ranges::any_of(session.corrections, [&](record::Correction one) { return remove_mention(one, subject); });
-    if (is_recorded || is_corrected) ids.push_back(session.id);
+    if (is_recorded || is_corrected) ids.push_back(id);
   }
-  std::ranges::sort(ids);
   return ids;
 }
 
-/// Fails if a recording must not be removed: it is outside the folder of the recordings, or is only reached through a link.
-core::Status Recordings::check_erasable(const std::vector<record::SessionRow>& sessions) const {
+/// Fails if a recording must not or cannot be removed.
+core::Status Recordings::check_erasable(const std::vector<record::SessionRow>& sessions) {
   std::error_code error;
   const fs::path folder = fs::canonical(sessions_directory(config_), error);
   if (error) return core::fail_errno(error.value(), "the folder of the recordings cannot be read", "is its disk mounted?");
@@ -67,29 +81,47 @@ core::Status Recordings::check_erasable(const std::vector<record::SessionRow>& s
       return core::fail(ErrorCode::WrongState, "a session of this subject is running or being closed: " + session.id,
                         "stop it first: dtsctl session stop --rig " + session.rig);
     }
-    for (const record::PartRow& part : session.parts) {
-      const fs::path file(part.file);
-      const auto status = fs::symlink_status(file, error);
-      if (!fs::exists(status)) continue;
-      const fs::path place = fs::canonical(file.parent_path(), error);
-      if (fs::is_regular_file(status) && !error && is_below(place, folder)) continue;
-      return core::fail(ErrorCode::NotAllowed,
-                        "the recording " + part.file + " is a link, or is not in " + folder.string() + ": dtsd does not remove it",
-                        "move the file itself to " + folder.string() + ", restart dtsd, then erase the subject again");
-    }
+    for (const record::PartRow& part : session.parts) DTS_TRY(check_part(part, folder));
   }
   return {};
 }
 
-/// Removes the subject ID from the corrections of other sessions. Lists in `unerased_` what it must not or cannot change.
+/// Fails if the file is missing from the folder of the recordings (if its disk comes back later, the next start would enter it again), is
+/// reached through a link only, or is outside. Lists a missing file outside in `unerased_`: no start looks there.
+core::Status Recordings::check_part(const record::PartRow& part, const fs::path& folder) {
+  std::error_code error;
+  fs::path file(part.file);
+  auto status = fs::symlink_status(file, error);
+  if (!fs::exists(status) && part.state == record::PartState::Recording) {  // the catalogue knows it by its final name
+    file += ".part";
+    status = fs::symlink_status(file, error);
+  }
+  if (!fs::exists(status)) {
+    const bool is_ours = is_below(file.lexically_normal(), fs::path(sessions_directory(config_)).lexically_normal()) ||
+                         is_below(file.lexically_normal(), folder);
+    if (is_ours) {
+      return core::fail(ErrorCode::WrongState, "the recording " + part.file + " is missing, so it cannot be removed",
+                        "mount its disk or put the file back; if it is gone for ever, make an empty file with this name; then erase again");
+    }
+    unerased_.push_back("the recording '" + part.file + "' is missing; if it is elsewhere, remove it there");
+    return {};
+  }
+  const fs::path place = fs::canonical(file.parent_path(), error);
+  if (fs::is_regular_file(status) && !error && is_below(place, folder)) return {};
+  return core::fail(ErrorCode::NotAllowed,
+                    "the recording " + part.file + " is a link, or is not in " + folder.string() + ": dtsd does not remove it",
+                    "move the file itself to " + folder.string() + ", restart dtsd, then erase the subject again");
+}
+
+/// Removes the subject ID from the corrections of other sessions. Lists in `unerased_` the recordings that have it: they are not changed.
 core::Status Recordings::remove_mentions(record::Erasure& erasure) {
   DTS_TRY_ASSIGN(const auto ids, sessions_mentioning(erasure.subject));
-  erasure.mentions = 0;
-  unerased_.clear();
   for (const std::string& id : ids) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
-    if (session.recorded_subject == erasure.subject || record::without_mention(session.recorded_label, erasure.subject)) {
+    if (session.recorded_subject == erasure.subject) {
       unerased_.push_back("the recordings of session " + id + ", which now has another subject ID, were recorded with this one");
+    } else if (record::without_mention(session.recorded_label, erasure.subject)) {
+      unerased_.push_back("the recordings of session " + id + " have this subject ID in their label");
     }
     record::Corrections cleaned{.session_id = id, .all = session.corrections};
     bool is_changed = false;
@@ -107,7 +139,14 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
 core::Status Recordings::erase_rows(record::Erasure& erasure) {
   DTS_TRY(catalogue_->erase(erasure.sessions));
   DTS_TRY(remove_mentions(erasure));
-  return catalogue_->erase({});  // overwrites what the corrections were
+  const auto overwritten = catalogue_->overwrite_removed();
+  // A full disk must not keep the files, whose removal makes room.
+  if (!overwritten) unerased_.push_back("the catalogue still has bytes of removed rows: " + core::to_string(overwritten.error()));
+  if (overwritten && !*overwritten) {
+    unerased_.push_back(
+        "the log of the catalogue still has removed rows, because another program reads it: end that program and restart dtsd");
+  }
+  return {};
 }
 
 core::Status Recordings::begin_erasure(const std::string& subject, const std::string& who) {
@@ -125,18 +164,23 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
   if (erasure_ && erasure_->subject != subject) {
     return core::fail(ErrorCode::WrongState, "an earlier erasure is not complete", "see the log of dtsd, then restart it");
   }
-  if (!erasure_) {
-    DTS_TRY_ASSIGN(const auto sessions, catalogue_->sessions({.subject = subject, .limit = kMostSessions, .shown = record::Shown::Both}));
-    DTS_TRY_ASSIGN(const auto mentioning, sessions_mentioning(subject));
-    if (subject.empty() || (sessions.empty() && mentioning.empty())) {
-      return core::fail(ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list");
-    }
-    DTS_TRY(check_erasable(sessions));
-    record::Erasure erasure{.subject = subject, .who = who, .utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns()};
-    for (const record::SessionRow& session : sessions) erasure.sessions.push_back(session.id);
-    DTS_TRY(record::write_erasure(config_.directory, erasure));
-    erasure_ = std::move(erasure);
+  DTS_TRY_ASSIGN(const auto sessions, catalogue_->sessions({.subject = subject, .limit = kMostSessions, .shown = record::Shown::Both}));
+  DTS_TRY_ASSIGN(const auto mentioning, sessions_mentioning(subject));
+  bool is_known = erasure_ || !sessions.empty();
+  for (const std::string& id : mentioning) {
+    DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
+    is_known = is_known || had_subject(session, subject);
   }
+  if (subject.empty() || !is_known) return core::fail(ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list");
+  unerased_.clear();
+  DTS_TRY(check_erasable(sessions));
+  record::Erasure erasure =
+      erasure_.value_or(record::Erasure{.subject = subject, .who = who, .utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns()});
+  for (const record::SessionRow& session : sessions) {
+    if (std::ranges::find(erasure.sessions, session.id) == erasure.sessions.end()) erasure.sessions.push_back(session.id);
+  }
+  DTS_TRY(record::write_erasure(config_.directory, erasure));
+  erasure_ = std::move(erasure);
   if (auto erased = erase_rows(*erasure_); !erased) {
     finish_erasure(tl::make_unexpected(erased.error()));
     erased_.reset();
@@ -177,25 +221,34 @@ void Recordings::add_left(record::Erased& erased) const {
   std::ranges::sort(erased.left);
 }
 
-/// Enters the erasure into the audit trail, once, then forgets it. A failed one stays, and the next start continues it.
+/// Enters the erasure into the audit trail, once. The entry must not wait in memory: the note of the erasure is removed next.
+core::Status Recordings::enter_erasure(const std::string& count) {
+  enter_owed_audit();
+  DTS_TRY_ASSIGN(const auto entries, catalogue_->audit(kEntriesToSearch));
+  const bool is_entered = std::ranges::any_of(entries, [this](const record::AuditEntry& entry) {
+    return entry.what == "erase_subject" && entry.utc_ns == erasure_->utc_ns && entry.result == "ok";
+  });
+  if (is_entered) return {};
+  return append_audit({.utc_ns = erasure_->utc_ns, .who = erasure_->who, .what = "erase_subject", .target = count, .result = "ok"});
+}
+
+/// Enters the erasure into the audit trail, then forgets it. A failed one stays, and the next start continues it.
 void Recordings::finish_erasure(core::Result<record::Erased> erased) {
+  const std::size_t sessions = erasure_->sessions.size();
+  const std::string count = std::to_string(sessions) + (sessions == 1 ? " session" : " sessions");
+  if (erased) {
+    if (auto entered = enter_erasure(count); !entered) erased = tl::make_unexpected(entered.error());
+  }
   if (!erased) {
     log_.error("an erasure is not complete: " + core::to_string(erased.error()) + "; dtsd continues it when it starts again");
     erased_ = std::move(erased);
     return;
   }
-  erased->sessions = static_cast<std::uint32_t>(erasure_->sessions.size());
+  erased->sessions = static_cast<std::uint32_t>(sessions);
   erased->mentions = erasure_->mentions;
   add_left(*erased);
-  const auto entries = catalogue_->audit(kEntriesToSearch);
-  const bool is_entered = entries && std::ranges::any_of(*entries, [this](const record::AuditEntry& entry) {
-                            return entry.what == "erase_subject" && entry.utc_ns == erasure_->utc_ns && entry.result == "ok";
-                          });
-  const std::string count = std::to_string(erased->sessions) + (erased->sessions == 1 ? " session" : " sessions");
-  if (!is_entered) {
-    enter_audit({.utc_ns = erasure_->utc_ns, .who = erasure_->who, .what = "erase_subject", .target = count, .result = "ok"});
-  }
   log_.info("a subject was erased: " + count + ", " + std::to_string(erased->files) + " files");
+  for (const std::string& left : erased->left) log_.warning("not erased: " + left);  // perhaps nobody waits for the answer any more
   complain(record::remove_erasure(config_.directory));
   erasure_.reset();
   ++erasures_;
@@ -208,9 +261,18 @@ void Recordings::continue_erasure() {
   if (!found) return complain(tl::make_unexpected(found.error()));
   if (!*found) return;
   erasure_ = std::move(**found);
-  auto removed = erase_rows(*erasure_).and_then(
+  removed_ = erase_rows(*erasure_).and_then(
       [this] { return record::remove_session_files(sessions_directory(config_), erasure_->sessions, [] { return true; }); });
-  finish_erasure(std::move(removed));
+}
+
+/// Ends what `continue_erasure` began, after the recordings were looked for: files that could not be removed were entered again, and if the
+/// catalogue was damaged, the mentions came from the files of other sessions.
+void Recordings::end_continued_erasure() {
+  auto removed = std::exchange(removed_, std::nullopt);
+  if (!removed) return;
+  unerased_.clear();
+  if (auto erased = erase_rows(*erasure_); !erased) *removed = tl::make_unexpected(erased.error());
+  finish_erasure(std::move(*removed));
   erased_.reset();  // nobody waits for it
 }
 

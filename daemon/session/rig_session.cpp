@@ -155,7 +155,7 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   }
   SessionRequest request{.protocol = earlier.protocol,
                          .subject = earlier.subject,
-                         .label = earlier.label,
+                         .label = row.label,  // perhaps a person removed the recorded one
                          .settle_s = earlier.settle_s,
                          .fields = earlier.fields};
   DTS_TRY(check(request));

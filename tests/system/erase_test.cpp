@@ -48,6 +48,20 @@ class EraseTest : public ::testing::Test {
     return ids;
   }
   [[nodiscard]] bool has_journal() const { return std::filesystem::exists(daemon_.state_directory() / "erasure.json"); }
+  /// Neither in recordings, corrections and the catalogue, nor in its log.
+  void expect_nowhere(const std::string& text) const {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(daemon_.state_directory())) {
+      if (!entry.is_regular_file()) continue;
+      EXPECT_EQ(read_file(entry.path()).find(text), std::string::npos) << entry.path();
+    }
+  }
+  [[nodiscard]] std::ptrdiff_t entered_erasures() {
+    const auto audit = daemon_.control().audit(1000);
+    EXPECT_TRUE(audit);
+    if (!audit) return -1;
+    return std::ranges::count_if(audit->entries(),
+                                 [](const auto& entry) { return entry.what() == "erase_subject" && entry.result() == "ok"; });
+  }
   void kill_and_restart() {
     daemon_.signal(SIGKILL);
     static_cast<void>(daemon_.wait());
@@ -60,12 +74,14 @@ class EraseTest : public ::testing::Test {
 
 TEST_F(EraseTest, KilledAtAnyTime_TheSubjectIsCompleteOrGone) {
   const std::string other = record("P018");
-  int gone = 0;
+  std::ptrdiff_t gone = 0;
+  std::ptrdiff_t erased = 0;
   for (int delay = 0; delay < 8; ++delay) {
     const std::set<std::string> ours{record("P017"), record("P017")};
     for (int number = 0; number < 200; ++number) {  // so that removing takes a moment
       std::ofstream(daemon_.state_directory() / "sessions" / (*ours.begin() + ".copy-" + std::to_string(number))) << "x";
     }
+    EXPECT_EQ(daemon_.ctl({"session", "edit", other, "--notes", "confused with P017", "--reason", std::to_string(delay)}).status, 0);
     std::thread client([this] { static_cast<void>(daemon_.ctl({"subject", "erase", "P017", "--yes", "--timeout", "1"})); });
     if (delay > 0) {
       EXPECT_TRUE(eventually([this, &ours] { return has_journal() || on_disk().count(*ours.begin()) == 0; }));
@@ -87,6 +103,8 @@ TEST_F(EraseTest, KilledAtAnyTime_TheSubjectIsCompleteOrGone) {
     if (!is_gone) {
       EXPECT_EQ(daemon_.ctl({"subject", "erase", "P017", "--yes"}).status, 0);
     }
+    expect_nowhere("P017");
+    EXPECT_EQ(entered_erasures(), ++erased);
   }
   EXPECT_GT(gone, 0) << "the daemon completes what it has begun";
 }
@@ -101,10 +119,7 @@ TEST_F(EraseTest, WhatIsErasedIsNowhereInTheStateFolder) {
   ASSERT_EQ(erased.status, 0) << erased.err;
   EXPECT_THAT(erased.out, HasSubstr("erased: 1 session, 2 files"));
   EXPECT_THAT(erased.out, HasSubstr("backups: "));
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(daemon_.state_directory())) {
-    if (!entry.is_regular_file()) continue;
-    EXPECT_EQ(read_file(entry.path()).find("SUBJECTXYZ"), std::string::npos) << entry.path();
-  }
+  expect_nowhere("SUBJECTXYZ");
   EXPECT_EQ(daemon_.log().find("SUBJECTXYZ"), std::string::npos);
   EXPECT_EQ(daemon_.ctl({"status", "--json"}).out.find("SUBJECTXYZ"), std::string::npos);
   EXPECT_EQ(daemon_.ctl({"subject", "show", "SUBJECTXYZ"}).status, 5);

@@ -128,6 +128,7 @@ void Catalogue::Implementation::apply(const Corrections& corrections) const {
   if (const std::string* label = corrections.value(CorrectedField::Label)) {
     database.run("UPDATE sessions SET corrected_label = ? WHERE id = ?", *label, id);
   }
+  if (corrections.has_removed(CorrectedField::Label)) database.run("UPDATE sessions SET label = '' WHERE id = ?", id);
   if (const std::string* notes = corrections.value(CorrectedField::Notes)) {
     database.run("UPDATE sessions SET notes = ? WHERE id = ?", *notes, id);
   }
@@ -335,7 +336,7 @@ core::Result<std::vector<PartRow>> Catalogue::parts() const try {
   return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::set_corrections(const Corrections& corrections) try {
+core::Status Catalogue::set_corrections(const Corrections& corrections, const std::optional<std::vector<ResultRow>>& results) try {
   const Database& database = implementation_->database;
   const std::string& id = corrections.session_id;
   Transaction transaction(database);
@@ -349,6 +350,9 @@ core::Status Catalogue::set_corrections(const Corrections& corrections) try {
         one.reason);
   }
   implementation_->apply(corrections);
+  if (results) {
+    if (auto set = set_results(id, *results); !set) return set;
+  }
   transaction.commit();
   return {};
 } catch (const SQLite::Exception& exception) {
@@ -369,19 +373,36 @@ core::Status Catalogue::set_results(const std::string& session_id, const std::ve
 
 core::Status Catalogue::erase(const std::vector<std::string>& session_ids) try {
   const Database& database = implementation_->database;
-  {
-    Transaction transaction(database);
-    for (const std::string& id : session_ids) {
-      for (const char* table : {"results", "corrections", "trials", "parts"}) {  // rows that refer to others are removed first
-        database.run(std::string("DELETE FROM ") + table + " WHERE session_id = ?", id);
-      }
-      database.run("DELETE FROM sessions WHERE id = ?", id);
+  Transaction transaction(database);
+  for (const std::string& id : session_ids) {
+    for (const char* table : {"results", "corrections", "trials", "parts"}) {  // rows that refer to others are removed first
+      database.run(std::string("DELETE FROM ") + table + " WHERE session_id = ?", id);
     }
-    database.run("DELETE FROM subjects WHERE id NOT IN (SELECT subject_id FROM sessions WHERE subject_id IS NOT NULL)");
-    transaction.commit();
+    database.run("DELETE FROM sessions WHERE id = ?", id);
   }
-  database.execute("PRAGMA wal_checkpoint(TRUNCATE)");  // the log still had the rows
+  database.run("DELETE FROM subjects WHERE id NOT IN (SELECT subject_id FROM sessions WHERE subject_id IS NOT NULL)");
+  transaction.commit();
   return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<bool> Catalogue::overwrite_removed() try {
+  // `secure_delete` is not enough: cells that move to another page leave their bytes. The copy is made in memory, not in another folder.
+  implementation_->database.execute("PRAGMA temp_store = MEMORY; VACUUM");
+  return implementation_->database.number("PRAGMA wal_checkpoint(TRUNCATE)") == 0;  // its first column: whether a reader prevents it
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<std::vector<std::string>> Catalogue::sessions_with(const std::string& text) const try {
+  return rows_of(implementation_->database.query(
+                     "SELECT sessions.id FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id"
+                     " WHERE subjects.pseudonym = ?1 OR instr(sessions.label, ?1) > 0 OR EXISTS (SELECT 1 FROM corrections"
+                     " WHERE corrections.session_id = sessions.id AND"
+                     " (instr(old_value, ?1) > 0 OR instr(new_value, ?1) > 0 OR instr(reason, ?1) > 0)) ORDER BY sessions.id",
+                     text),
+                 [](Statement& row) { return row.text(0); });
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
 }

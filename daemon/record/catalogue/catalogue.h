@@ -105,6 +105,8 @@ struct ResultRow {
   double value = 0.0;
   std::string unit;
   std::string details;  ///< JSON; may be empty.
+
+  friend bool operator==(const ResultRow&, const ResultRow&) = default;
 };
 
 /// A recording that was found on the disk.
@@ -189,14 +191,17 @@ class Catalogue {
   /// session's state only if this part is newer than all known parts. The corrections of the session stay.
   [[nodiscard]] core::Status enter(const FoundRecording& found);
 
-  /// Replaces all corrections of a session and sets its values accordingly, completely or not at all. Fails with NotFound if there is no
-  /// such session.
-  [[nodiscard]] core::Status set_corrections(const Corrections& corrections);
+  /// Replaces all corrections of a session, sets its values accordingly and replaces its results if some are given, completely or not at
+  /// all. A label that a correction removed is not kept. Fails with NotFound if there is no such session, and like `set_results`.
+  [[nodiscard]] core::Status set_corrections(const Corrections& corrections,
+                                             const std::optional<std::vector<ResultRow>>& results = std::nullopt);
   /// Replaces all results of a session, completely or not at all. Fails like `put_result`.
   [[nodiscard]] core::Status set_results(const std::string& session_id, const std::vector<ResultRow>& results);
-  /// Removes all rows of sessions, and subjects without a session, completely or not at all. Unknown sessions are ignored. The bytes of
-  /// removed rows are overwritten, also in the log of the database.
+  /// Removes all rows of sessions, and subjects without a session, completely or not at all. Unknown sessions are ignored.
   [[nodiscard]] core::Status erase(const std::vector<std::string>& session_ids);
+  /// Writes the whole database again and empties its log, so that no bytes of removed rows remain. Returns false if another program that
+  /// reads the catalogue prevents it: the log then still has them.
+  [[nodiscard]] core::Result<bool> overwrite_removed();
 
   [[nodiscard]] core::Result<std::vector<SubjectRow>> subjects() const;  ///< Sorted.
   /// Returns the sessions that have corrections.
@@ -204,6 +209,8 @@ class Catalogue {
   [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(
       const SessionFilter& filter) const;                                       ///< With parts and corrections, without trials.
   [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;  ///< With all rows. Fails with NotFound.
+  /// Returns the IDs of all sessions whose recorded subject ID, recorded label or corrections contain this text, sorted.
+  [[nodiscard]] core::Result<std::vector<std::string>> sessions_with(const std::string& text) const;
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;
@@ -230,19 +237,20 @@ class Catalogue {
 [[nodiscard]] std::string reason_of(const Verification& verified, const std::string& file);
 
 struct Rebuilt {
-  std::size_t added = 0;                 ///< Parts that the catalogue did not know.
-  std::size_t missing = 0;               ///< Parts whose file does not exist any more.
-  std::vector<std::string> unreadable;   ///< "file: why"
-  std::size_t read_again = 0;            ///< Parts whose losses the catalogue did not know.
-  std::size_t found_again = 0;           ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
-  std::vector<std::string> corrected{};  ///< Sessions with corrections that were read from their files, or whose recordings were read.
+  std::size_t added = 0;                ///< Parts that the catalogue did not know.
+  std::size_t missing = 0;              ///< Parts whose file does not exist any more.
+  std::vector<std::string> unreadable;  ///< "file: why"
+  std::size_t read_again = 0;           ///< Parts whose losses the catalogue did not know.
+  std::size_t found_again = 0;          ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
 };
 /// Adds every recording (*.xdf, *.xdf.part) in `folder` and its subfolders that the catalogue does not know, with its trials. Marks parts
 /// whose file does not exist any more as Missing. Identifies a recording by the facts in its header, not by its file name. If one part has
 /// several files, uses the closed one, or else the repaired copy. Adds a recording without footers as Interrupted. Reads the headers of
 /// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Then reads the
-/// corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added. Writes a
-/// file that is missing. Fails with NotFound, and marks no part, if the folder does not exist.
+/// corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added. A file
+/// elsewhere (a copied folder) counts only if it is longer than all of these. Writes a file that is missing; a failure is listed in
+/// `unreadable`. Removes files of corrections that a crash left unfinished. Fails with NotFound, and marks no part, if the folder does not
+/// exist.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);
 
 }  // namespace dts::record

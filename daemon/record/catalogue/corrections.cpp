@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <ranges>
 
+#include "core/utf8.h"
 #include "record/replace_file.h"
 
 namespace dts::record {
@@ -18,8 +19,7 @@ namespace {
 using core::ErrorCode;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uintmax_t kLongestCorrections = 4U << 20U;
-constexpr std::size_t kLongestValue = 4096;
+constexpr std::uintmax_t kLongestCorrections = 16U << 20U;
 constexpr std::array kCorrectedFields{CorrectedField::Subject, CorrectedField::Label, CorrectedField::Notes, CorrectedField::Outcome,
                                       CorrectedField::Deleted};
 
@@ -35,7 +35,7 @@ class CorrectionReader {
 
   [[nodiscard]] std::string text(const char* key) {
     const auto found = object_.find(key);
-    const bool is_good = found != object_.end() && found->is_string() && found->get_ref<const std::string&>().size() <= kLongestValue;
+    const bool is_good = found != object_.end() && found->is_string() && is_text(found->get_ref<const std::string&>());
     if (!is_good) return note(key), "";
     return found->get<std::string>();
   }
@@ -53,6 +53,9 @@ class CorrectionReader {
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
 
  private:
+  /// As in a request: one line without control characters.
+  static bool is_text(const std::string& text) { return text.size() <= kLongestCorrectionText && core::printable(text) == text; }
+
   const Json& object_;
   std::string problem_;
 };
@@ -121,6 +124,10 @@ const std::string* Corrections::outcome(std::uint32_t part, std::uint32_t trial,
   return newest == all.rend() ? nullptr : &newest->new_value;
 }
 
+bool Corrections::has_removed(CorrectedField field) const {
+  return std::ranges::any_of(all, [field](const Correction& one) { return one.field == field && one.new_value.empty(); });
+}
+
 void Corrections::add(Correction correction) {
   correction.number = static_cast<std::uint32_t>(all.size() + 1);
   all.push_back(std::move(correction));
@@ -144,7 +151,7 @@ core::Result<Corrections> read_corrections(const std::string& file) {
   const auto status = std::filesystem::status(file, error);
   if (status.type() == std::filesystem::file_type::not_found) return core::fail(ErrorCode::NotFound, "no file '" + file + "'");
   if (!std::filesystem::is_regular_file(status)) return damaged_corrections(file, "it is not a file");
-  if (std::filesystem::file_size(file, error) > kLongestCorrections || error) return damaged_corrections(file, "it is larger than 4 MiB");
+  if (std::filesystem::file_size(file, error) > kLongestCorrections || error) return damaged_corrections(file, "it is larger than 16 MiB");
   std::ifstream stream(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!stream.good() && !stream.eof()) return damaged_corrections(file, "reading failed");
@@ -154,7 +161,9 @@ core::Result<Corrections> read_corrections(const std::string& file) {
   CorrectionReader reader(json);
   Corrections read{.session_id = reader.text("session_id")};
   if (read.session_id.empty()) return damaged_corrections(file, "it names no session");
-  if (json["corrections"].size() > kMostCorrections) return damaged_corrections(file, "it has more than 1000 corrections");
+  if (json["corrections"].size() > kMostListed) {
+    return damaged_corrections(file, "it has more than " + std::to_string(kMostListed) + " corrections");
+  }
   for (const Json& object : json["corrections"]) {
     DTS_TRY_ASSIGN(auto correction, read_correction(object, file, static_cast<std::uint32_t>(read.all.size() + 1)));
     read.all.push_back(std::move(correction));

@@ -39,7 +39,9 @@ struct Correction {
   friend bool operator==(const Correction&, const Correction&) = default;
 };
 
-inline constexpr std::size_t kMostCorrections = 1000;  ///< Of one session.
+inline constexpr std::size_t kMostCorrections = 1000;        ///< Of one session. Removals and deletions are possible beyond it.
+inline constexpr std::size_t kMostListed = 2000;             ///< Of one session, with these.
+inline constexpr std::size_t kLongestCorrectionText = 4096;  ///< Bytes of a value or a reason in a file.
 
 /// All corrections of a session, oldest first. They are in a file beside the recordings, "SESSION.corrections.json", so that they survive
 /// the loss of the catalogue and move with the recordings. The catalogue has a copy for its queries.
@@ -51,6 +53,9 @@ struct Corrections {
   [[nodiscard]] const std::string* value(CorrectedField field) const;
   /// Returns the newest outcome of an attempt; nullptr if it was not corrected.
   [[nodiscard]] const std::string* outcome(std::uint32_t part, std::uint32_t trial, std::uint32_t attempt) const;
+
+  /// Returns whether a person has removed this text, which then must not be repeated. Another text may have followed.
+  [[nodiscard]] bool has_removed(CorrectedField field) const;
 
   /// Adds a correction with the next number. If it removes a label or notes, their earlier values become `kRemovedText`.
   void add(Correction correction);

@@ -13,8 +13,10 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
+#include "core/utf8.h"
 #include "record/recording.h"
 #include "record/replace_file.h"
 
@@ -48,6 +50,18 @@ class Descriptor {
 };
 
 bool is_letter(char letter) { return std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '_'; }
+bool joins(char letter) { return letter == '-' || letter == '.'; }
+
+/// Returns whether an ID that begins at `at` is only the end of a longer one, as P01 in X-P01.
+bool continues_before(std::string_view text, std::size_t at) {
+  if (at == 0) return false;
+  return is_letter(text[at - 1]) || (at > 1 && joins(text[at - 1]) && is_letter(text[at - 2]));
+}
+/// Returns whether an ID that ends before `end` is only the begin of a longer one, as P01 in P01-2.
+bool continues_after(std::string_view text, std::size_t end) {
+  if (end >= text.size()) return false;
+  return is_letter(text[end]) || (end + 1 < text.size() && joins(text[end]) && is_letter(text[end + 1]));
+}
 
 /// Removes files in one folder after the other. Each folder is opened relative to the folder above it, and never through a link.
 class Remover {
@@ -141,8 +155,11 @@ bool Remover::is_recording_of(int folder, const std::string& name) const {
 
 core::Result<std::optional<Erasure>> read_erasure(const std::string& state_folder) {
   const std::string file = journal_of(state_folder);
+  if (struct stat facts{}; ::stat(file.c_str(), &facts) != 0) {
+    if (errno == ENOENT) return std::optional<Erasure>();
+    return core::fail_errno(errno, "cannot read '" + file + "'", kErasureHint);
+  }
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::optional<Erasure>();
   const Json json = Json::parse(std::istreambuf_iterator<char>(stream), {}, nullptr, false);
   const auto is_text = [&json](const char* key) { return json.contains(key) && json[key].is_string(); };
   const bool is_good = json.is_object() && is_text("subject") && is_text("who") && json.contains("utc_ns") &&
@@ -181,13 +198,18 @@ std::optional<std::string> without_mention(const std::string& text, const std::s
   std::string changed = text;
   bool is_found = false;
   for (std::size_t at = changed.find(subject); !subject.empty() && at != std::string::npos; at = changed.find(subject, at)) {
-    const std::size_t end = at + subject.size();
-    const bool stands_alone = (at == 0 || !is_letter(changed[at - 1])) && (end == changed.size() || !is_letter(changed[end]));
+    const bool stands_alone = !continues_before(changed, at) && !continues_after(changed, at + subject.size());
     if (stands_alone) changed.replace(at, subject.size(), kErased);
     is_found = is_found || stands_alone;
     at += stands_alone ? kErased.size() : 1;
   }
-  return is_found ? std::optional(changed) : std::nullopt;
+  if (!is_found) return std::nullopt;
+  if (changed.size() > kLongestCorrectionText) {
+    std::size_t end = kLongestCorrectionText;
+    while (end > 0 && !core::starts_character(changed[end])) --end;
+    changed.resize(end);
+  }
+  return changed;
 }
 
 }  // namespace dts::record

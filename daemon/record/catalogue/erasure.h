@@ -32,7 +32,8 @@ struct Erased {
   std::vector<std::string> left{};  ///< What remains, and why.
 };
 
-/// Returns the erasure that was written to this state folder; nothing without one. Fails with DataDamaged.
+/// Returns the erasure that was written to this state folder; nothing if there is no such file. Fails with DataDamaged, and if the file
+/// cannot be looked at.
 [[nodiscard]] core::Result<std::optional<Erasure>> read_erasure(const std::string& state_folder);
 /// Writes the erasure; it is on the disk when this returns.
 [[nodiscard]] core::Status write_erasure(const std::string& state_folder, const Erasure& erasure);
@@ -45,7 +46,8 @@ struct Erased {
 [[nodiscard]] core::Result<Erased> remove_session_files(const std::string& folder, const std::vector<std::string>& sessions,
                                                         const std::function<bool()>& is_wanted);
 
-/// Returns the text without `subject`, where it stands alone ("P017" in "see P017.", not in "P0170"); nothing if it does not occur.
+/// Returns the text without `subject`, where it stands alone ("P017" in "see P017.", not in "P0170" or "P017-2"); nothing if it does not
+/// occur. The text has at most `kLongestCorrectionText` bytes: what stands instead of a short ID is longer.
 [[nodiscard]] std::optional<std::string> without_mention(const std::string& text, const std::string& subject);
 
 }  // namespace dts::record

@@ -41,6 +41,7 @@ Rank rank(std::string_view file) {
 struct FoundFiles {
   std::vector<std::string> recordings{};
   std::vector<std::string> corrections{};
+  std::vector<std::string> unfinished{};  ///< Corrections that a crash left while they were written.
 };
 
 core::Result<FoundFiles> files_in(const std::string& folder) {
@@ -53,6 +54,7 @@ core::Result<FoundFiles> files_in(const std::string& folder) {
     if (!entry->is_regular_file(unknown)) continue;  // opening a pipe would block
     if (file.ends_with(".xdf") || file.ends_with(".xdf.part")) files.recordings.push_back(file);
     if (file.ends_with(kCorrectionsEnding)) files.corrections.push_back(file);
+    if (file.ends_with(std::string(kCorrectionsEnding) + ".new")) files.unfinished.push_back(file);
   }
   if (error)
     return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "check that the disk with the recordings is mounted");
@@ -154,14 +156,20 @@ class Rebuild {
   [[nodiscard]] Rebuilt take_result() { return std::move(result_); }
 
  private:
+  struct FoundCorrections {
+    std::string file;
+    Corrections corrections;
+    bool is_beside = false;  ///< Beside a recording that the catalogue knows.
+  };
+
   [[nodiscard]] bool is_better(const PartRow& known, const std::string& file) const;
   [[nodiscard]] core::Status enter(const core::Result<FoundRecording>& found, const std::string& file, bool is_known);
-  [[nodiscard]] core::Status write_missing(const Corrections& known);
+  [[nodiscard]] std::map<std::string, FoundCorrections> best_corrections(const std::vector<std::string>& files);
+  void write_beside(const Corrections& corrections, std::string file);
 
   Catalogue& catalogue_;
   std::map<std::pair<std::string, std::uint32_t>, PartRow> parts_;
   std::set<std::string> files_;
-  std::set<std::string> entered_;  ///< Sessions of which a recording was entered.
   Rebuilt result_;
 };
 
@@ -207,7 +215,6 @@ core::Status Rebuild::enter(const core::Result<FoundRecording>& found, const std
   if (entered) {
     ++(is_known ? result_.found_again : result_.added);
     parts_.insert_or_assign({found->part.session_id, found->part.part}, found->part);
-    entered_.insert(found->part.session_id);
     return {};
   }
   const ErrorCode code = entered.error().code;
@@ -218,45 +225,68 @@ core::Status Rebuild::enter(const core::Result<FoundRecording>& found, const std
   return {};
 }
 
-/// Makes the corrections in the catalogue and in the files beside the recordings equal. A bad file is listed in `unreadable`.
+/// Makes the corrections in the catalogue and in the files beside the recordings equal. A problem of a file is listed in `unreadable`.
 core::Status Rebuild::read_corrections_in(const std::vector<std::string>& files) {
   DTS_TRY_ASSIGN(const auto listed, catalogue_.corrections());
   std::map<std::string, Corrections> known;
   for (const Corrections& one : listed) known.emplace(one.session_id, one);
-  std::set<std::string> changed = entered_;
+  for (const auto& [id, found] : best_corrections(files)) {
+    const auto ours = known.find(id);
+    const std::size_t count = ours == known.end() ? 0 : ours->second.all.size();
+    // The catalogue has more if dtsd ended before it wrote the file. A file elsewhere is a copy: it may be old.
+    const bool is_right = found.is_beside ? found.corrections.all.size() >= count : found.corrections.all.size() > count;
+    if (is_right && (ours == known.end() || ours->second != found.corrections)) {
+      if (auto set = catalogue_.set_corrections(found.corrections); !set) {
+        if (set.error().code != ErrorCode::NotFound) return set;
+        result_.unreadable.push_back(found.file + ": " + set.error().what);  // the recordings are elsewhere; keep the file
+        continue;
+      }
+    }
+    if (!is_right && ours == known.end()) continue;  // an empty copy
+    const Corrections& right = is_right ? found.corrections : ours->second;
+    if (!found.is_beside || right != found.corrections) write_beside(right, found.is_beside ? found.file : std::string());
+    if (ours != known.end()) known.erase(ours);
+  }
+  for (const auto& [id, one] : known) write_beside(one, {});
+  return {};
+}
+
+/// Returns the file to use for each session: one beside a recording that the catalogue knows, else any; among equals the longest.
+std::map<std::string, Rebuild::FoundCorrections> Rebuild::best_corrections(const std::vector<std::string>& files) {
+  std::map<std::string, FoundCorrections> best;
   for (const std::string& file : files) {
     auto read = read_corrections(file);
     if (!read) {
       result_.unreadable.push_back(read.error().what);
       continue;
     }
-    const auto ours = known.extract(read->session_id);
-    if (!ours.empty() && ours.mapped().all.size() > read->all.size()) {  // dtsd ended before it wrote the file, or the file is an old copy
-      DTS_TRY(write_corrections(file, ours.mapped()));
-    } else if (ours.empty() || ours.mapped() != *read) {
-      if (auto set = catalogue_.set_corrections(*read); !set) {
-        if (set.error().code != ErrorCode::NotFound) return set;
-        result_.unreadable.push_back(file + ": " + set.error().what);  // the recordings are elsewhere; keep the file
-        continue;
-      }
-      changed.insert(read->session_id);
+    const bool is_beside = std::ranges::any_of(parts_, [&](const auto& entry) {
+      return entry.first.first == read->session_id && entry.second.state != PartState::Missing &&
+             corrections_file(entry.second.file, read->session_id) == file;
+    });
+    FoundCorrections found{.file = file, .corrections = std::move(*read), .is_beside = is_beside};
+    const auto place = best.find(found.corrections.session_id);
+    const auto order = [](const FoundCorrections& one) { return std::pair(one.is_beside, one.corrections.all.size()); };
+    if (place == best.end()) {
+      best.emplace(found.corrections.session_id, std::move(found));
+    } else if (order(place->second) < order(found)) {
+      place->second = std::move(found);
     }
-    if (changed.contains(read->session_id)) result_.corrected.push_back(read->session_id);
   }
-  for (const auto& [id, one] : known) {
-    DTS_TRY(write_missing(one));
-    if (entered_.contains(id)) result_.corrected.push_back(id);
-  }
-  return {};
+  return best;
 }
 
-core::Status Rebuild::write_missing(const Corrections& known) {
-  const auto part = std::ranges::find(parts_, known.session_id, [](const auto& entry) { return entry.first.first; });
-  if (part == parts_.end() || part->second.state == PartState::Missing) return {};
-  const std::string file = corrections_file(part->second.file, known.session_id);
-  std::error_code unknown;
-  if (fs::exists(fs::symlink_status(file, unknown))) return {};  // unreadable: listed, and never replaced
-  return write_corrections(file, known);
+/// Writes corrections to `file`; if it is empty, to a new file beside the first recording.
+void Rebuild::write_beside(const Corrections& corrections, std::string file) {
+  if (file.empty()) {
+    const auto part = std::ranges::find(parts_, corrections.session_id, [](const auto& entry) { return entry.first.first; });
+    if (part == parts_.end() || part->second.state == PartState::Missing) return;
+    file = corrections_file(part->second.file, corrections.session_id);
+    std::error_code unknown;
+    if (fs::exists(fs::symlink_status(file, unknown))) return;  // unreadable: listed, and never replaced
+  }
+  // The catalogue has them too, so a disk that cannot be written is no reason not to start.
+  if (auto written = write_corrections(file, corrections); !written) result_.unreadable.push_back(written.error().what);
 }
 
 core::Status Rebuild::mark_missing() {
@@ -294,6 +324,10 @@ core::Result<FoundRecording> read_recording(const std::string& file) {
 
 core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
   DTS_TRY_ASSIGN(const auto files, files_in(folder));
+  for (const std::string& file : files.unfinished) {  // a later erasure would not find what they have
+    std::error_code ignored;
+    fs::remove(file, ignored);
+  }
   DTS_TRY_ASSIGN(auto known, catalogue.parts());
   Rebuild rebuilding(catalogue, std::move(known));
   DTS_TRY(rebuilding.fill_in_losses());

@@ -47,7 +47,8 @@ Json session_json(const SessionFacts& recorded, const Corrections& corrections, 
   put("subject", facts.subject);
   if (facts.subject != recorded.subject) json["recorded_subject"] = recorded.subject;
   if (has_texts) put("label", facts.label);
-  if (has_texts && !facts.label.empty() && facts.label != recorded.label) json["recorded_label"] = recorded.label;
+  const bool is_label_shown = has_texts && !corrections.has_removed(CorrectedField::Label);
+  if (is_label_shown && facts.label != recorded.label) json["recorded_label"] = recorded.label;
   if (const std::string* notes = corrections.value(CorrectedField::Notes); has_texts && notes != nullptr) put("notes", *notes);
   for (const Correction& correction : corrections.all) json["corrections"].push_back(correction_json(correction, has_texts));
   for (const auto& [name, value] : facts.fields) json["subject_fields"][name] = value;

@@ -85,6 +85,8 @@ TEST_F(CorrectedResultsTest, ADamagedResult_IsAnError_AndAPartHasItsOwnNames) {
   session.parts[0].part = session.trials[0].part = 2;
   EXPECT_EQ(corrected_results(session).value().at(0).name, "trials_part_2");
   EXPECT_TRUE(has_trial_results(session));
+  std::filesystem::remove(session.parts[0].file);
+  EXPECT_FALSE(corrected_results(session)) << "the measures of the volunteer are in the file";
   session.trials[0].result = "{damaged";
   EXPECT_EQ(corrected_results(session).error().code, core::ErrorCode::DataDamaged);
   session.trials[0].result.clear();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Correcting, deleting and erasing closed sessions.
 #include <gmock/gmock.h>
+#include <sqlite3.h>
 
 #include <fstream>
 #include <map>
@@ -65,6 +66,18 @@ class EditTest : public SupervisorTest {
     const auto sessions = recordings_->catalogue().sessions({.shown = record::Shown::Both}).value();
     for (const record::SessionRow& session : sessions) ids.push_back(session.id);
     return ids;
+  }
+  /// Changes the catalogue as another program does.
+  void change_catalogue(const std::string& sql) const {
+    sqlite3* other = nullptr;
+    EXPECT_EQ(sqlite3_open((folder_ / "catalogue.sqlite").c_str(), &other), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(other, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+    EXPECT_EQ(sqlite3_close(other), SQLITE_OK);
+  }
+  [[nodiscard]] std::vector<record::AuditEntry> erasures_in_audit() {
+    auto trail = recordings_->catalogue().audit(1000).value();
+    std::erase_if(trail, [](const record::AuditEntry& entry) { return entry.what != "erase_subject"; });
+    return trail;
   }
   /// Starts the daemon again with the files as they are.
   void restart() {
@@ -337,8 +350,210 @@ TEST_F(EditTest, ARecordingOfAnotherSubjectStays_AndIsReported) {
   EXPECT_EQ(done->mentions, 1U);
   ASSERT_EQ(done->left.size(), 1U);
   EXPECT_THAT(done->left[0], HasSubstr(id));
+  EXPECT_THAT(log(), HasSubstr("not erased: " + done->left[0])) << "the client may have stopped waiting";
   EXPECT_EQ(row(id).subject + " " + row(id).corrections.at(0).old_value, "P018 [erased]");
   EXPECT_TRUE(std::filesystem::exists(row(id).parts.at(0).file));
+}
+
+TEST_F(EditTest, ResultsFollowTheOutcomes_AlsoIfTheDaemonEndedBeforeTheyWereWritten) {
+  start({Protocol{}, standing()});
+  const std::string id = stand();
+  record::Corrections all{.session_id = id};
+  all.add({.who = kAnna,
+           .field = record::CorrectedField::Outcome,
+           .part = 1,
+           .trial = 2,
+           .attempt = 1,
+           .old_value = "done",
+           .new_value = "rejected",
+           .reason = "r"});
+  ASSERT_TRUE(record::write_corrections(corrections_file(id), all));
+  ASSERT_TRUE(recordings_->catalogue().set_corrections(all));
+  ASSERT_TRUE(results(id).contains("romberg/MVELO"));
+  restart();
+  EXPECT_FALSE(results(id).contains("romberg/MVELO"));
+  EXPECT_TRUE(results(id).contains("open/MVELO"));
+}
+
+TEST_F(EditTest, IfTheResultsCannotBeComputed_NothingIsChanged) {
+  start({Protocol{}, standing()});
+  const std::string id = stand();
+  const auto before = results(id);
+  record::TrialRow trial = row(id).trials.at(0);
+  trial.result = "{damaged";
+  ASSERT_TRUE(recordings_->catalogue().put_trial(trial));
+  EXPECT_EQ(supervisor_->correct_session({.session_id = id, .trial = 2, .outcome = "rejected", .reason = "r"}, kAnna).error().code,
+            core::ErrorCode::DataDamaged);
+  EXPECT_TRUE(row(id).corrections.empty());
+  EXPECT_EQ(results(id), before);
+  EXPECT_FALSE(std::filesystem::exists(corrections_file(id)));
+}
+
+TEST_F(EditTest, AFileOfCorrectionsThatSomebodyChanged_IsNotReplaced) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P071");
+  std::ofstream(corrections_file(id)) << "damaged";
+  EXPECT_EQ(supervisor_->correct_session({.session_id = id, .notes = "n", .reason = "r"}, kAnna).error().code,
+            core::ErrorCode::DataDamaged);
+  record::Corrections other{.session_id = id};
+  other.add({.who = kAnna, .field = record::CorrectedField::Notes, .old_value = "", .new_value = "theirs", .reason = "r"});
+  ASSERT_TRUE(record::write_corrections(corrections_file(id), other));
+  EXPECT_THAT(why_refused(supervisor_->correct_session({.session_id = id, .notes = "n", .reason = "r"}, kAnna)),
+              HasSubstr("are not those that dtsd knows"));
+  EXPECT_EQ(record::read_corrections(corrections_file(id)).value(), other);
+  EXPECT_TRUE(row(id).corrections.empty());
+}
+
+TEST_F(EditTest, AfterTheLastCorrection_ATextCanStillBeRemoved_AndTheSessionDeleted) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P071");
+  record::Corrections all{.session_id = id};
+  for (std::size_t count = 0; count < record::kMostCorrections; ++count) {
+    all.add({.who = kAnna, .field = record::CorrectedField::Notes, .old_value = "", .new_value = std::to_string(count), .reason = "r"});
+  }
+  ASSERT_TRUE(record::write_corrections(corrections_file(id), all));
+  ASSERT_TRUE(recordings_->catalogue().set_corrections(all));
+  const auto corrected = [&](const std::string& notes) {
+    return supervisor_->correct_session({.session_id = id, .notes = notes, .reason = "r"}, kAnna);
+  };
+  EXPECT_THAT(why_refused(corrected("n"), core::ErrorCode::LimitExceeded), HasSubstr("at most 1000"));
+  EXPECT_TRUE(corrected(""));
+  EXPECT_TRUE(supervisor_->delete_session(id, "r", false, kAnna));
+  restart();
+  EXPECT_TRUE(row(id).is_deleted);
+  EXPECT_EQ(row(id).notes, "");
+}
+
+TEST_F(EditTest, WordsOfDtsdAreNoMentions) {
+  start({Protocol{}, standing()});
+  const std::string other = stand("P018");
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = other, .trial = 2, .outcome = "rejected", .reason = "not done"}, kAnna));
+  ASSERT_TRUE(supervisor_->delete_session(other, "yes", false, kAnna));
+  for (const std::string word : {"done", "yes"}) {
+    EXPECT_EQ(supervisor_->erase_subject(word, kAnna).error().code, core::ErrorCode::NotFound) << "only reasons have it";
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+    static_cast<void>(brief(word));
+    ASSERT_TRUE(supervisor_->erase_subject(word, kAnna)) << word;
+    ASSERT_TRUE(erased());
+  }
+  EXPECT_THAT(listed(), ElementsAre(other));
+  const auto corrections = row(other).corrections;
+  EXPECT_EQ(corrections.at(0).old_value + " " + corrections.at(0).new_value + " " + corrections.at(0).reason, "done rejected not [erased]");
+  EXPECT_EQ(corrections.at(1).new_value + " " + corrections.at(1).reason, "yes [erased]");
+  EXPECT_TRUE(row(other).is_deleted);
+  EXPECT_EQ(record::read_corrections(corrections_file(other))->all, corrections);
+}
+
+TEST_F(EditTest, NotesThatBecomeLongerByAnErasure_CanStillBeRead) {
+  start({Protocol{}, standing()});
+  const std::string other = brief("P018");
+  std::string notes;
+  while (notes.size() < 998) notes += "A ";
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = other, .notes = notes + "A", .reason = "r"}, kAnna));
+  static_cast<void>(brief("A"));
+  ASSERT_TRUE(supervisor_->erase_subject("A", kAnna));
+  ASSERT_TRUE(erased());
+  const auto read = record::read_corrections(corrections_file(other));
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_EQ(read->all, row(other).corrections);
+  EXPECT_EQ(row(other).notes.find('A'), std::string::npos);
+}
+
+TEST_F(EditTest, ASubjectIsNotErased_WhileARecordingIsMissing) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  const std::string file = row(id).parts.at(0).file;
+  std::filesystem::rename(file, folder_ / "unmounted");
+  EXPECT_THAT(why_refused(supervisor_->erase_subject("P017", kAnna)), HasSubstr(file + " is missing"));
+  EXPECT_THAT(listed(), ElementsAre(id));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+  std::ofstream{file};  // it is gone for ever
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  const auto done = erased();
+  ASSERT_TRUE(done);
+  EXPECT_THAT(done->left, IsEmpty());
+  EXPECT_THAT(files(), IsEmpty());
+}
+
+TEST_F(EditTest, AMissingRecordingOutsideTheFolder_IsReported) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  record::PartRow part = row(id).parts.at(0);
+  part.file = "/nowhere/a.xdf";
+  ASSERT_TRUE(recordings_->catalogue().update_part(part));
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  const auto done = erased();
+  ASSERT_TRUE(done);
+  EXPECT_THAT(done->left, ElementsAre("the recording '/nowhere/a.xdf' is missing; if it is elsewhere, remove it there"));
+}
+
+TEST_F(EditTest, AnErasureThatIsRepeated_IncludesSessionsThatCameSince) {
+  start({Protocol{}, standing()});
+  const std::string other = brief("P018");
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = other, .notes = "as P017", .reason = "r"}, kAnna));
+  static_cast<void>(brief("P017"));
+  std::filesystem::create_directories(corrections_file(other) + ".new/in the way");
+  EXPECT_EQ(supervisor_->erase_subject("P017", kAnna).error().code, core::ErrorCode::Failed);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "erasure.json"));
+  static_cast<void>(brief("P017"));
+  std::filesystem::remove_all(corrections_file(other) + ".new");
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  const auto done = erased();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->sessions, 2U);
+  EXPECT_THAT(listed(), ElementsAre(other));
+  EXPECT_THAT(files(), ElementsAre(other + ".corrections.json", other + ".xdf", other + ".xdf.idx"));
+}
+
+TEST_F(EditTest, ALabelThatWasRemoved_IsNotRecordedAgain) {
+  start({Protocol{}, standing()});
+  const std::string id = record(kBlock, {.protocol = "standing", .label = "Anna Schmidt"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(13.0);
+  ASSERT_TRUE(stop());
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .label = "", .reason = "had a name"}, kAnna));
+  EXPECT_EQ(row(id).recorded_label, "") << "the catalogue does not keep it";
+  ASSERT_TRUE(supervisor_->resume_session(id));
+  pass(1.0);
+  ASSERT_TRUE(stop());
+  ASSERT_EQ(row(id).parts.size(), 2U);
+  EXPECT_EQ(record::read_session_facts(row(id).parts.at(0).file)->label, "Anna Schmidt") << "the recording stays as it is";
+  EXPECT_EQ(record::read_session_facts(row(id).parts.at(1).file)->label, "");
+}
+
+TEST_F(EditTest, AnErasureThatWasInterrupted_CleansCorrectionsOfADamagedCatalogueToo) {
+  start({Protocol{}, standing()});
+  const std::string id = brief("P017");
+  const std::string other = brief("P018");
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = other, .notes = "as P017", .reason = "r"}, kAnna));
+  end();
+  ASSERT_TRUE(record::write_erasure(folder_.string(), {.subject = "P017", .who = kAnna, .utc_ns = 77, .sessions = {id}}));
+  for (const char* name : {"catalogue.sqlite", "catalogue.sqlite-wal", "catalogue.sqlite-shm", "catalogue.sqlite.audit"})
+    std::filesystem::remove(folder_ / name);
+  start({Protocol{}, standing()});
+  EXPECT_THAT(listed(), ElementsAre(other));
+  EXPECT_EQ(row(other).notes, "as [erased]");
+  EXPECT_EQ(record::read_corrections(corrections_file(other))->all, row(other).corrections);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+}
+
+TEST_F(EditTest, AnErasureIsNotForgotten_UntilItIsInTheAuditTrail) {
+  start({Protocol{}, standing()});
+  static_cast<void>(brief("P017"));
+  change_catalogue("CREATE TRIGGER full BEFORE INSERT ON audit BEGIN SELECT RAISE(ABORT, 'full'); END");
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  std::optional<core::Result<record::Erased>> done;
+  ASSERT_TRUE(eventually([&] {
+    done = recordings_->take_erased();
+    return done.has_value();
+  }));
+  EXPECT_FALSE(*done);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "erasure.json"));
+  change_catalogue("DROP TRIGGER full");
+  restart();
+  ASSERT_EQ(erasures_in_audit().size(), 1U);
+  EXPECT_EQ(erasures_in_audit()[0].target + " " + erasures_in_audit()[0].who, "1 session local:anna");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
 }
 
 TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
+#include "record/catalogue/sqlite.h"
 #include "unit/record/catalogue/catalogue_fixture.h"
 
 namespace dts::record {
@@ -96,11 +98,12 @@ TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
     return head + "[" + text.replace(text.find(from), from.size(), to) + "]}";
   };
   std::string many;
-  for (std::size_t count = 0; count <= kMostCorrections; ++count) many += (count == 0 ? "" : ",") + one;
+  for (std::size_t count = 0; count <= kMostListed; ++count) many += (count == 0 ? "" : ",") + one;
   for (const std::string& text : std::vector<std::string>{
            "", "[]", "{}", head + "3}", head + "[3]}", "{\"corrections\": []}", head + "[" + many + "]}", std::string(100'000, '['),
            changed("\"label\"", "\"name\""), changed("\"local\"", "3"), changed("1,", "-1,"), changed("1,", "1e99,"),
-           changed("\"label\"", "\"outcome\""), changed("\"x\"", "\"" + std::string(5000, 'x') + "\"")}) {
+           changed("\"label\"", "\"outcome\""), changed("\"x\"", "\"" + std::string(5000, 'x') + "\""), changed("\"x\"", "\"a\\nb\""),
+           changed("\"r\"", "\"\\u001b[31m\""), changed("\"x\"", "\"\\u202eabc\"")}) {
     const auto read = read_corrections(write(text));
     EXPECT_EQ(code(read), core::ErrorCode::DataDamaged) << text.substr(0, 200);
     EXPECT_NE(what(read).find("s1.corrections.json"), std::string::npos);
@@ -176,6 +179,7 @@ TEST_F(CorrectionsTest, ErasedRowsAreNotEvenInTheBytesOfTheDatabase) {
   ASSERT_TRUE(catalogue().append_audit({.utc_ns = 1, .who = "local", .what = "start_session", .target = "s2", .result = "ok"}));
 
   ASSERT_TRUE(catalogue().erase({"s2", "unknown"}));
+  ASSERT_TRUE(catalogue().overwrite_removed().value());
 
   EXPECT_EQ(code(catalogue().session("s2")), core::ErrorCode::NotFound);
   EXPECT_TRUE(catalogue().session("s1"));
@@ -190,6 +194,45 @@ TEST_F(CorrectionsTest, ErasedRowsAreNotEvenInTheBytesOfTheDatabase) {
   }
 }
 
+TEST_F(CorrectionsTest, OfManySessionsNothingRemains_UnlessAnotherProgramReads) {
+  std::vector<std::string> erased;
+  for (int number = 0; number < 400; ++number) {
+    const std::string id = "s" + std::to_string(number);
+    const bool is_secret = number % 3 == 0;
+    const std::string subject = is_secret ? "SECRETSUBJECT" : "P017";
+    ASSERT_TRUE(catalogue().begin_part({.session_id = id, .rig = "floor", .protocol = "free", .subject = subject}, path(id)));
+    ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Notes, "", subject + std::string(number, 'n'))}, id)));
+    if (is_secret) erased.push_back(id);
+  }
+  const auto remains = [this] {
+    return std::ranges::any_of(std::filesystem::directory_iterator(folder_), [](const auto& entry) {
+      std::ifstream stream(entry.path(), std::ios::binary);
+      return std::string{std::istreambuf_iterator<char>(stream), {}}.find("SECRETSUBJECT") != std::string::npos;
+    });
+  };
+  {
+    const Database reader = Database::open(path()).value();
+    auto rows = reader.query("SELECT id FROM sessions");
+    ASSERT_TRUE(rows.step());
+    ASSERT_TRUE(catalogue().erase(erased));
+    EXPECT_FALSE(catalogue().overwrite_removed().value()) << "the reader needs the old rows";
+    EXPECT_TRUE(remains());
+  }
+  EXPECT_TRUE(catalogue().overwrite_removed().value());
+  EXPECT_FALSE(remains());
+  EXPECT_EQ(catalogue().sessions({.limit = 1000})->size(), 400 - erased.size());
+}
+
+TEST_F(CorrectionsTest, SessionsAreFoundByTheirTexts) {
+  add_session();
+  add_session("s2");
+  add_session("s3");
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Notes, "", "as X9%")}, "s2")));
+  EXPECT_EQ(catalogue().sessions_with("X9").value(), std::vector<std::string>{"s2"});
+  EXPECT_EQ(catalogue().sessions_with("P017").value(), (std::vector<std::string>{"s1", "s2", "s3"})) << "the recorded subject ID";
+  EXPECT_TRUE(catalogue().sessions_with("%").value() == std::vector<std::string>{"s2"}) << "no pattern";
+}
+
 TEST_F(CorrectionsTest, ResultsAreReplacedAsAWhole) {
   add_session();
   ASSERT_TRUE(catalogue().put_result({.session_id = "s1", .name = "old", .value = 1.0, .unit = "1", .details = ""}));
@@ -198,6 +241,10 @@ TEST_F(CorrectionsTest, ResultsAreReplacedAsAWhole) {
   EXPECT_EQ(catalogue().results("s1")->front().name, "new");
   EXPECT_FALSE(catalogue().set_results("s1", {{.session_id = "s1", .name = "nan", .value = std::nan(""), .unit = "", .details = ""}}));
   EXPECT_EQ(catalogue().results("s1")->front().name, "new") << "nothing or everything";
+  const std::vector<ResultRow> bad{{.session_id = "s1", .name = "nan", .value = std::nan(""), .unit = "", .details = ""}};
+  EXPECT_FALSE(catalogue().set_corrections(corrections({outcome(1, "done", "rejected")}), bad));
+  EXPECT_TRUE(catalogue().session("s1")->corrections.empty()) << "nor corrections";
+  EXPECT_EQ(catalogue().results("s1")->front().name, "new");
 }
 
 }  // namespace

@@ -102,6 +102,9 @@ TEST_F(ErasureTest, TheJournalIsReadBack) {
   ASSERT_TRUE(remove_erasure(folder_));
   EXPECT_FALSE(read_erasure(folder_)->has_value());
   ASSERT_TRUE(remove_erasure(folder_)) << "again";
+  std::filesystem::create_symlink("erasure.json", path("erasure.json"));
+  EXPECT_EQ(code(read_erasure(folder_)), core::ErrorCode::Failed) << "it cannot be looked at";
+  ASSERT_TRUE(remove_erasure(folder_));
   for (const std::string text : {"", "{}", "[1]", "{\"subject\":\"\",\"who\":\"w\",\"utc_ns\":1,\"sessions\":[]}",
                                  "{\"subject\":\"P\",\"who\":\"w\",\"utc_ns\":1,\"sessions\":[3]}"}) {
     std::ofstream(path("erasure.json")) << text;
@@ -112,7 +115,10 @@ TEST_F(ErasureTest, TheJournalIsReadBack) {
 TEST_F(ErasureTest, AMentionStandsAlone) {
   EXPECT_EQ(without_mention("see P017.", "P017"), "see [erased].");
   EXPECT_EQ(without_mention("P017,P017", "P017"), "[erased],[erased]");
-  for (const std::string text : {"P0170", "xP017", "", "p017"}) EXPECT_EQ(without_mention(text, "P017"), std::nullopt) << text;
+  EXPECT_EQ(without_mention("P017-P018, see P017-", "P017"), "P017-P018, see [erased]-");
+  EXPECT_EQ(without_mention("-P017-.", "P017"), "-[erased]-.");
+  for (const std::string text : {"P0170", "xP017", "", "p017", "P017-2", "P017.b", "A-P017", "a.P017"})
+    EXPECT_EQ(without_mention(text, "P017"), std::nullopt) << text;
   EXPECT_EQ(without_mention("text", ""), std::nullopt);
 }
 

@@ -178,6 +178,56 @@ TEST_F(CatalogueRebuild, PartsOfAnOlderCatalogue_AreReadAgainForWhatTheyLack) {
   EXPECT_EQ(sessions_text(), unknown.replace(unknown.find(kLoss), kLoss.size(), "unknown"));
 }
 
+/// One correction of the notes of session s1 for each text.
+Corrections notes(const std::vector<std::string>& texts) {
+  Corrections made{.session_id = "s1"};
+  for (const std::string& text : texts) {
+    made.add({.utc_ns = 1, .who = "local", .field = CorrectedField::Notes, .old_value = "", .new_value = text, .reason = "r"});
+  }
+  return made;
+}
+
+TEST_F(CatalogueRebuild, ACopyOfCorrectionsElsewhere_DoesNotReplaceThoseBesideTheRecording) {
+  for (const std::string folder : {"a", "z"}) {  // before and after the name of the right file
+    const std::string copied = folder + "-copy/s1.corrections.json";
+    std::filesystem::remove_all(file(""));
+    std::filesystem::create_directories(file(folder + "-copy"));
+    record("k.xdf", facts("s1"));
+    const std::string beside = corrections_file(file("k.xdf"), "s1");
+    EXPECT_EQ(rebuilt().substr(0, 2), "1 ");
+    for (const std::vector<std::string>& copy : std::vector<std::vector<std::string>>{{"1"}, {"other", "2"}, {"1", "2", "3"}}) {
+      ASSERT_TRUE(write_corrections(beside, notes({"1", "2"})));
+      ASSERT_TRUE(catalogue().set_corrections(notes({"1", "2"})));
+      ASSERT_TRUE(write_corrections(file(copied), notes(copy)));
+      EXPECT_EQ(rebuilt(), "");
+      EXPECT_EQ(read_corrections(beside).value(), notes({"1", "2"})) << copied;
+      EXPECT_EQ(catalogue().session("s1")->corrections, notes({"1", "2"}).all) << copied;
+    }
+    std::filesystem::remove(beside);
+    EXPECT_EQ(rebuilt(), "");
+    EXPECT_EQ(read_corrections(beside).value(), notes({"1", "2", "3"})) << "the longest is right if the file is lost";
+    ASSERT_TRUE(catalogue().erase({"s1"}));
+  }
+}
+
+TEST_F(CatalogueRebuild, CorrectionsThatCannotBeWritten_AreListed) {
+  record("a.xdf", facts("s1"));
+  EXPECT_EQ(rebuilt(), "1 added ");
+  const std::string beside = corrections_file(file("a.xdf"), "s1");
+  std::filesystem::create_directories(beside + ".new/in the way");
+  ASSERT_TRUE(catalogue().set_corrections(notes({"1"})));
+  EXPECT_EQ(rebuilt(), "\ncannot write '/sessions/s1.corrections.json': File exists") << "there is no file";
+  std::ofstream(beside) << R"({"session_id": "s1", "corrections": []})";
+  EXPECT_EQ(rebuilt(), "\ncannot write '/sessions/s1.corrections.json': File exists") << "it is shorter";
+  EXPECT_EQ(catalogue().session("s1")->corrections, notes({"1"}).all);
+}
+
+TEST_F(CatalogueRebuild, CorrectionsThatACrashLeftUnfinished_AreRemoved) {
+  std::ofstream(file("s1.corrections.json.new")) << "as P017";
+  EXPECT_EQ(rebuilt(), "");
+  EXPECT_FALSE(std::filesystem::exists(file("s1.corrections.json.new")));
+}
+
 TEST_F(CatalogueRebuild, OfTwoListsOfCorrections_TheLongerOneIsRight) {
   record("a.xdf", facts());
   EXPECT_EQ(rebuilt(), "1 added ");

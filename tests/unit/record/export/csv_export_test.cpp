@@ -12,6 +12,8 @@ namespace dts::record {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr std::size_t kBlocks = 2000;
 
@@ -168,6 +170,22 @@ TEST_F(CsvExportTest, CorrectedValues_StandBesideTheRecordedOnes) {
   ASSERT_EQ(document["corrections"].size(), 3U);
   EXPECT_EQ(document["corrections"][0]["reason"], "=cmd");
   EXPECT_EQ(document["corrections"][2]["old_value"], "done");
+}
+
+TEST_F(CsvExportTest, ALabelThatWasRemoved_IsNotExportedAsRecorded) {
+  recording_.facts->label = "Jane Doe";
+  Corrections corrections{.session_id = recording_.facts->session_id};
+  const auto exported = [&](const std::string& from, const std::string& to) {
+    corrections.add({.who = "local", .field = CorrectedField::Label, .old_value = from, .new_value = to, .reason = "r"});
+    std::filesystem::remove_all(folder_);  // an export replaces no file
+    EXPECT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
+    return text("20261121T144525Z-floor-1_recording.json");
+  };
+  EXPECT_THAT(exported("Jane Doe", "first"), HasSubstr("\"recorded_label\": \"Jane Doe\""));
+  EXPECT_THAT(exported("first", ""), Not(HasSubstr("Jane")));
+  const std::string again = exported("", "second");
+  EXPECT_THAT(again, HasSubstr("\"label\": \"second\""));
+  EXPECT_THAT(again, Not(HasSubstr("Jane")));
 }
 
 TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {

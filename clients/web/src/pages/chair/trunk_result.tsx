@@ -37,7 +37,7 @@ const ClassStep = ({ movement, trunkClass }: { movement: TrunkMovement | undefin
 
 const sentence = ({ movement, reach, expectedClass, isWithoutReach }: ReachResult): string => {
   const { result, classes } = strings.chair;
-  if (isWithoutReach) return result.noReachHint;
+  if (isWithoutReach) return expectedClass === 0 ? result.asExpected : result.noReachHint;
   if (movement === undefined) return result.pending;
   if (movement.trunkClass < 0) return doubts(movement, reach).join(', ');
   const expected = [classes.none, classes.minor, classes.moderate, classes.maximum][expectedClass];

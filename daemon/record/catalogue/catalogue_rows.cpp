@@ -13,6 +13,7 @@ namespace {
 
 v1::TrialFault reach_fault(const v1::TrialResult& result) {
   if (result.has_reach()) return v1::TRIAL_FAULT_UNSPECIFIED;
+  if (result.has_gap()) return v1::TRIAL_FAULT_NO_VALUES;
   // A reach within arm's length hardly moves the seat: then "no reach" is the expected result.
   const bool is_expected = result.has_expected_class() && result.expected_class() == 0;
   return is_expected ? v1::TRIAL_FAULT_UNSPECIFIED : v1::TRIAL_FAULT_NO_REACH;

@@ -177,6 +177,8 @@ TEST(EncodeSession, FaultOfATrial_IsThatOfItsResult) {
   EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 53.6 expected_class: 0 }"), v1::TRIAL_FAULT_UNSPECIFIED)
       << "the target is at 80 % of the arm length: the arm alone hardly moves the seat";
   EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 80.4 expected_class: 1 }"), v1::TRIAL_FAULT_NO_REACH);
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 80.4 expected_class: 1 has_gap: true }"), v1::TRIAL_FAULT_NO_VALUES);
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 53.6 expected_class: 0 has_gap: true }"), v1::TRIAL_FAULT_NO_VALUES);
   EXPECT_EQ(fault("done", "trial_result { trial: 4 reach { number: 1 } }"), v1::TRIAL_FAULT_UNSPECIFIED);
 }
 

@@ -165,6 +165,25 @@ TEST_F(RigSessionTest, RejectThatIsUndoneAfterTheTimeOfTheTrial_HasTheResultOfTh
   EXPECT_EQ(again->measures, standing.trials[0].live->analysis->measures);
 }
 
+TEST_F(RigSessionTest, EventThatWasDueInAGap_IsAtTheFirstScanAfterIt) {
+  start({standing()});
+  static_cast<void>(record(kBlock, {.protocol = "standing"}));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(11.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Reject)) << "0.5 s before the end of the trial";
+  give({.outcome = device::ReadOutcome::Gap, .gap = {.reason = core::GapReason::Silence, .missing_scans = 1500}});
+  clock_.advance_s(1.0);
+  pass(1.0);
+  static_cast<void>(taken_events(v1::Event::kTrial));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Undo));
+
+  const auto events = taken_events(v1::Event::kTrial);
+  const auto done = std::ranges::find(events, v1::TRIAL_EVENT_KIND_DONE, [](const v1::Event& event) { return event.trial().step(); });
+  ASSERT_NE(done, events.end());
+  EXPECT_EQ(done->segment(), rig().acquisition().segment);
+  EXPECT_EQ(done->scan(), 0U);
+}
+
 TEST_F(RigSessionTest, RejectThatIsUndoneUnderWay_LeavesTheCatalogueAsBefore) {
   start({standing()});
   const std::string id = record(kBlock, {.protocol = "standing"});

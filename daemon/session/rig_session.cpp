@@ -217,6 +217,7 @@ core::Status RigSession::stop(bool is_abort, const std::string& reason, const Mo
 }
 
 void RigSession::end_trials(const Moment& moment) {
+  is_next_wanted_ = false;
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
   follow(moment.at);

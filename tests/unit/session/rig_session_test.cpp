@@ -121,6 +121,16 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
   EXPECT_EQ(late[0].scan(), rig().acquisition().next_scan - 1);
 }
 
+TEST_F(RigSessionTest, SessionStoppedBeforeItsFirstTrial_WantsNoTrialAnyMore) {
+  start({standing()});
+  ASSERT_TRUE(supervisor_->start_session("floor", {.protocol = "standing"}));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  ASSERT_TRUE(now().trial && now().trial->is_next_wanted);
+  ASSERT_TRUE(supervisor_->stop_session("floor", false, ""));
+  ASSERT_TRUE(now().trial);
+  EXPECT_FALSE(now().trial->is_next_wanted);
+}
+
 TEST_F(RigSessionTest, SessionWithoutAProtocol_IsRefusedWithTheList) {
   start({Protocol{}, standing(), Protocol{.name = "chair", .rig_kind = "chair"}});
   const auto refused = [&] { return why_refused(supervisor_->start_session("floor", {.protocol = ""}), ErrorCode::InvalidArgument); };

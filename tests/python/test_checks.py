@@ -108,6 +108,8 @@ VALUES: list[tuple[Answer, list[Any], list[Any]]] = [
     (lambda number: status(instance_id=number), [1], [0]),
     (lambda state: status(disk={"state": state}), [0, 1], [99]),
     (lambda phase: {"trial": {"phase": phase}}, [0, 1], [99]),
+    (lambda outcome: {"trial": {"last_outcome": outcome}}, [0, 4], [99]),
+    (lambda fault: {"trial": {"last_fault": fault}}, [0, 4], [99]),
     (lambda state: part(state=state), [1, 2], [0, 99]),
     (lambda text: {"session": {"session_id": text}}, ["s"], [""]),
     (lambda text: {"session_record": {"session_id": text}}, ["s"], [""]),

@@ -129,6 +129,10 @@ def _check_session(session: control_pb2.SessionInfo) -> None:
 def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
     if trial.phase not in sessions_pb2.TrialPhase.values():
         raise _damaged("the phase of a trial is unknown")
+    if trial.last_outcome not in sessions_pb2.TrialOutcome.values():
+        raise _damaged("the outcome of a trial is unknown")
+    if trial.last_fault not in sessions_pb2.TrialFault.values():
+        raise _damaged("the fault of a trial is unknown")
     _check_amount(trial.next_target_cm, "a trial's target")
     _check_amount(trial.remaining_s, "a trial's time")
     _check_amount(trial.settle_s, "a trial's settling time")

@@ -227,13 +227,14 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
   cli::Table table({"SESSION", "RIG", "PROTOCOL", "SUBJECT", "STARTED (UTC)", ">LENGTH", "TRIALS", "STATE", "LABEL"});
   for (const v1::SessionRecord& session : sessions.sessions()) {
     const std::string trials = trials_text(valid_trials(session), session.planned_trials());
+    const bool is_empty = session.planned_trials() > 0 && valid_trials(session) == 0 && session.state() != "running";
     table.add({{session.session_id(), cli::Style::Bold},
                {session.rig()},
                {or_dash(session.protocol())},
                {or_dash(session.subject())},
                {utc_text(session.started_utc_ns())},
                {session.state() == "running" ? "-" : cli::duration(recorded_s(session))},
-               {or_dash(trials.substr(0, trials.rfind(" trials"))), valid_trials(session) == 0 ? cli::Style::Bad : cli::Style::Plain},
+               {or_dash(trials.substr(0, trials.rfind(" trials"))), is_empty ? cli::Style::Bad : cli::Style::Plain},
                state_cell(state_text(session)),
                {session.label()}});
   }

@@ -77,7 +77,8 @@ int Watch::run() {
   while (remaining_ > 0 && !(console_.can_redraw && console_.is_quit_asked())) {
     const auto message = subscriber_.receive(kLook);
     if (!message) return cli::fail_with(console_, message.error());
-    if (arguments_.is_csv && asks_for_events_only(subscriber_.status(), topics_)) return cli::fail_with(console_, no_table(topics_.front()));
+    if (arguments_.is_csv && asks_for_events_only(subscriber_.status(), topics_))
+      return cli::fail_with(console_, no_table(topics_.front()));
     if (*message) handle(**message);
     const auto now = Clock::now();
     sink_->refresh(now);

@@ -154,8 +154,8 @@ void Catalogue::Implementation::decide_valid_trials() const {
   for (const std::string& id : undecided) {
     Transaction transaction(database);
     for (const TrialRow& trial : trials_of(id)) {
-      database.run("UPDATE trials SET is_valid = ? WHERE session_id = ? AND part = ? AND trial = ? AND attempt = ?", is_valid(trial) ? 1 : 0,
-                   id, trial.part, trial.trial, trial.attempt);
+      database.run("UPDATE trials SET is_valid = ? WHERE session_id = ? AND part = ? AND trial = ? AND attempt = ?",
+                   is_valid(trial) ? 1 : 0, id, trial.part, trial.trial, trial.attempt);
     }
     transaction.commit();
   }

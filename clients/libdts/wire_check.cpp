@@ -144,11 +144,11 @@ Result<void> check(const v1::ProtocolInfo& protocol) {
   if (!is_name(protocol.name())) return damaged("a protocol has no valid name");
   const std::string what = "of protocol '" + protocol.name() + "'";
   auto valid =
-      first_failure(check_count(protocol.condition_list_size(), kMaxTexts, ("conditions " + what).c_str()),
+      first_failure(check_count(protocol.conditions_size(), kMaxTexts, ("conditions " + what).c_str()),
                     check_count(protocol.fields_size(), kMaxTexts, ("fields " + what).c_str()),
                     check_amount(protocol.settle_s(), "the settling time " + what),
                     check_amount(protocol.duration_s(), "the duration " + what), check_amount(protocol.length_s(), "the length " + what));
-  for (const v1::ProtocolCondition& condition : protocol.condition_list()) {
+  for (const v1::ProtocolCondition& condition : protocol.conditions()) {
     if (!valid) break;
     valid = first_failure(check_amount(condition.settle_s(), "the settling time " + what),
                           check_amount(condition.duration_s(), "a duration " + what),

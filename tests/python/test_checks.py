@@ -83,7 +83,7 @@ LISTS: dict[str, tuple[int, Answer]] = {
     "trials": (10_000, lambda n: record(trials=[{}] * n)),
     "losses": (1000, lambda n: part(losses=[{}] * n)),
     "protocols": (1000, lambda n: {"protocols": {"protocols": [{"name": "p"}] * n}}),
-    "conditions": (1000, lambda n: protocol(condition_list=[{}] * n)),
+    "conditions": (1000, lambda n: protocol(conditions=[{}] * n)),
     "fields": (1000, lambda n: protocol(fields=[{}] * n)),
     "choices": (1000, lambda n: field(choices=["c"] * n)),
     "audit": (10_000, lambda n: {"audit": {"entries": [{}] * n}}),

@@ -136,9 +136,10 @@ TEST(EncodeSession, Protocol_NamesTrialsConditionsAndFields) {
       .settle_s = 5,
       .duration_s = 20};
   EXPECT_EQ(text(protocol_info(protocol)),
-            head + "trials: 12 " + tail +
-                " condition_list { name: \"80\" title: \"Near\" settle_s: 5 duration_s: 20 target_percent: 80 } condition_list { name: "
-                "\"max\" title: \"Far\" settle_s: 5 duration_s: 20 is_maximum_reach: true } length_s: 300 starts_by_itself: true");
+            head +
+                "trials: 12 conditions { name: \"80\" title: \"Near\" settle_s: 5 duration_s: 20 target_percent: 80 } "
+                "conditions { name: \"max\" title: \"Far\" settle_s: 5 duration_s: 20 is_maximum_reach: true } " +
+                tail + " length_s: 300 starts_by_itself: true");
 }
 
 TEST(EncodeSession, TrialOfASnapshot_IsEnoughForAClientThatConnectsNow) {

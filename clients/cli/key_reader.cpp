@@ -17,9 +17,8 @@ termios mode_before{};
 std::atomic<int> changed_file = -1;
 static_assert(std::atomic<int>::is_always_lock_free);
 
-/// Returns false if the file is not a terminal of which this program is in the foreground.
 bool begin(int file) {
-  if (::tcgetpgrp(file) != ::getpgrp() || ::tcgetattr(file, &mode_before) != 0) return false;
+  if (::tcgetattr(file, &mode_before) != 0) return false;
   termios mode = mode_before;
   mode.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   mode.c_cc[VMIN] = 0;
@@ -31,11 +30,9 @@ bool begin(int file) {
 }  // namespace
 
 bool KeyReader::is_pressed(char key) {
-  if (!has_begun_) {
-    has_begun_ = true;
-    if (!begin(file_)) file_ = -1;
-  }
-  if (file_ < 0) return false;
+  // Not a terminal, or this program is in the background, where reading would stop it.
+  if (::tcgetpgrp(file_) != ::getpgrp()) return false;
+  if (changed_file.load() != file_ && !begin(file_)) return false;
   pollfd item{.fd = file_, .events = POLLIN, .revents = 0};
   std::array<char, 64> keys{};
   if (::poll(&item, 1, 0) <= 0 || (item.revents & POLLIN) == 0) return false;

@@ -16,12 +16,11 @@ class KeyReader {
 
   /// Returns whether `key` was pressed since the last call; other keys are dropped.
   [[nodiscard]] bool is_pressed(char key);
-  /// Restores the terminal of the reader, if there is one. Safe in a signal handler.
+  /// Restores the terminal of the reader, if there is one; the next `is_pressed` changes it again. Safe in a signal handler.
   static void restore() noexcept;
 
  private:
   int file_;
-  bool has_begun_ = false;
 };
 
 }  // namespace dts::cli

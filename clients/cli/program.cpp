@@ -25,6 +25,15 @@ extern "C" void on_interrupt(int /*signal*/) {
   ::_exit(kInterrupted);
 }
 
+/// Leaves the terminal as it was, then does what the signal does by default.
+extern "C" void on_end_or_stop(int number) {
+  KeyReader::restore();
+  std::signal(number, SIG_DFL);
+  std::raise(number);
+}
+
+extern "C" void on_continue(int /*signal*/) { std::signal(SIGTSTP, on_end_or_stop); }
+
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
   return value != nullptr && *value != '\0';
@@ -70,6 +79,9 @@ int run_program(const std::string& name, int count, char** words,
                 const std::function<int(const std::vector<std::string>&, Console&)>& run) {
   std::ios::sync_with_stdio(false);
   std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_end_or_stop);
+  std::signal(SIGTSTP, on_end_or_stop);
+  std::signal(SIGCONT, on_continue);
   std::signal(SIGPIPE, SIG_IGN);
   Console console = make_console(name);
   try {

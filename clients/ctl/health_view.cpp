@@ -39,9 +39,9 @@ std::string recording_line(const v1::RigStatus& rig) {
   return line;
 }
 
-bool is_under_way(const v1::SessionInfo& session) {
-  return session.state() != v1::SESSION_STATE_UNSPECIFIED && session.state() != v1::SESSION_STATE_IDLE &&
-         session.state() != v1::SESSION_STATE_FAILED;
+/// Returns whether the session runs or has failed; one that has ended needs no attention.
+bool is_shown(const v1::SessionInfo& session) {
+  return session.state() != v1::SESSION_STATE_UNSPECIFIED && session.state() != v1::SESSION_STATE_IDLE;
 }
 
 void add_rig_lines(const v1::RigStatus& rig, std::vector<std::string>& lines) {
@@ -83,7 +83,7 @@ std::vector<std::string> HealthView::table(std::size_t columns) const {
               {rig.has_pipeline_us_per_scan() ? cli::decimal(rig.pipeline_us_per_scan(), 1) : "-"},
               {milliseconds_text(latency_ms(rig, kMedian))},
               {milliseconds_text(latency_ms(rig, kNearlyAll))},
-              {is_under_way(rig.session()) ? session_line(rig.session()) : "-"}});
+              {is_shown(rig.session()) ? session_line(rig.session()) : "-"}});
   }
   rigs.may_drop({"US/SCAN", "P50 (ms)", "QUEUES (%)", "DROPPED", "GAPS", "DEVICE", "P95 (ms)"});
   rigs.print(plain);

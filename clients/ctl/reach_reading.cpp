@@ -86,6 +86,10 @@ std::string movement_text(const v1::TrunkMovement& movement) {
 
 std::string trial_result_text(const v1::TrialResult& result) {
   const std::string trial = "result of trial " + std::to_string(result.trial()) + " (" + result.condition() + "): ";
+  if (result.has_gap()) return trial + "no result: scans are missing";
+  if (!result.has_reach() && result.has_expected_class() && result.expected_class() == 0) {
+    return trial + "no reach found; as expected for this target";
+  }
   if (!result.has_movement()) return trial + (result.has_reach() ? "a reach, not classified" : "no reach found");
   const bool is_comparable = result.has_expected_class() && result.expected_class() >= 0 && result.movement().trunk_class() >= 0;
   const bool agrees = result.expected_class() == result.movement().trunk_class();

@@ -100,7 +100,9 @@ std::string outcome_words(const v1::TrialStatus& trial) {
 std::string trial_line(const v1::TrialStatus& trial, const std::string& rig) {
   if (trial.phase() == v1::TRIAL_PHASE_FINISHED) {
     const std::string trials = trial.of() == 1 ? "the trial has" : "all " + std::to_string(trial.of()) + " trials have";
-    return cli::printable(trials + " ended; end the session: dtsctl session stop" + (rig.empty() ? "" : " --rig " + rig));
+    const bool is_good = trial.last_outcome() <= v1::TRIAL_OUTCOME_DONE && trial.last_fault() == v1::TRIAL_FAULT_UNSPECIFIED;
+    const std::string last = is_good ? "" : "; the last one: " + outcome_words(trial);
+    return cli::printable(trials + " ended" + last + "; end the session: dtsctl session stop" + (rig.empty() ? "" : " --rig " + rig));
   }
   const std::string phase = trial.phase() == 0 ? "-" : enumerator_word(*v1::TrialPhase_descriptor(), trial.phase());
   std::string line = trial.trial() == 0 ? "none of the " + std::to_string(trial.of()) + " trials has started"

@@ -159,7 +159,7 @@ int run_session_show(const Arguments& arguments, cli::Console& console) {
   std::optional<double> elapsed_s;
   const auto ask = [&](ControlClient& dts) {
     auto session = dts.show_session(arguments.session.id);
-    if (!session || session->state() != "running") return session;
+    if (arguments.is_json || !session || session->state() != "running") return session;
     const auto status = dts.status();  // the catalogue does not know how long the session runs
     if (const auto rig = status ? find_rig(*status, session->rig()) : Result<v1::RigStatus>(v1::RigStatus()); rig) {
       if (rig->session().session_id() == session->session_id()) elapsed_s = rig->session().elapsed_s();

@@ -203,8 +203,8 @@ void print_trials(cli::Console& console, const v1::SessionRecord& session) {
 
 /// Returns "4 x (5 + 30) s, 2 min 20 s, plus the pauses you decide".
 std::string length_text(const v1::ProtocolInfo& protocol) {
-  if (protocol.condition_list_size() == 0) return protocol.duration_s() > 0.0 ? cli::duration(protocol.length_s()) : "until stopped";
-  const v1::ProtocolCondition& condition = protocol.condition_list(0);
+  if (protocol.conditions_size() == 0) return protocol.duration_s() > 0.0 ? cli::duration(protocol.length_s()) : "until stopped";
+  const v1::ProtocolCondition& condition = protocol.conditions(0);
   const std::string pauses = protocol.starts_by_itself() || protocol.trials() == 1 ? "" : ", plus the pauses you decide";
   const std::string settling = condition.settle_s() > 0.0 ? shortest(condition.settle_s()) + " s to settle, then " : "";
   if (!(condition.duration_s() > 0.0)) return counted(protocol.trials(), "trial") + ", each " + settling + "until you end it";
@@ -227,13 +227,14 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
   cli::Table table({"SESSION", "RIG", "PROTOCOL", "SUBJECT", "STARTED (UTC)", ">LENGTH", "TRIALS", "STATE", "LABEL"});
   for (const v1::SessionRecord& session : sessions.sessions()) {
     const std::string trials = trials_text(valid_trials(session), session.planned_trials());
+    const bool is_empty = session.planned_trials() > 0 && valid_trials(session) == 0 && session.state() != "running";
     table.add({{session.session_id(), cli::Style::Bold},
                {session.rig()},
                {or_dash(session.protocol())},
                {or_dash(session.subject())},
                {utc_text(session.started_utc_ns())},
                {session.state() == "running" ? "-" : cli::duration(recorded_s(session))},
-               {or_dash(trials.substr(0, trials.rfind(" trials"))), valid_trials(session) == 0 ? cli::Style::Bad : cli::Style::Plain},
+               {or_dash(trials.substr(0, trials.rfind(" trials"))), is_empty ? cli::Style::Bad : cli::Style::Plain},
                state_cell(state_text(session)),
                {session.label()}});
   }
@@ -298,10 +299,10 @@ void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
   print_field(console, "length", length_text(protocol));
   if (protocol.trials() > 0) print_field(console, "trials", std::to_string(protocol.trials()));
   cli::Table conditions({"CONDITION", "NAME", "TARGET"});
-  for (const v1::ProtocolCondition& condition : protocol.condition_list()) {
+  for (const v1::ProtocolCondition& condition : protocol.conditions()) {
     conditions.add({{condition.name(), cli::Style::Bold}, {condition.title()}, {target_text(condition)}});
   }
-  if (protocol.condition_list_size() > 0) console.out << '\n';
+  if (protocol.conditions_size() > 0) console.out << '\n';
   conditions.print(console);
   cli::Table fields({"FIELD", "NAME", "NEEDED", "VALUES", "WHAT"});
   for (const v1::ProtocolField& field : protocol.fields()) {

@@ -32,6 +32,11 @@ std::unique_ptr<WatchSink> make_sink(const Arguments& arguments, cli::Console& c
   return std::make_unique<TextLines>(console);
 }
 
+client::Error no_table(const std::string& topic) {
+  return {client::ErrorCode::InvalidArgument, "CSV is a table of a stream, and no stream begins with '" + topic + "'",
+          "dtsctl watch " + topic + " --jsonl"};
+}
+
 class Watch {
  public:
   Watch(const Arguments& arguments, std::vector<std::string> topics, Target where, client::Subscriber subscriber, cli::Console& console)
@@ -72,6 +77,8 @@ int Watch::run() {
   while (remaining_ > 0 && !(console_.can_redraw && console_.is_quit_asked())) {
     const auto message = subscriber_.receive(kLook);
     if (!message) return cli::fail_with(console_, message.error());
+    if (arguments_.is_csv && asks_for_events_only(subscriber_.status(), topics_))
+      return cli::fail_with(console_, no_table(topics_.front()));
     if (*message) handle(**message);
     const auto now = Clock::now();
     sink_->refresh(now);
@@ -173,6 +180,9 @@ int run_watch(const Arguments& arguments, cli::Console& console) {
                           client::Error{client::ErrorCode::InvalidArgument,
                                         "CSV is a table of one stream, not of " + std::to_string(arguments.topics.size()) + " topics",
                                         "dtsctl watch " + arguments.topics.front() + " --csv, or --jsonl for all"});
+  }
+  if (arguments.is_csv && !arguments.topics.empty() && arguments.topics.front().starts_with("dtsd/")) {
+    return cli::fail_with(console, no_table(arguments.topics.front()));
   }
   const auto where = target(arguments);
   if (!where) return cli::fail_with(console, where.error());

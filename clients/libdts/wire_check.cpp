@@ -122,6 +122,8 @@ Result<void> check(const v1::TareResponse& tare) { return check_count(tare.basel
 
 Result<void> check(const v1::TrialStatus& trial) {
   if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("the phase of a trial is unknown");
+  if (!v1::TrialOutcome_IsValid(trial.last_outcome())) return damaged("the outcome of a trial is unknown");
+  if (!v1::TrialFault_IsValid(trial.last_fault())) return damaged("the fault of a trial is unknown");
   return first_failure(check_amount(trial.next_target_cm(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"),
                        check_amount(trial.settle_s(), "a trial's settling time"), check_amount(trial.duration_s(), "a trial's duration"),
                        check_amount(trial.target_cm(), "a trial's target"), check_amount(trial.target_percent(), "a trial's target"),
@@ -142,11 +144,11 @@ Result<void> check(const v1::ProtocolInfo& protocol) {
   if (!is_name(protocol.name())) return damaged("a protocol has no valid name");
   const std::string what = "of protocol '" + protocol.name() + "'";
   auto valid =
-      first_failure(check_count(protocol.condition_list_size(), kMaxTexts, ("conditions " + what).c_str()),
+      first_failure(check_count(protocol.conditions_size(), kMaxTexts, ("conditions " + what).c_str()),
                     check_count(protocol.fields_size(), kMaxTexts, ("fields " + what).c_str()),
                     check_amount(protocol.settle_s(), "the settling time " + what),
                     check_amount(protocol.duration_s(), "the duration " + what), check_amount(protocol.length_s(), "the length " + what));
-  for (const v1::ProtocolCondition& condition : protocol.condition_list()) {
+  for (const v1::ProtocolCondition& condition : protocol.conditions()) {
     if (!valid) break;
     valid = first_failure(check_amount(condition.settle_s(), "the settling time " + what),
                           check_amount(condition.duration_s(), "a duration " + what),

@@ -84,7 +84,11 @@ std::vector<std::string> choices(TomlReader& reader) {
 ProtocolField read_field(TomlReader& reader) {
   ProtocolField field;
   field.name = word(reader, "name", kFieldLetters);
-  reader.require("label");
+  if (reader.node("sentence") != nullptr) {  // files of dtsd 0.1
+    reader.report("sentence", "'sentence' of a field is now 'label', a short name; 'unit' and 'help' are separate");
+  } else {
+    reader.require("label");
+  }
   field.label = line(reader, "label", kLongestTitle);
   field.unit = line(reader, "unit", kLongestUnit);
   field.help = line(reader, "help", kLongestSentence);

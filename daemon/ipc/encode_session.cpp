@@ -104,7 +104,7 @@ static void add_plan(const session::TrialPlan& plan, dts::v1::ProtocolInfo& out)
   out.set_starts_by_itself(plan.starts_by_itself);
   if (const auto length_s = session::length_s(plan)) out.set_length_s(*length_s);
   for (const session::Condition& condition : plan.conditions) {
-    auto& described = *out.add_condition_list();
+    auto& described = *out.add_conditions();
     described.set_name(condition.name);
     described.set_title(condition.title);
     described.set_settle_s(plan.settle_s);

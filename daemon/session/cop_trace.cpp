@@ -110,6 +110,13 @@ bool CopTrace::reaches(const TracePlace& end) const noexcept {
   return end_number_ >= number_of(end).value_or(0);
 }
 
+std::uint64_t CopTrace::samples_since(const TracePlace& place) const noexcept {
+  if (stretches_.empty() || place.segment > stretches_.back().segment) return 0;
+  const auto number = number_of(place);
+  if (!number) return std::numeric_limits<std::uint64_t>::max();
+  return end_number_ - std::min(end_number_, *number);
+}
+
 std::optional<CopCut> CopTrace::cut(const TracePlace& first, const TracePlace& last) const {
   const auto begin = number_of(first);
   const auto end = number_of(last);

@@ -71,6 +71,9 @@ class CopTrace {
   void keep_from(std::optional<TracePlace> first) noexcept { kept_from_ = first; }
   /// Returns whether no further sample before `end` can arrive.
   [[nodiscard]] bool reaches(const TracePlace& end) const noexcept;
+  /// Returns how many samples the trace has had since `place`, missing ones included: 0 if it has not reached `place`, and the largest
+  /// number if the segment of `place` is not kept.
+  [[nodiscard]] std::uint64_t samples_since(const TracePlace& place) const noexcept;
   /// Returns the samples of [first, end); nothing if any of them is not kept: lost, deleted, or beyond the limit.
   [[nodiscard]] std::optional<CopCut> cut(const TracePlace& first, const TracePlace& end) const;
 

@@ -217,6 +217,7 @@ core::Status RigSession::stop(bool is_abort, const std::string& reason, const Mo
 }
 
 void RigSession::end_trials(const Moment& moment) {
+  is_next_wanted_ = false;
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
   follow(moment.at);
@@ -360,13 +361,15 @@ void RigSession::collect(const DataPosition& at) {
 }
 
 /// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even if
-/// they are detected late.
+/// they are detected late. An event due before this segment is placed at its first scan: a gap has no scans.
 DataPosition RigSession::position_at(std::int64_t host_ns, const DataPosition& newest) const {
   const double after_s = static_cast<double>(host_ns - newest.host_time_ns) * 1e-9;
   if (newest.host_time_ns == 0 || after_s > kFurthestS || after_s < -kFurthestBackS) return newest;  // no scans for some time
   const double scans = std::round(after_s * rig_.config().rate.hz());
   const double scan = static_cast<double>(newest.scan.value) + scans;
-  if (scan < 0.0) return newest;  // before the start of this segment
+  if (scan < 0.0) {
+    return {.segment = newest.segment, .scan = {0}, .host_time_ns = newest.host_time_ns - rig_.config().rate.time_ns(newest.scan)};
+  }
   return {.segment = newest.segment, .scan = {static_cast<std::uint64_t>(scan)}, .host_time_ns = host_ns};
 }
 

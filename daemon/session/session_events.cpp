@@ -93,6 +93,7 @@ v1::Event to_event(const ReachTrialResult& result, const std::string& session_id
   if (result.reach) *out.mutable_reach() = events::to_message(*result.reach);
   if (result.reach && result.movement) *out.mutable_movement() = events::to_message(*result.movement, result.reach->number);
   if (result.expected) out.set_expected_class(static_cast<int>(*result.expected));
+  out.set_has_gap(result.has_gap);
   return event;
 }
 

@@ -45,7 +45,7 @@ SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate, core::Worker&
       worker_(worker),
       trace_(raw_rate, cop_rate),
       last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)),
-      undo_scans_(raw_rate.scans_in_ms(kUndoMs)) {}
+      undo_samples_(cop_rate.scans_in_ms(kUndoMs)) {}
 
 core::Result<SwayResults::Analysed> SwayResults::analyse(const CopCut& samples) {
   try {
@@ -132,7 +132,7 @@ void SwayResults::end_complete() {
         trace_.reaches({.segment = result.end_segment, .scan = result.end_scan + last_word_scans_})) {
       end_trial(key, attempt);
     }
-    const bool is_lost = attempt.voided && trace_.reaches({.segment = attempt.voided->segment, .scan = attempt.voided->scan + undo_scans_});
+    const bool is_lost = attempt.voided && trace_.samples_since(*attempt.voided) >= undo_samples_;
     if (is_lost && (attempt.state == State::Measuring || attempt.state == State::Waiting)) attempt.state = State::Dropped;
     const bool is_open = attempt.state == State::Measuring || attempt.state == State::Waiting;
     if (is_open && (!kept_from || order(begin_of(result)) < order(*kept_from))) kept_from = begin_of(result);

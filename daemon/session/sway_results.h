@@ -109,7 +109,7 @@ class SwayResults {
   core::Worker& worker_;
   CopTrace trace_;
   std::uint64_t last_word_scans_;
-  std::uint64_t undo_scans_;  ///< So long, the samples of a void attempt are kept.
+  std::uint64_t undo_samples_;  ///< So long, gaps included, the samples of a void attempt are kept.
   std::map<Key, Attempt> attempts_;
   std::vector<Key> open_;    ///< Being measured, or waiting for their last samples.
   std::deque<Ended> ended_;  ///< Not yet taken, in the order of their ends.

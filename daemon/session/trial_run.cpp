@@ -180,9 +180,11 @@ core::Status TrialRun::reject(std::int64_t now_ns) {
   keep_for_undo(now_ns);
   report(TrialEventKind::Rejected, now_ns);
   is_void_ = true;
-  if (is_under_way()) go_on(now_ns);
-  // The next trial must not start while the user may still take this back.
-  if (plan_.starts_by_itself && phase_ == TrialPhase::Resting) phase_ends_ns_ = std::max(*phase_ends_ns_, undo_until_ns());
+  if (is_under_way()) {
+    go_on(now_ns);
+  } else if (plan_.starts_by_itself && phase_ == TrialPhase::Resting && *phase_ends_ns_ < undo_until_ns()) {
+    rest(kUndoS, now_ns);  // the next trial must not start while the user may still take this back
+  }
   return {};
 }
 
@@ -202,8 +204,9 @@ core::Status TrialRun::undo(std::int64_t now_ns) {
   is_void_ = false;
   report(TrialEventKind::Undone, now_ns);
   if (!phase_ends_ns_) return {};
-  if (phase_ == TrialPhase::Ready) *phase_ends_ns_ += now_ns - before.voided_ns;
-  if (phase_ == TrialPhase::Resting) phase_ends_ns_ = std::max(*phase_ends_ns_, now_ns);
+  const std::int64_t left_ns = *phase_ends_ns_ - before.voided_ns;
+  if (phase_ == TrialPhase::Ready) phase_ends_ns_ = now_ns + left_ns;
+  if (phase_ == TrialPhase::Resting) rest(static_cast<double>(left_ns) * 1e-9, now_ns);
   catch_up(now_ns);
   tick(now_ns);
   return {};
@@ -321,6 +324,11 @@ void TrialRun::go_on(std::int64_t at_ns) {
     stop_resting(at_ns);
     return;
   }
+  rest(rest_s, at_ns);
+}
+
+/// Rests for `rest_s` from now on, also if a rest is under way.
+void TrialRun::rest(double rest_s, std::int64_t at_ns) {
   report(TrialEventKind::Rest, at_ns);
   events_.back().rest_s = rest_s;
   enter(TrialPhase::Resting, at_ns, rest_s);

@@ -50,7 +50,7 @@ enum class TrialEventKind : std::uint8_t {
   Redone,     ///< This attempt is void; the trial is repeated.
   Rejected,   ///< This attempt is void; the plan continues with the next trial.
   Aborted,    ///< The session ended during the trial.
-  Rest,       ///< Rest begins and lasts `rest_s`.
+  Rest,       ///< Rest lasts `rest_s` from now on: after a trial, or again if a reject or an undo changes its end.
   Finished,   ///< All trials of the plan are done.
   Undone,     ///< Redone or Rejected is taken back. Attempts of this trial with a higher number are void.
 };
@@ -155,6 +155,7 @@ class TrialRun {
   void settle(std::int64_t at_ns);
   void measure(std::int64_t at_ns);
   void go_on(std::int64_t at_ns);
+  void rest(double rest_s, std::int64_t at_ns);
   void stop_resting(std::int64_t at_ns);
   void leave_phase(std::int64_t at_ns);
   void enter(TrialPhase phase, std::int64_t at_ns, std::optional<double> length_s);

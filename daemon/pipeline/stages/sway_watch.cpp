@@ -44,7 +44,8 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
   longest_transient_ = rate.scans_in_ms(kLongestTransientMs);
   const double analysis_hz = hz / static_cast<double>(divisor_);
   sums_ = posturography::RunningSwaySums(analysis_hz);
-  recent_ = posturography::RecentSwaySums(analysis_hz, static_cast<std::size_t>(std::lround(core::kRecentSwayS * 1e3 / every_ms)));
+  const auto chunks = static_cast<std::size_t>(std::floor(core::kRecentSwayS * 1e3 / every_ms));  // not more than this time
+  recent_ = posturography::RecentSwaySums(analysis_hz, chunks);
   trial_ = {};
   reset();
 }

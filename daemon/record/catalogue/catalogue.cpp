@@ -78,6 +78,7 @@ class Catalogue::Implementation {
     return rows_of(database.query(std::string(kTrialColumns) + "WHERE session_id = ? ORDER BY part, trial, attempt", id), read_trial);
   }
   void apply(const Corrections& corrections) const;
+  void decide_valid_trials() const;
   [[nodiscard]] std::vector<PartRow> parts_of(const std::string& id) const {
     return rows_of(database.query(std::string(kPartColumns) + "WHERE session_id = ? ORDER BY part", id), read_part);
   }
@@ -147,19 +148,35 @@ void Catalogue::Implementation::apply(const Corrections& corrections) const {
   }
 }
 
+/// Decides which trials are valid, where a migration has left it open. One session at a time: the results of all trials may be large.
+void Catalogue::Implementation::decide_valid_trials() const {
+  const auto undecided = rows_of(database.query("SELECT DISTINCT session_id FROM trials WHERE is_valid IS NULL"),
+                                 [](const Statement& row) { return row.text(0); });
+  for (const std::string& id : undecided) {
+    Transaction transaction(database);
+    for (const TrialRow& trial : trials_of(id)) {
+      database.run("UPDATE trials SET is_valid = ? WHERE session_id = ? AND part = ? AND trial = ? AND attempt = ?",
+                   is_valid(trial) ? 1 : 0, id, trial.part, trial.trial, trial.attempt);
+    }
+    transaction.commit();
+  }
+}
+
 Catalogue::Catalogue(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
 Catalogue::~Catalogue() = default;
 
 core::Result<std::unique_ptr<Catalogue>> Catalogue::open(const std::string& file) {
   DTS_TRY_ASSIGN(auto database, Database::open(file));
   DTS_TRY(migrate(database, catalogue_migrations()));
+  auto implementation = std::make_unique<Implementation>(std::move(database));
   // After the migration, so that a database of another program is not changed.
   try {
-    database.execute("PRAGMA journal_mode = WAL");
+    implementation->database.execute("PRAGMA journal_mode = WAL");
+    implementation->decide_valid_trials();
   } catch (const SQLite::Exception& exception) {
-    return database.failure(exception);
+    return implementation->database.failure(exception);
   }
-  return std::unique_ptr<Catalogue>(new Catalogue(std::make_unique<Implementation>(std::move(database))));
+  return std::unique_ptr<Catalogue>(new Catalogue(std::move(implementation)));
 }
 
 core::Status Catalogue::begin_part(const SessionFacts& facts, const std::string& file) try {

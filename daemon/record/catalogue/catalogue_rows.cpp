@@ -9,8 +9,20 @@
 
 namespace dts::record {
 
+namespace {
+
+v1::TrialFault reach_fault(const v1::TrialResult& result) {
+  if (result.has_reach()) return v1::TRIAL_FAULT_UNSPECIFIED;
+  if (result.has_gap()) return v1::TRIAL_FAULT_NO_VALUES;
+  // A reach within arm's length hardly moves the seat: then "no reach" is the expected result.
+  const bool is_expected = result.has_expected_class() && result.expected_class() == 0;
+  return is_expected ? v1::TRIAL_FAULT_UNSPECIFIED : v1::TRIAL_FAULT_NO_REACH;
+}
+
+}  // namespace
+
 v1::TrialFault fault_of(const v1::Event& result) {
-  if (result.has_trial_result()) return result.trial_result().has_reach() ? v1::TRIAL_FAULT_UNSPECIFIED : v1::TRIAL_FAULT_NO_REACH;
+  if (result.has_trial_result()) return reach_fault(result.trial_result());
   if (!result.has_sway() || result.sway().is_preliminary()) return v1::TRIAL_FAULT_UNSPECIFIED;
   const v1::Sway& sway = result.sway();
   if ((sway.flags() & v1::SWAY_FLAG_STEPPED_OFF) != 0) return v1::TRIAL_FAULT_STEPPED_OFF;

@@ -146,7 +146,13 @@ CREATE TABLE corrections (
 ) STRICT;
 )sql";
 
-constexpr std::array<const char*, 7> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6, kVersion7};
+/// Whether trials are valid was decided by other rules before. NULL means "not decided": `Catalogue::open` decides it by `is_valid`.
+constexpr const char* kVersion8 = R"sql(
+ALTER TABLE trials DROP COLUMN is_valid;
+ALTER TABLE trials ADD COLUMN is_valid INTEGER CHECK (is_valid IN (0, 1));
+)sql";
+
+constexpr std::array<const char*, 8> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6, kVersion7, kVersion8};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

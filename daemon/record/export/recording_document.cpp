@@ -138,7 +138,7 @@ std::string TrialTable::text(const Corrections& corrections) {
   const bool is_corrected = std::ranges::find(corrections.all, CorrectedField::Outcome, &Correction::field) != corrections.all.end();
   std::vector<TrialRow> rows = trials_.rows();
   if (rows.empty()) return {};
-  std::vector<std::string> columns;  // of the results, as any trial has them
+  std::vector<std::string> columns{"fault"};  // always, then those of the results, as any trial has them
   for (const TrialRow& trial : rows) {
     for (const auto& [name, cell] : cells_of(trial)) {
       if (std::ranges::find(columns, name) == columns.end()) columns.push_back(name);

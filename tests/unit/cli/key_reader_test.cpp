@@ -47,6 +47,9 @@ TEST(KeyReader, OnATerminal_ReadsKeysWithoutEnterAndRestoresIt) {
                 if (::write(keyboard, "xyz", 3) != 3 || keys.is_pressed('q')) return 5;
                 if (::write(keyboard, "aq", 2) != 2 || !keys.is_pressed('q')) return 6;
                 if (keys.is_pressed('q')) return 7;
+                KeyReader::restore();  // as the handler of Ctrl-Z does
+                if (!has_mode(terminal, ICANON) || !has_mode(terminal, ECHO)) return 9;
+                if (keys.is_pressed('q') || has_mode(terminal, ICANON)) return 10;  // continued
               }
               return has_mode(terminal, ICANON) && has_mode(terminal, ECHO) ? 0 : 8;
             }),

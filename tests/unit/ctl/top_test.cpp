@@ -90,6 +90,22 @@ TEST(HealthView, Latency_IsOfTheLastTenSeconds) {
       << "nothing else is left to compare with: since the start";
 }
 
+TEST(HealthView, SessionThatFailed_IsShownWithItsMessage) {
+  v1::StatusSnapshot status = busy_status();
+  v1::SessionInfo& session = *status.mutable_rigs(0)->mutable_session();
+  session.set_session_id("s7");
+  session.set_message("the disk is full");
+  const auto shown = [&status](v1::SessionState state) {
+    status.mutable_rigs(0)->mutable_session()->set_state(state);
+    HealthView view;
+    view.update(status);
+    return cli::join(view.lines(200), "\n");
+  };
+  EXPECT_THAT(shown(v1::SESSION_STATE_FAILED), ::testing::HasSubstr("s7 failed: the disk is full"));
+  EXPECT_THAT(shown(v1::SESSION_STATE_RUNNING), ::testing::HasSubstr("s7 running"));
+  EXPECT_THAT(shown(v1::SESSION_STATE_IDLE), ::testing::Not(::testing::HasSubstr("s7")));
+}
+
 TEST(HealthView, AnotherDaemon_StartsAnew) {
   HealthView view;
   view.update(busy_status(100, 1000));

@@ -65,6 +65,21 @@ TEST_F(WatchTest, CountWithCsv_IsOfTheRowsOfItsStream) {
   EXPECT_EQ(std::ranges::count(out(), '\n'), 1 + 3) << out();
 }
 
+TEST_F(WatchTest, CsvOfATopicWithoutAStream_IsRefusedWithTheOtherFormat) {
+  EXPECT_EQ(run_with({"watch", "dtsd/status", "--csv"}), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("no stream begins with 'dtsd/status'"));
+
+  const int status = play({"watch", "floor/marker", "--count", "3", "--csv"}, "floor/marker", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/marker", testing::marker("one"));
+  });
+
+  EXPECT_EQ(status, cli::kUsage);
+  EXPECT_EQ(out(), "");
+  EXPECT_THAT(talk(), HasSubstr("no stream begins with 'floor/marker'"));
+  EXPECT_THAT(talk(), HasSubstr("dtsctl watch floor/marker --jsonl"));
+}
+
 TEST_F(WatchTest, UserWhoPressesQ_EndsWatchAndTopOnATerminal) {
   console_.is_quit_asked = [] { return true; };
   console_.can_redraw = true;

@@ -241,7 +241,7 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
           {"label", "label = \"" + std::string(65, 's') + "\"", "p:6:9: label must be one line of at most 64 bytes"},
           {"label", "label = \"L\"\nunit = \"" + std::string(17, 's') + "\"", "p:7:8: unit must be one line of at most 16 bytes"},
           {"label", "label = \"L\"\nhelp = \"a\\tb\"", "p:7:8: help must be one line of at most 200 bytes"},
-          {"label", "sentence = \"L\"", "p:4:1: [[field]] label is missing\np:6:1: unknown key 'sentence' in [[field]]"},
+          {"label", "sentence = \"L\"", "p:6:12: 'sentence' of a field is now 'label', a short name; 'unit' and 'help' are separate"},
           {"rig_kind", "rig_kind = \"bed\"", "p:3:12: rig_kind = \"bed\" is not known; known: \"floor\", \"chair\""},
           {"rig_kind", "rig_kin = \"floor\"", "p:3:1: unknown key 'rig_kin'"},
           {"rig_kind", "settle_s = 1", "p:3:12: settle_s is set for each trial in this protocol: write it below [trials]"},

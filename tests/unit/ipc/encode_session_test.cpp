@@ -136,9 +136,10 @@ TEST(EncodeSession, Protocol_NamesTrialsConditionsAndFields) {
       .settle_s = 5,
       .duration_s = 20};
   EXPECT_EQ(text(protocol_info(protocol)),
-            head + "trials: 12 " + tail +
-                " condition_list { name: \"80\" title: \"Near\" settle_s: 5 duration_s: 20 target_percent: 80 } condition_list { name: "
-                "\"max\" title: \"Far\" settle_s: 5 duration_s: 20 is_maximum_reach: true } length_s: 300 starts_by_itself: true");
+            head +
+                "trials: 12 conditions { name: \"80\" title: \"Near\" settle_s: 5 duration_s: 20 target_percent: 80 } "
+                "conditions { name: \"max\" title: \"Far\" settle_s: 5 duration_s: 20 is_maximum_reach: true } " +
+                tail + " length_s: 300 starts_by_itself: true");
 }
 
 TEST(EncodeSession, TrialOfASnapshot_IsEnoughForAClientThatConnectsNow) {
@@ -174,6 +175,11 @@ TEST(EncodeSession, FaultOfATrial_IsThatOfItsResult) {
   EXPECT_EQ(fault("done", "sway { trial: 4 is_valid: false flags: 4096 }"), v1::TRIAL_FAULT_FEET_MOVED);
   EXPECT_EQ(fault("done", "sway { trial: 4 problem: 'no samples' }"), v1::TRIAL_FAULT_NO_VALUES);
   EXPECT_EQ(fault("done", "trial_result { trial: 4 }"), v1::TRIAL_FAULT_NO_REACH);
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 53.6 expected_class: 0 }"), v1::TRIAL_FAULT_UNSPECIFIED)
+      << "the target is at 80 % of the arm length: the arm alone hardly moves the seat";
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 80.4 expected_class: 1 }"), v1::TRIAL_FAULT_NO_REACH);
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 80.4 expected_class: 1 has_gap: true }"), v1::TRIAL_FAULT_NO_VALUES);
+  EXPECT_EQ(fault("done", "trial_result { trial: 4 target_cm: 53.6 expected_class: 0 has_gap: true }"), v1::TRIAL_FAULT_NO_VALUES);
   EXPECT_EQ(fault("done", "trial_result { trial: 4 reach { number: 1 } }"), v1::TRIAL_FAULT_UNSPECIFIED);
 }
 

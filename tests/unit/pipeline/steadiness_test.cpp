@@ -244,6 +244,13 @@ TEST(Steadiness, WindowWithoutATrial_IsTheLast30S) {
   EXPECT_EQ(last.values.range_ap_mm, same.values.range_ap_mm);
 }
 
+TEST(Steadiness, WindowWithoutATrial_IsNotLongerIfItsLengthIsNoMultipleOfTheInterval) {
+  const auto events = Watching({{"every_ms", 700.0}}).watch(swaying_cop(100.0, 6000, 3));
+
+  ASSERT_FALSE(events.empty());
+  EXPECT_EQ(events.back().values.samples, 42U * 70U) << "29.4 s; 43 intervals would be 30.1 s";
+}
+
 TEST(Steadiness, LoadThatIsNotAboveZero_IsNobody) {
   Signal signal = swaying_cop(100.0, 500, 3);
   std::ranges::fill(signal.values[2], 0.0);

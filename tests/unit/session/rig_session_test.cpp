@@ -121,6 +121,16 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
   EXPECT_EQ(late[0].scan(), rig().acquisition().next_scan - 1);
 }
 
+TEST_F(RigSessionTest, SessionStoppedBeforeItsFirstTrial_WantsNoTrialAnyMore) {
+  start({standing()});
+  ASSERT_TRUE(supervisor_->start_session("floor", {.protocol = "standing"}));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  ASSERT_TRUE(now().trial && now().trial->is_next_wanted);
+  ASSERT_TRUE(supervisor_->stop_session("floor", false, ""));
+  ASSERT_TRUE(now().trial);
+  EXPECT_FALSE(now().trial->is_next_wanted);
+}
+
 TEST_F(RigSessionTest, SessionWithoutAProtocol_IsRefusedWithTheList) {
   start({Protocol{}, standing(), Protocol{.name = "chair", .rig_kind = "chair"}});
   const auto refused = [&] { return why_refused(supervisor_->start_session("floor", {.protocol = ""}), ErrorCode::InvalidArgument); };
@@ -163,6 +173,25 @@ TEST_F(RigSessionTest, RejectThatIsUndoneAfterTheTimeOfTheTrial_HasTheResultOfTh
   const auto again = posturography::analyse(standing.trials[0].cop, {.preparation = posturography::kReportPreparation});
   ASSERT_TRUE(again);
   EXPECT_EQ(again->measures, standing.trials[0].live->analysis->measures);
+}
+
+TEST_F(RigSessionTest, EventThatWasDueInAGap_IsAtTheFirstScanAfterIt) {
+  start({standing()});
+  static_cast<void>(record(kBlock, {.protocol = "standing"}));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(11.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Reject)) << "0.5 s before the end of the trial";
+  give({.outcome = device::ReadOutcome::Gap, .gap = {.reason = core::GapReason::Silence, .missing_scans = 1500}});
+  clock_.advance_s(1.0);
+  pass(1.0);
+  static_cast<void>(taken_events(v1::Event::kTrial));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Undo));
+
+  const auto events = taken_events(v1::Event::kTrial);
+  const auto done = std::ranges::find(events, v1::TRIAL_EVENT_KIND_DONE, [](const v1::Event& event) { return event.trial().step(); });
+  ASSERT_NE(done, events.end());
+  EXPECT_EQ(done->segment(), rig().acquisition().segment);
+  EXPECT_EQ(done->scan(), 0U);
 }
 
 TEST_F(RigSessionTest, RejectThatIsUndoneUnderWay_LeavesTheCatalogueAsBefore) {

@@ -124,6 +124,8 @@ TEST(SessionEvents, SayWhereAndWhat) {
       {to_event(result, "s1"), "trial_result { session_id: \"s1\" trial: 4 attempt: 2 condition: \"120\" target_cm: 80.5 " + kReach + " " +
                                    kMovement + " expected_class: 3 }"},
       {to_event(ReachTrialResult{.trial = 4, .movement = movement()}, "s1"), "trial_result { session_id: \"s1\" trial: 4 attempt: 1 }"},
+      {to_event(ReachTrialResult{.trial = 4, .has_gap = true}, "s1"),
+       "trial_result { session_id: \"s1\" trial: 4 attempt: 1 has_gap: true }"},
       {to_event(SessionFigure{.name = "a/MVELO", .value = 2.5, .unit = "mm/s", .details = "{}"}),
        "figure { name: \"a/MVELO\" value: 2.5 unit: \"mm/s\" details: \"{}\" }"},
   };

@@ -199,7 +199,7 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
             "block "
             "1, next b, 0 s"},
            {"a rest continues", timed(), "next@0 reject@30 undo@31",
-            to_rest + " rejected 1.1a@30 undone 1.1a@31 | resting 1.1a" + next_b + "6 s"},
+            to_rest + " rejected 1.1a@30 undone 1.1a@31 rest 1.1a@31(7s) | resting 1.1a" + next_b + "7 s"},
            {"the end of the plan", untimed(), "next@0 next@0 next@0 reject@1 undo@2 next@3",
             " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 rejected 2.1b@1 finished@1 undone "
             "2.1b@2 "
@@ -208,11 +208,12 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
             to_measuring + " rejected 1.1a@10 rest 1.1a@10(5s) ready 2.1b@15(105cm) | ready 2.1b of 4 block 1, next a, 2 s"},
            {"also during a rest", by_itself(with_rest(timed(), 1)), "next@0 reject@27.5 tick@32.4 tick@32.5",
             to_measuring +
-                " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 ready 2.1b@32.5(105cm) | ready 2.1b of 4 block 1, next a, 2 s"},
-           {"a rest that was over meanwhile", by_itself(with_rest(timed(), 1)), "next@0 reject@27.5 undo@30",
-            to_measuring +
-                " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 undone 1.1a@30 ready 2.1b@30(105cm) | ready 2.1b of 4 block 1, "
+                " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 rest 1.1a@27.5(5s) ready 2.1b@32.5(105cm) | ready 2.1b of 4 block 1, "
                 "next a, 2 s"},
+           {"a rest that was over meanwhile continues, too", by_itself(with_rest(timed(), 1)), "next@0 reject@27.5 undo@30",
+            to_measuring +
+                " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 rest 1.1a@27.5(5s) undone 1.1a@30 rest 1.1a@30(0.5s) | resting 1.1a" +
+                next_b + "0.5 s"},
        }) {
     TrialRun run(plan, 1, kArm, done);
     EXPECT_EQ(told(run, commands), expected) << why;

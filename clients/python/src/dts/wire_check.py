@@ -129,6 +129,10 @@ def _check_session(session: control_pb2.SessionInfo) -> None:
 def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
     if trial.phase not in sessions_pb2.TrialPhase.values():
         raise _damaged("the phase of a trial is unknown")
+    if trial.last_outcome not in sessions_pb2.TrialOutcome.values():
+        raise _damaged("the outcome of a trial is unknown")
+    if trial.last_fault not in sessions_pb2.TrialFault.values():
+        raise _damaged("the fault of a trial is unknown")
     _check_amount(trial.next_target_cm, "a trial's target")
     _check_amount(trial.remaining_s, "a trial's time")
     _check_amount(trial.settle_s, "a trial's settling time")
@@ -172,12 +176,12 @@ def _check_subject(subject: sessions_pb2.SubjectRecord) -> None:
 def _check_protocol(protocol: sessions_pb2.ProtocolInfo) -> None:
     if not _is_name(protocol.name):
         raise _damaged("a protocol has no valid name")
-    _check_count(protocol.condition_list, _MAX_TEXTS, "conditions")
+    _check_count(protocol.conditions, _MAX_TEXTS, "conditions")
     _check_count(protocol.fields, _MAX_TEXTS, "fields")
     _check_amount(protocol.settle_s, "a protocol's settling time")
     _check_amount(protocol.duration_s, "a protocol's duration")
     _check_amount(protocol.length_s, "a protocol's length")
-    for condition in protocol.condition_list:
+    for condition in protocol.conditions:
         _check_amount(condition.settle_s, "a condition's settling time")
         _check_amount(condition.duration_s, "a condition's duration")
         _check_amount(condition.target_percent, "a condition's target")

@@ -6,7 +6,7 @@ import { ProtocolInfoSchema, SessionRecordSchema } from '../generated/dts/v1/ses
 import { asSentence, conditionName, isLabel, labelRule, protocolName, protocols, sessionTitle, targetName } from './names';
 
 beforeEach(() => {
-  protocols.value = [create(ProtocolInfoSchema, { name: 'romberg', title: "Romberg's test", conditionList: [{ name: 'eyes-open', title: 'Eyes open, two feet' }, { name: '150', title: '150 % of arm length', targetPercent: 150 }] })];
+  protocols.value = [create(ProtocolInfoSchema, { name: 'romberg', title: "Romberg's test", conditions: [{ name: 'eyes-open', title: 'Eyes open, two feet' }, { name: '150', title: '150 % of arm length', targetPercent: 150 }] })];
 });
 
 test.each([

@@ -57,11 +57,11 @@ export const protocolName = (name: string): string => protocolOf(name)?.title ||
 
 /** "Eyes open" for the condition "eyes-open" of a protocol: its title. Reads a signal. */
 export const conditionName = (protocol: string, condition: string): string =>
-  protocolOf(protocol)?.conditionList.find((one) => one.name === condition)?.title || capitalised(spoken(condition));
+  protocolOf(protocol)?.conditions.find((one) => one.name === condition)?.title || capitalised(spoken(condition));
 
 /** "150 %" of the arm's length for a target of the reaching task, in a table of targets; else the condition's title. Reads a signal. */
 export const targetName = (protocol: string, condition: string): string => {
-  const percent = protocolOf(protocol)?.conditionList.find((one) => one.name === condition)?.targetPercent;
+  const percent = protocolOf(protocol)?.conditions.find((one) => one.name === condition)?.targetPercent;
   return percent === undefined ? conditionName(protocol, condition) : `${whole(percent)} %`;
 };
 

@@ -53,6 +53,7 @@ export const chair = {
     pending: 'Shown when the reach is final.',
     noReach: 'no reach',
     noReachHint: 'No reach between Go and the end of the trial. Redo it (R) or reject it (X).',
+    gapHint: 'Scans are missing in this trial. Redo it (R) or reject it (X).',
     asExpected: 'as expected for this target',
     expected: (word: string) => `expected for this target: ${word}`,
     calibrated: "calibrated to this subject's reaches",

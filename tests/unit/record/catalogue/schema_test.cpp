@@ -48,9 +48,11 @@ TEST_F(CatalogueSchema, TrialsOfAnOlderCatalogue_AreCountedAsThoseOfANewOne) {
         "INSERT INTO protocols VALUES (1, 'p', '', ''); INSERT INTO sessions VALUES ('s1', 'floor', 1, NULL, '', 'complete', '', 1, 2);"
         "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason,"
         " started_utc_ns, calibration_id) VALUES ('s1', 1, 'f', 2, '', 0, 0, 0, 0, '', 1, '')");
-    for (const char* row :
-         {R"(1, 'done', '{"event":"sway","is_valid":true}')", R"(2, 'done', '{"event":"sway","is_valid":false}')",
-          R"(3, 'done', '{"event":"sway","problem":"x"}')", R"(4, 'redone', '')", R"(5, 'done', '')", R"(6, 'done', '{')"}) {
+    for (const char* row : {R"(1, 'done', '{"event":"sway","segment":0,"scan":0,"is_valid":true}')",
+                            R"(2, 'done', '{"event":"sway","segment":0,"scan":0,"is_valid":false}')",
+                            R"(3, 'done', '{"event":"sway","segment":0,"scan":0,"problem":"x"}')", R"(4, 'redone', '')", R"(5, 'done', '')",
+                            R"(6, 'done', '{')", R"(7, 'done', '{"scan":9,"trial_result":{"trial":7}}')",
+                            R"(8, 'done', '{"scan":9,"trial_result":{"trial":8,"reach":{"number":1}}}')"}) {
       old.execute(
           "INSERT INTO trials (session_id, part, attempt, block, condition, segment, first_scan, last_segment,"
           " last_scan, trial, outcome, result) VALUES ('s1', 1, 1, 1, '', 0, 0, 0, 0, " +
@@ -81,7 +83,7 @@ TEST_F(CatalogueSchema, NewerVersion_IsRefusedAndNotTouched) {
   ASSERT_TRUE(meddle("PRAGMA user_version = 99"));
   const auto opened = Catalogue::open(path());
   EXPECT_EQ(code(opened), core::ErrorCode::Unsupported);
-  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 7"));
+  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 8"));
   EXPECT_EQ(open().number("PRAGMA user_version"), 99);
 }
 

@@ -116,8 +116,8 @@ TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
   ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
-              ElementsAre("trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan",
-                          "1,1,1,'=eyes,done,1,0,1,0,3", "2,1,1,'=eyes,aborted,0,1,0,1,1"));
+              ElementsAre("trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,fault",
+                          "1,1,1,'=eyes,done,1,0,1,0,3,", "2,1,1,'=eyes,aborted,0,1,0,1,1,"));
 }
 
 TEST_F(CsvExportTest, Trials_HaveTheMeasuresOfTheirResults) {
@@ -160,9 +160,10 @@ TEST_F(CsvExportTest, CorrectedValues_StandBesideTheRecordedOnes) {
                    .reason = "r"});
   ASSERT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
 
-  EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
-              ElementsAre("trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,recorded_outcome",
-                          "1,1,1,a,rejected,0,0,1,0,3,done"));
+  EXPECT_THAT(
+      lines("20261121T144525Z-floor-1_trials.csv"),
+      ElementsAre("trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan,recorded_outcome,fault",
+                  "1,1,1,a,rejected,0,0,1,0,3,done,"));
   const auto document = nlohmann::json::parse(text("20261121T144525Z-floor-1_recording.json"));
   EXPECT_EQ(document["subject"], "P-018");
   EXPECT_EQ(document["recorded_subject"], "P-017");

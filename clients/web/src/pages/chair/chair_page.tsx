@@ -46,6 +46,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
           reach={shown.reach}
           expectedClass={shown.expectedClass}
           isWithoutReach={shown.isWithoutReach}
+          hasGap={shown.hasGap}
           isOfLastTrial={shown.step === 'ready'}
         />
         <AngleGauge movement={shown.movement} isOfLastTrial={shown.step === 'ready'} />

@@ -35,7 +35,8 @@ const { P1, FINAL, CANCELLED } = ReachStep;
 const going = [trial(READY), trial(GO, { scan: 5000 })];
 const reached = [...going, reach(FINAL, 5200)];
 const movement = (number: number): LiveEvent => event({ case: 'movement', value: { number, trunkClass: 2 } });
-const result = (attempt: number): LiveEvent => event({ case: 'trialResult', value: { sessionId: 's1', trial: 1, attempt, expectedClass: 1 } });
+const result = (attempt: number, hasGap = false): LiveEvent =>
+  event({ case: 'trialResult', value: { sessionId: 's1', trial: 1, attempt, expectedClass: 1, hasGap } });
 
 test.each<[string, readonly LiveEvent[], object]>([
   ['AfterGo counts time from that scan', [...going, trial(MEASURE, { scan: 5000 })], { step: 'go', goAt: { segment: 0, scan: 5000 }, targetCm: 84 }],
@@ -56,6 +57,7 @@ test.each<[string, readonly LiveEvent[], object]>([
   ['MovementOfTheReach is shown', [...reached, movement(1)], { movement: { trunkClass: 2 } }],
   ['MovementOfAnotherReach is ignored', [...reached, movement(3)], { movement: undefined }],
   ['ResultWithoutReach says so', [...reached, trial(DONE), result(1)], { isWithoutReach: true, expectedClass: 1, reach: undefined }],
+  ['ResultWithAGap says so', [...reached, trial(DONE), result(1, true)], { isWithoutReach: true, hasGap: true }],
   ['ResultOfAnotherAttempt changes nothing shown', [...reached, trial(DONE), result(2)], { isWithoutReach: false, expectedClass: -1, reach: { number: 1 } }],
   ['Rest ends after its seconds by the clock of its event', [...going, trial(DONE), trial(REST, { restS: 5 })], { step: 'resting', restEndsMs: 6000 }],
 ])('Examination.%s', (_, events, expected) => {

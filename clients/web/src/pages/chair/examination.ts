@@ -37,6 +37,8 @@ export interface Examination {
   readonly expectedClass: number; // -1 if unknown
   /** The trial's result arrived and has no reach. */
   readonly isWithoutReach: boolean;
+  /** The trial's result arrived, and scans of the trial are missing. */
+  readonly hasGap: boolean;
   /** Counts changes of the session's record; the list of trials is loaded again after each. */
   readonly changes: number;
   /** Host time of the last event of a trial. */
@@ -62,6 +64,7 @@ export const noExamination: Examination = {
   movement: undefined,
   expectedClass: -1,
   isWithoutReach: false,
+  hasGap: false,
   changes: 0,
   lastEventNs: 0n,
   beforeVoid: undefined,
@@ -86,7 +89,7 @@ const newTrial = (examination: Examination, change: TrialChange): Examination =>
 });
 
 /** Clears the result of the trial before; it stays on the screen until the next Go. */
-const newReach = { reach: undefined, movement: undefined, expectedClass: -1, isWithoutReach: false } as const;
+const newReach = { reach: undefined, movement: undefined, expectedClass: -1, isWithoutReach: false, hasGap: false } as const;
 
 const afterTrialChange = (examination: Examination, change: TrialChange, event: LiveEvent): Examination => {
   const known = inSession(examination, change.sessionId);
@@ -147,8 +150,8 @@ const afterResult = (examination: Examination, result: TrialResult): Examination
   const known = inSession(examination, result.sessionId);
   const changed = { ...known, changes: known.changes + 1 };
   if (known.trial !== result.trial || known.attempt !== result.attempt) return changed;
-  const { reach, movement, expectedClass = -1 } = result;
-  return { ...changed, reach, movement, expectedClass, isWithoutReach: reach === undefined };
+  const { reach, movement, expectedClass = -1, hasGap } = result;
+  return { ...changed, reach, movement, expectedClass, isWithoutReach: reach === undefined, hasGap };
 };
 
 const notBefore = (examination: Examination, ns: bigint): Examination =>

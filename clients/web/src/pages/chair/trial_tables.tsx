@@ -16,6 +16,7 @@ import { classWord, doubts } from './words';
 const classText = (trial: TrialRecord): string => {
   const { result } = trial;
   if (result === undefined) return strings.common.undefinedValue;
+  if (result.hasGap) return strings.common.outcomes.noValues;
   if (result.movement === undefined) return strings.chair.result.noReach;
   const why = result.movement.trunkClass < 0 ? doubts(result.movement, result.reach) : [];
   return classWord(result.movement) + (why.length > 0 ? ` (${why.join(', ')})` : '');

@@ -14,6 +14,7 @@ interface ReachResult {
   reach: Reach | undefined;
   expectedClass: number;
   isWithoutReach: boolean;
+  hasGap: boolean;
   /** The result belongs to the last trial, and the next one is about to begin. */
   isOfLastTrial: boolean;
 }
@@ -35,9 +36,10 @@ const ClassStep = ({ movement, trunkClass }: { movement: TrunkMovement | undefin
   );
 };
 
-const sentence = ({ movement, reach, expectedClass, isWithoutReach }: ReachResult): string => {
+const sentence = ({ movement, reach, expectedClass, isWithoutReach, hasGap }: ReachResult): string => {
   const { result, classes } = strings.chair;
-  if (isWithoutReach) return result.noReachHint;
+  if (hasGap) return result.gapHint;
+  if (isWithoutReach) return expectedClass === 0 ? result.asExpected : result.noReachHint;
   if (movement === undefined) return result.pending;
   if (movement.trunkClass < 0) return doubts(movement, reach).join(', ');
   const expected = [classes.none, classes.minor, classes.moderate, classes.maximum][expectedClass];
@@ -47,9 +49,10 @@ const sentence = ({ movement, reach, expectedClass, isWithoutReach }: ReachResul
 };
 
 export const ClassResult = (result: ReachResult): JSX.Element => {
-  const { movement, isWithoutReach } = result;
+  const { movement, isWithoutReach, hasGap } = result;
   const words = strings.chair.result;
-  const word = isWithoutReach ? words.noReach : movement === undefined ? strings.common.undefinedValue : classWord(movement);
+  const noReach = hasGap ? strings.common.outcomes.noValues : words.noReach;
+  const word = isWithoutReach ? noReach : movement === undefined ? strings.common.undefinedValue : classWord(movement);
   return (
     <section class="chair-class" aria-labelledby="chair-class-head">
       <h2 id="chair-class-head">{result.isOfLastTrial ? words.trunkClassBefore : words.trunkClass}</h2>

@@ -10,7 +10,6 @@
 namespace dts::fuzz::config {
 namespace {
 
-
 /// A folder in which the names of the shipped files lead to them.
 class ConfigFolder {
  public:

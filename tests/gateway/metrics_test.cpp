@@ -25,7 +25,9 @@ std::optional<double> value_of(const std::string& page, const std::string& serie
   return std::stod(page.substr(at + series.size() + 2));
 }
 
-bool has_more_than(const std::string& page, const std::string& series, double bound) { return value_of(page, series).value_or(-1.0) > bound; }
+bool has_more_than(const std::string& page, const std::string& series, double bound) {
+  return value_of(page, series).value_or(-1.0) > bound;
+}
 
 TEST(GatewayMetrics, SayWhatTheDaemonDoes) {
   const DaemonProcess daemon;
@@ -37,7 +39,8 @@ TEST(GatewayMetrics, SayWhatTheDaemonDoes) {
   const bool has_all = eventually([&] {
     page = get(gateway, "/metrics");
     return has_more_than(page, R"(dts_scans_total{rig="floor"})", 100.0) &&
-           has_more_than(page, R"(dts_measured_rate_hertz{rig="floor"})", 50.0) && has_more_than(page, R"(dts_recording_bytes{rig="floor"})", 0.0);
+           has_more_than(page, R"(dts_measured_rate_hertz{rig="floor"})", 50.0) &&
+           has_more_than(page, R"(dts_recording_bytes{rig="floor"})", 0.0);
   });
 
   ASSERT_TRUE(has_all) << page;

@@ -19,9 +19,9 @@ using core::kNaN;
 /// Contact ends below this part of the threshold, so that it does not flicker near the threshold.
 constexpr double kReleaseRatio = 0.8;
 
-constexpr double kWidestStanceMm = 1e4;                          // limit for a value from a file
+constexpr double kWidestStanceMm = 1e4;                         // limit for a value from a file
 constexpr std::uint64_t kLatestScan = std::uint64_t{1} << 53U;  // the largest that a state can hold
-constexpr std::size_t kStanceNumbers = 2;                        // of the stance used now
+constexpr std::size_t kStanceNumbers = 2;                       // of the stance used now
 constexpr std::size_t kUpcomingNumbers = 5;
 
 }  // namespace

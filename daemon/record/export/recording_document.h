@@ -23,8 +23,8 @@ class TrialTable {
   void add(const RecordedScans& scans) noexcept;
   /// Thread: the events' thread.
   void add(const TimedEvent& event) { trials_.add(RecordedItem(event)); }
-  /// Returns the trials as CSV, each with the measures of its result, with the corrected outcomes and, if there are any, the recorded ones beside
-  /// them; empty if there was none. Call it after the last `add`.
+  /// Returns the trials as CSV, each with the measures of its result, with the corrected outcomes and, if there are any, the recorded ones
+  /// beside them; empty if there was none. Call it after the last `add`.
   [[nodiscard]] std::string text(const Corrections& corrections);
 
  private:

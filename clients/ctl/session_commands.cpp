@@ -65,7 +65,7 @@ v1::TrialAction action_of(const std::string& word) {
 std::string done_words(const std::string& action, const v1::TrialStatus& trial) {
   if (action == "undo") return "the redo or reject is taken back: ";
   if (action == "redo") return "repeated: ";
-  if (trial.is_next_wanted()) return "the first trial starts by itself as soon as the session runs; now ";
+  if (trial.is_next_wanted()) return "accepted, the first trial starts in a moment: ";
   return "";
 }
 

@@ -107,8 +107,10 @@ std::string session_line(const v1::SessionInfo& session) {
   if (session.session_id().empty()) return "-";
   const bool is_over = session.state() == v1::SESSION_STATE_IDLE;
   std::string line = session.session_id() + " " + (is_over ? "ended" : word(session.state(), v1::SessionState_descriptor()));
-  if (session.elapsed_s() > 0.0) line += (is_over ? " after " : " for ") + cli::duration(session.elapsed_s());
-  if (session.duration_s() > 0.0) line += " of " + cli::duration(session.duration_s());
+  if (session.elapsed_s() > 0.0) {
+    line += (is_over ? " after " : " for ") + cli::duration(session.elapsed_s());
+    if (session.duration_s() > 0.0) line += " of " + cli::duration(session.duration_s());
+  }
   if (!session.message().empty()) line += ": " + session.message();
   return cli::printable(line);
 }

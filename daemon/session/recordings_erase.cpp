@@ -119,7 +119,10 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
   for (const std::string& id : ids) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
     if (session.recorded_subject == erasure.subject) {
-      unerased_.push_back("the recordings of session " + id + ", which now has another subject ID, were recorded with this one");
+      unerased_.push_back("the recordings of session " + id + " were recorded with this subject ID, and the session now has " +
+                          (session.subject.empty() ? "none" : "another one") +
+                          ": to erase them, give this session an ID of its own (dtsctl session edit " + id +
+                          " --subject ID --reason TEXT), then erase that ID");
     } else if (record::without_mention(session.recorded_label, erasure.subject)) {
       unerased_.push_back("the recordings of session " + id + " have this subject ID in their label");
     }

@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr long kMostKb = 4 * 1024;
-constexpr steady_clock::duration kLongestSilence = std::chrono::seconds(2);  // a block takes 20 ms; much more than the daemon may cause
+constexpr steady_clock::duration kLongestSilence = std::chrono::seconds(2);  // a block takes 10 ms; much more than the daemon may cause
 
 std::string attack_seconds() {
   const char* wanted = std::getenv("DTS_ATTACK_SECONDS");

@@ -86,7 +86,7 @@ TEST_F(RelayTest, KilledInASession_CostsNoScan_AndItsClientsComeBack) {
   ASSERT_TRUE(mate.stop_session("floor")) << "as do those who send commands";
   const Finished shown = daemon_.ctl({"session", "show", session->session_id(), "--json"});
   EXPECT_EQ(nlohmann::json::parse(shown.out).at("lost_scans"), 0) << shown.out;
-  std::cout << "relay killed " << kills.count << " times: the remote client missed " << missed_total << " scans and was told of each\n";
+  std::cout << "relay killed " << kills.count << " times: dts-relay's client missed " << missed_total << " scans and knows it\n";
   EXPECT_EQ(daemon_.ctl({"session", "verify", session->session_id()}).status, 0);
   EXPECT_THAT(daemon_.ctl({"audit"}).out, HasSubstr("key:otto"));
 }

@@ -47,7 +47,7 @@ struct Erased {
                                                         const std::function<bool()>& is_wanted);
 
 /// Returns the text without `subject`, where it stands alone ("P017" in "see P017.", not in "P0170" or "P017-2"); nothing if it does not
-/// occur. The text has at most `kLongestCorrectionText` bytes: what stands instead of a short ID is longer.
+/// occur. The text has at most `kLongestCorrectionText` bytes: the replacement of a short ID is longer.
 [[nodiscard]] std::optional<std::string> without_mention(const std::string& text, const std::string& subject);
 
 }  // namespace dts::record

@@ -23,6 +23,14 @@ command -v npm >/dev/null || DTS_PACKAGES+=(nodejs npm) # the dashboard; node 18
 # The Python client (clients/python).
 DTS_PYTHON_PACKAGES=(python3-zmq python3-protobuf python3-numpy)
 
+# The fleet (clients/fleet): built if these are installed; the other programs do not need them.
+DTS_FLEET_PACKAGES=(
+  libnats-dev                                          # messages between clinics and the centre
+  libpq-dev                                            # the centre's catalogue
+)
+# What a centre runs on: scripts/fleet-demo and tests/fleet start both on this machine.
+DTS_CENTRE_PACKAGES=(nats-server postgresql openssl)
+
 # What tests/ adds to both.
 DTS_TEST_PACKAGES=(
   "${DTS_PYTHON_PACKAGES[@]}"

@@ -21,7 +21,7 @@ import sys
 # Rows add up: daemon/core/log.cpp may do what daemon/core may, and more. The exception are the rooms of DIVIDED, whose
 # rows with one more part are rooms of their own: daemon/device/sim is the room "device/sim". It has only its own row, and
 # "device" means the files of daemon/device that belong to no such room.
-DIVIDED = {"device", "lab"}
+DIVIDED = {"device", "fleet", "lab"}
 #
 #    path                        rooms                                                    third party
 HOUSE = [
@@ -99,6 +99,13 @@ HOUSE = [
     ("clients/relay",            ["core", "files", "settings", "access", "libdts", "proto"], ["zmq.h", "zmq.hpp"]),
     ("clients/relay/relay.cpp",  [],                                                      ["systemd/"]),
     ("clients/relay/main.cpp",   [],                                                      ["CLI/", "systemd/"]),
+    ("clients/fleet/wire",       ["core", "proto"],                                       ["google/protobuf/"]),
+    ("clients/fleet/wire/nkey.cpp", [],                                                   ["sodium.h"]),
+    ("clients/fleet/link",       ["core", "fleet/wire"],                                  ["nats/"]),
+    ("clients/fleet/forward",    ["cli", "core", "files", "libdts", "proto", "record", "fleet/wire", "fleet/link"],
+                                                                                          ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),
+    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
+                                                                                          ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),
 ]
 
 # What the system offers, allowed everywhere. C headers that have a C++ name (stdint.h) are missing on purpose.

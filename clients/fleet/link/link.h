@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/log.h"
+#include "core/result.h"
+
+namespace dts::fleet::link {
+
+struct LinkOptions {
+  std::vector<std::string> servers;  ///< "tls://centre.example.org:4222", tried in turn. "nats://" (without TLS) only to a loopback address.
+  std::string ca_pem{};              ///< Certificates of the authority that signed the server's; required for "tls://".
+  std::string name;                  ///< Shown in the server's list of connections: "kent bulk".
+  std::string seed{};                ///< Of the nkey, see wire/nkey.h.
+  std::string inbox_prefix{};        ///< Of replies, see wire/subjects.h.
+};
+
+struct Letter {
+  std::string subject;
+  std::string reply{};  ///< Empty: no answer is expected.
+  std::string data{};
+};
+
+/// Letters of a subject, which may have wildcards. They wait here until they are read: at most 4096 or 64 MiB, then the newest are dropped and
+/// counted. Thread: one at a time. It must not outlive its link.
+class Subscription {
+ public:
+  ~Subscription();
+  Subscription(const Subscription&) = delete;
+  Subscription& operator=(const Subscription&) = delete;
+  Subscription(Subscription&&) = delete;
+  Subscription& operator=(Subscription&&) = delete;
+
+  /// Returns nothing if no letter came within `timeout`.
+  [[nodiscard]] std::optional<Letter> next(std::chrono::milliseconds timeout);
+  [[nodiscard]] std::uint64_t dropped() const;
+
+ private:
+  friend class Link;
+  class Implementation;
+  explicit Subscription(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// A connection to nats-server. It connects in the background, and connects again for ever after a failure. What is sent while there is no
+/// connection may be lost: every sender repeats until it has an answer. All functions: any thread.
+class Link {
+ public:
+  /// Fails with InvalidArgument for wrong options; does not wait for the server.
+  [[nodiscard]] static core::Result<std::unique_ptr<Link>> open(const LinkOptions& options, const core::Log& log);
+  ~Link();
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+  Link(Link&&) = delete;
+  Link& operator=(Link&&) = delete;
+
+  /// Fails with Unreachable while there is no connection, and with LimitExceeded for more than the server's limit of a message.
+  [[nodiscard]] core::Status publish(const Letter& letter);
+  /// Sends and waits for one answer. Fails like `publish`, with Unreachable if nobody listens, and with Timeout.
+  [[nodiscard]] core::Result<std::string> request(const std::string& subject, std::string_view data, std::chrono::milliseconds timeout);
+
+  /// With `queue`, each letter goes to one member of the group of that name. 
+  [[nodiscard]] core::Result<std::unique_ptr<Subscription>> subscribe(const std::string& subject, const std::string& queue = {});
+  /// Returns a new subject below the inbox prefix, for replies.
+  [[nodiscard]] std::string new_inbox() const;
+
+  [[nodiscard]] bool is_connected() const;
+  /// Number of connections so far. It rises with every new one.
+  [[nodiscard]] std::uint64_t connections() const;
+  /// Why there is no connection; empty: there is one.
+  [[nodiscard]] std::string problem() const;
+
+ private:
+  class Implementation;
+  explicit Link(std::unique_ptr<Implementation> implementation);
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace dts::fleet::link

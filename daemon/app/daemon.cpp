@@ -190,7 +190,6 @@ std::vector<std::string> first_notices(const DaemonConfig& config, bool has_rigs
 
 core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, std::vector<std::string> notices,
                         core::Clock& clock, core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log) {
-  ::malloc_trim(0);  // reading the files and fitting plates needed 4 MB more than what is kept; before memory is locked
   const auto folders = take_folders(config);
   if (!folders) return tl::make_unexpected(folders.error());
   for (std::string& notice : first_notices(config, !rigs.empty())) notices.push_back(std::move(notice));
@@ -233,6 +232,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   ServiceManager manager;
   manager.ready("serving " + std::to_string(supervisor.rigs().size()) + " rig(s)");
   log.info("dtsd " + identity.version + " serves control on " + config.endpoints.control + " and data on " + config.endpoints.data);
+  ::malloc_trim(0);  // the start needed 4 MB more than what is kept
   serve_until_signal(server, keys, manager, {manager, supervisor, publisher, log}, clock, log);
   manager.stopping();
   log.info("stopping");

@@ -197,6 +197,7 @@ TEST_F(EditTest, ATrialIsDoneOnce_AndOnlyWithValues) {
   const std::string id = record(kBlock, {.protocol = "standing"});
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
   pass(13.0);
+  ASSERT_TRUE(eventually([&] { return !row(id).trials.at(0).result.empty(); }));
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Redo));  // attempt 1 is redone; attempt 2 begins
   pass(13.0);
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));

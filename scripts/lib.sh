@@ -106,13 +106,38 @@ configure() {
   rm -f "$log"
 }
 
-# compile PRESET [TARGET...]: builds the targets (default: all). Ninja shows one line that moves; where nobody watches, only what fails.
+# show_build WHAT: reads ninja's lines, of which NINJA_STATUS marks one for each finished file ("@12/530 ..."), and shows how far the build is and
+# about how long it still takes: on a terminal as one line that moves, elsewhere as one line a minute. Passes on what compilers print.
+show_build() {
+  local line text finished all elapsed begun=$SECONDS shown=$SECONDS
+  while IFS= read -r line; do
+    if [[ ! $line =~ ^@([0-9]+)/([0-9]+)\  ]]; then
+      [ "$line" = "ninja: no work to do." ] || printf '%s%s\n' "$([ ! -t 2 ] || printf '\r\033[K')" "$line" >&2
+      continue
+    fi
+    finished=${BASH_REMATCH[1]} all=${BASH_REMATCH[2]} elapsed=$((SECONDS - begun))
+    text="$1: $finished of $all files"
+    # Not at the beginning: it has few files, and other ones than most.
+    if [ "$elapsed" -ge 15 ] && [ $((20 * finished)) -ge "$all" ]; then
+      text+=", about $(((elapsed * (all - finished) / finished + 59) / 60)) min left"
+    fi
+    if [ -t 2 ]; then
+      printf '\r\033[K%s' "$text" >&2
+    elif [ $((SECONDS - shown)) -ge 60 ]; then
+      printf '%s\n' "$text" >&2
+      shown=$SECONDS
+    fi
+  done
+  [ ! -t 2 ] || printf '\r\033[K' >&2
+}
+
+# compile PRESET [TARGET...]: builds the targets (default: all), and shows the progress.
 compile() {
-  local preset=$1 begun=$SECONDS quiet=()
+  local preset=$1 begun=$SECONDS
   shift
-  [ -t 2 ] || { quiet=(-- --quiet); say "Building ($preset)"; }
+  [ -t 2 ] || say "Building ($preset)"
   # Ninja by itself runs two compilers more than there are cores, which takes longer beside another build.
-  NINJA_STATUS="Building ($preset) [%f/%t, %es] " cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"} "${quiet[@]}" >&2
+  NINJA_STATUS="@%f/%t " cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"} 2>&1 | show_build "Compiling ($preset)"
   say "Built ($preset) in $((SECONDS - begun)) s"
 }
 

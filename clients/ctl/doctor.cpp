@@ -194,7 +194,7 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
   }
   std::vector<Check> checks{good(name, state), check_losses(rig)};
   if (!rig.device_message().empty()) {
-    checks.front() = bad(name, state + ", but " + rig.device_message(), "check the sensors: dtsctl device test " + rig.rig().name());
+    checks.front() = bad(name, state + ", but " + rig.device_message(), "check plate and sensors: dtsctl device test " + rig.rig().name());
   }
   if (!is_replay(rig)) {
     checks.push_back(check_rate(rig));

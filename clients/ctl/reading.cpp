@@ -95,6 +95,9 @@ std::vector<std::string> reading_parts(const client::StreamFormat& format, std::
     doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
   }
   if (const auto words = quality_words(doubts); !words.empty()) parts.push_back("[" + cli::join(words, " ") + "]");
+  const bool is_value_beyond_travel = format.name == "cop" && (doubts & v1::QUALITY_OUT_OF_RANGE) != 0 &&
+                                      std::ranges::all_of(scan, [](float value) { return std::isfinite(value); });
+  if (is_value_beyond_travel) parts.emplace_back("beyond the travel of the sensors: stand in the middle of the plate");
   return parts;
 }
 

@@ -51,10 +51,14 @@ void print_subject(cli::Console& console, const v1::SubjectRecord& subject) {
     console.out << '\n';
     print_sessions(console, list);
   }
-  if (subject.mentioning_sessions_size() == 0) return;
-  console.out << "\nthe subject ID also occurs in:";
-  for (const std::string& id : subject.mentioning_sessions()) console.out << "\n  " << cli::printable(id);
-  console.out << '\n';
+  if (subject.mentioning_sessions_size() > 0) {
+    console.out << "\nthe subject ID also occurs in:";
+    for (const std::string& id : subject.mentioning_sessions()) console.out << "\n  " << cli::printable(id);
+    console.out << '\n';
+  }
+  if (subject.unsearched_sessions() == 0) return;
+  console.out << '\n'
+              << counted(subject.unsearched_sessions(), "further session") << " may contain the subject ID: an erasure searches all\n";
 }
 
 void print_erased(cli::Console& console, const v1::EraseSubjectResponse& erased) {
@@ -118,6 +122,8 @@ int run_subject_list(const Arguments& arguments, cli::Console& console) {
         }
         if (subjects.subjects_size() == 0) console.out << "no subjects\n";
         table.print(console);
+        if (subjects.more_subjects() == 0) return;
+        console.out << "and " << counted(subjects.more_subjects(), "further subject") << ": see dtsctl subject show ID\n";
       });
 }
 

@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxBlockScans = 4096;
 namespace quality {
 inline constexpr std::uint8_t kRail = 1U << 0;          ///< At the end of the converter's range, or next to it.
 inline constexpr std::uint8_t kStuck = 1U << 1;         ///< The value has not changed by even one code for too long.
-inline constexpr std::uint8_t kOutOfRange = 1U << 2;    ///< Outside the sensor's working range or calibrated curve.
+inline constexpr std::uint8_t kOutOfRange = 1U << 2;    ///< Outside the sensor's working range, curve or travel.
 inline constexpr std::uint8_t kRotation = 1U << 3;      ///< The marker channel is wrong: channels may be rotated.
 inline constexpr std::uint8_t kNoContact = 1U << 4;     ///< No person on the plate: no centre of pressure.
 inline constexpr std::uint8_t kUncalibrated = 1U << 5;  ///< Outside the area or load range of the calibration.

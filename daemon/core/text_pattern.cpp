@@ -5,6 +5,7 @@
 #include <cctype>
 #include <optional>
 
+#include "core/letters.h"
 #include "core/utf8.h"
 
 namespace dts::core {
@@ -35,8 +36,7 @@ class PatternCompiler {
   struct Element;
   using Sequence = std::vector<Element>;
   struct Element {
-    std::vector<TextPattern::Range> characters{};
-    bool is_negated = false;
+    TextPattern::Characters characters{};
     std::vector<Sequence> group{};  ///< Not empty: a group instead of characters.
     std::size_t least = 1;
     std::optional<std::size_t> most = 1;  ///< Absent: no limit.
@@ -73,29 +73,43 @@ class PatternCompiler {
     } else if (skip(U'[')) {
       read_class(element);
     } else if (skip(U'.')) {
-      element.characters.emplace_back(0, kLargestCharacter);
+      element.characters.ranges.emplace_back(0, kLargestCharacter);
     } else if (std::u32string_view(U"*+?{}^$]").find(text_[at_]) != std::u32string_view::npos) {
       note("this character needs '\\' before it");
-    } else {
+    } else if (!read_property(element)) {
       const char32_t character = read_character();
-      element.characters.emplace_back(character, character);
+      element.characters.ranges.emplace_back(character, character);
     }
     read_count(element);
     return element;
+  }
+
+  /// Reads \p{Lu} or \p{Z}, if one is next.
+  bool read_property(Element& element) {
+    const auto skip_text = [this](std::u32string_view wanted) {
+      if (!std::u32string_view(text_).substr(at_).starts_with(wanted)) return false;
+      at_ += wanted.size();
+      return true;
+    };
+    if (skip_text(U"\\p{Lu}")) return element.characters.has_capitals = true;
+    if (skip_text(U"\\p{Z}")) return element.characters.has_spaces = true;
+    return false;
   }
 
   /// Reads a character that stands for itself, perhaps after '\'. A letter or a digit after '\' has another meaning elsewhere.
   char32_t read_character() {
     if (skip(U'\\')) {
       const bool has_meaning = at_ < text_.size() && text_[at_] < 0x80 && std::isalnum(static_cast<int>(text_[at_])) != 0;
-      if (has_meaning || at_ == text_.size()) note("'\\' stands only before a character that is no letter and no digit");
+      if (has_meaning || at_ == text_.size())
+        note("'\\' stands only before a character that is no letter and no digit, and in \\p{Lu} and \\p{Z}");
     }
     return at_ < text_.size() ? text_[at_++] : U'\0';
   }
 
   void read_class(Element& element) {
-    element.is_negated = skip(U'^');
+    element.characters.is_negated = skip(U'^');
     while (problem_.empty() && at_ < text_.size() && !is_next(U']')) {
+      if (read_property(element)) continue;
       const char32_t first = read_character();
       char32_t last = first;
       const bool is_range = is_next(U'-') && at_ + 1 < text_.size() && text_[at_ + 1] != U']';
@@ -104,7 +118,7 @@ class PatternCompiler {
         last = read_character();
       }
       if (last < first) note("the range ends before it begins");
-      element.characters.emplace_back(first, last);
+      element.characters.ranges.emplace_back(first, last);
     }
     if (!skip(U']')) note("']' is missing");
     if (element.characters.empty()) note("'[]' has no characters");
@@ -177,7 +191,7 @@ class PatternCompiler {
   }
   std::size_t add_once(const Element& element, std::size_t next) {
     if (!element.group.empty()) return add(element.group, next);
-    return add_step({.characters = element.characters, .is_negated = element.is_negated, .next = next});
+    return add_step({.characters = element.characters, .next = next});
   }
   std::size_t add_fork(std::size_t one, std::size_t other) { return add_step({.next = one, .other = other}); }
 
@@ -193,6 +207,13 @@ Result<TextPattern> TextPattern::compile(std::string_view pattern) {
                 "see docs/operating.md, Privacy");
   }
   return PatternCompiler(pattern).run(pattern);
+}
+
+bool TextPattern::Characters::has(char32_t character) const noexcept {
+  const bool is_listed =
+      std::ranges::any_of(ranges, [character](const auto& range) { return character >= range.first && character <= range.second; }) ||
+      (has_capitals && is_capital_letter(character)) || (has_spaces && is_space(character));
+  return is_listed != is_negated;
 }
 
 /// Marks a step and all steps that follow it without a character. Uses a list instead of recursion.
@@ -217,9 +238,7 @@ bool TextPattern::matches(std::string_view text) const {
     std::vector<bool> next(steps_.size(), false);
     for (std::size_t at = 1; at < steps_.size(); ++at) {
       if (!now[at] || steps_[at].characters.empty()) continue;
-      const bool is_listed = std::ranges::any_of(
-          steps_[at].characters, [character](const Range& range) { return character >= range.first && character <= range.second; });
-      if (is_listed != steps_[at].is_negated) reach(steps_[at].next, next);
+      if (steps_[at].characters.has(character)) reach(steps_[at].next, next);
     }
     now = std::move(next);
   }

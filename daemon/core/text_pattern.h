@@ -16,6 +16,7 @@ namespace dts::core {
 ///
 ///     a \. .            a character; a character with a meaning, as itself; any character
 ///     [a-z_] [^a-z]     one of these characters; any other character
+///     \p{Lu} \p{Z}      a capital letter, a space, of any script; also within []
 ///     (...) a|b         group; either
 ///     * + ? {2} {1,40}  how often the element before it occurs
 ///
@@ -36,13 +37,20 @@ class TextPattern {
 
  private:
   friend class PatternCompiler;
-  using Range = std::pair<char32_t, char32_t>;  ///< First and last character.
+  struct Characters {
+    std::vector<std::pair<char32_t, char32_t>> ranges{};  ///< First and last character.
+    bool has_capitals = false;                            ///< \p{Lu}
+    bool has_spaces = false;                              ///< \p{Z}
+    bool is_negated = false;
+
+    [[nodiscard]] bool empty() const noexcept { return ranges.empty() && !has_capitals && !has_spaces; }
+    [[nodiscard]] bool has(char32_t character) const noexcept;
+  };
 
   /// A step of a non-deterministic automaton. A step with characters consumes one of them and continues at `next`; a step without goes to
   /// `next` and, if set, to `other`.
   struct Step {
-    std::vector<Range> characters{};
-    bool is_negated = false;
+    Characters characters{};
     std::size_t next = 0;
     std::size_t other = 0;  ///< 0: none; step 0 is the end.
   };

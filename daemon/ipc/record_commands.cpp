@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of CommandHandler that correct, delete and erase what was recorded.
 #include <algorithm>
+#include <span>
 
 #include "ipc/command_handler.h"
 #include "ipc/encode_session.h"
@@ -11,7 +12,9 @@ namespace {
 
 using core::ErrorCode;
 
-constexpr std::size_t kMostSessions = 1000;  // keeps an answer below a few MB
+// These keep an answer below a few MB, and its time on the control thread short.
+constexpr std::size_t kMostSessions = 1000;
+constexpr std::size_t kMostSubjects = 10'000;
 constexpr const char* kBackups =
     "Backups and copies still have this subject. Replace each backup by a new one, or note the subject ID in the list of erasures that "
     "your clinic keeps apart from this machine, and erase the subject again after you restore a backup. Reports, exports and copies that "
@@ -44,7 +47,9 @@ dts::v1::Response CommandHandler::list_subjects() {
   if (!subjects) return error_response(subjects.error());
   dts::v1::Response response;
   auto& out = *response.mutable_subjects();
-  for (const record::SubjectRow& subject : *subjects) *out.add_subjects() = subject_info(subject);
+  const std::size_t listed = std::min(subjects->size(), kMostSubjects);
+  for (const record::SubjectRow& subject : std::span(*subjects).first(listed)) *out.add_subjects() = subject_info(subject);
+  out.set_more_subjects(static_cast<std::uint32_t>(subjects->size() - listed));
   return response;
 }
 
@@ -52,10 +57,10 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
   session::Recordings& recordings = supervisor_.recordings();
   const auto subjects = recordings.catalogue().subjects();
   if (!subjects) return error_response(subjects.error());
-  const auto mentioning = recordings.sessions_mentioning(request.subject());
+  const auto mentioning = recordings.sessions_mentioning(request.subject(), kMostSessions);
   if (!mentioning) return error_response(mentioning.error());
   const auto subject = std::ranges::find(*subjects, request.subject(), &record::SubjectRow::subject);
-  if (request.subject().empty() || (subject == subjects->end() && mentioning->empty())) {
+  if (request.subject().empty() || (subject == subjects->end() && mentioning->sessions.empty())) {
     return error_response({ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list"});
   }
   const auto rows = recordings.catalogue().sessions({.subject = request.subject(), .limit = kMostSessions, .shown = record::Shown::Both});
@@ -66,7 +71,8 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
   for (const record::SessionRow& row : *rows) {
     *out.add_sessions() = listed_session(recordings.corrected(row), supervisor_.planned_trials(row));
   }
-  for (const std::string& id : *mentioning) out.add_mentioning_sessions(id);
+  for (const std::string& id : mentioning->sessions) out.add_mentioning_sessions(id);
+  out.set_unsearched_sessions(static_cast<std::uint32_t>(mentioning->unsearched));
   return response;
 }
 

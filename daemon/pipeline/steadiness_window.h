@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "core/latest_value.h"
 #include "core/units.h"
+#include "pipeline/mailbox.h"
 
 namespace dts::pipeline {
 
@@ -18,42 +18,31 @@ struct SteadinessWindow {
   bool is_restart = false;     ///< Begin a window without a trial again: a session begins.
 };
 
-/// Passes measuring windows from the control thread, which runs the trials, to the stage `steadiness`. The stage reads a new window at its
-/// next block, so a window set before its first scan is exact.
-class SteadinessWindows {
+/// Passes measuring windows of trials to the stage `steadiness`.
+class SteadinessWindows : public Mailbox<SteadinessWindow> {
  public:
   /// Thread: control (the one writer). Realtime-safe: yes.
   void open(std::uint32_t trial, std::uint32_t segment, core::ScanIndex first_scan, core::ScanIndex end_scan) noexcept {
-    publish({.trial = trial, .segment = segment, .first_scan = first_scan, .end_scan = end_scan});
+    send({.trial = trial, .segment = segment, .first_scan = first_scan, .end_scan = end_scan});
   }
   /// Ends the open window at `end_scan`, because the trial is over; the stage reaches this scan later than the control thread. Thread:
   /// control.
   void end_at(std::uint32_t segment, core::ScanIndex end_scan) noexcept {
-    if (newest_.trial == 0 || segment != newest_.segment) return close();
-    open(newest_.trial, newest_.segment, newest_.first_scan, end_scan);
+    if (sent().trial == 0 || segment != sent().segment) return close();
+    open(sent().trial, sent().segment, sent().first_scan, end_scan);
   }
   /// Ends the window immediately: no trial is measured. Thread: control.
   void close() noexcept {
-    closed_ = newest_;
-    publish({});
+    closed_ = sent();
+    send({});
   }
   /// Ends every window immediately; without a trial, the next one begins at once. For the start of a session. Thread: control.
-  void restart() noexcept { publish({.is_restart = true}); }
-  /// Opens the window again that `close` ended last. Thread: control.
-  void reopen() noexcept { publish(closed_); }
-  /// Returns the newest window. Thread: rig (the one reader). Realtime-safe: yes.
-  [[nodiscard]] const SteadinessWindow& latest() noexcept { return box_.load(); }
+  void restart() noexcept { send({.is_restart = true}); }
+  /// Continues the window that `close` ended last. Thread: control.
+  void reopen() noexcept { send(closed_); }
 
  private:
-  void publish(SteadinessWindow window) noexcept {
-    window.number = newest_.number + 1;
-    newest_ = window;
-    box_.store(window);
-  }
-
-  SteadinessWindow newest_;
   SteadinessWindow closed_;  ///< The window that `close` ended last.
-  core::LatestValue<SteadinessWindow> box_;
 };
 
 }  // namespace dts::pipeline

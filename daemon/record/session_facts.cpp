@@ -78,6 +78,10 @@ core::Status read_fields(const Facts& facts, SessionFacts& session) {
 
 }  // namespace
 
+bool is_id(std::string_view text) noexcept {
+  return text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == std::string_view::npos;
+}
+
 Facts to_facts(const SessionFacts& session) {
   Facts facts = {{kVersion, std::to_string(kFormatVersion)}};
   for (const auto& [name, member] : kTexts)

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,6 +13,10 @@
 namespace dts::record {
 
 inline constexpr int kFormatVersion = 1;  ///< Version of our facts and events, not of XDF.
+
+/// Returns whether a text is empty or only has letters, digits, '_', '.' and '-', as session IDs and subject IDs have.
+[[nodiscard]] bool is_id(std::string_view text) noexcept;
+inline constexpr std::size_t kLongestSubject = 64;
 
 /// Everything about a recording that is known before its first scan (design section 7). The file header holds it, so that the catalogue
 /// can be rebuilt from the files and a replay needs no other file. It contains no name of a person.

@@ -16,12 +16,10 @@ struct LabelRule {
   std::string hint{};                          ///< For people who type a text: what is allowed, and why.
 };
 
-/// The rule of a clinic that has set none. The first word may be anything; a later word begins with a small letter or a digit, or is a
-/// short code of capitals. So "eyes closed", "Baseline 2" and "T1 OP" are allowed, and "Anna Schmidt, born 1950" is not. No rule can know
-/// all names: it stops the usual sentence with a name.
-inline constexpr std::string_view kDefaultLabelPattern =
-    "[A-Za-z\u00C0-\u00FF0-9(][A-Za-z\u00C0-\u00FF0-9._+%/:,;!?()\"#\\-]*"
-    "( ([a-z\u00DF-\u00FF0-9._+%/:,;!?()\"#\\-][A-Za-z\u00C0-\u00FF0-9._+%/:,;!?()\"#\\-]*|[A-Z0-9]{1,5}))*";
+/// The rule of a clinic that has set none, for every script. The first word may be anything; a later word begins with another character
+/// than a capital letter, or is a short code of capitals. So "eyes closed", "Baseline 2" and "T1 OP" are allowed, and "Anna Schmidt, born
+/// 1950" is not. No rule can know all names, and in scripts without capitals it knows none: it stops the usual sentence with a name.
+inline constexpr std::string_view kDefaultLabelPattern = R"([^=+@<>\-\p{Z}][^<>\p{Z}]*( ([^<>\p{Lu}\p{Z}][^<>\p{Z}]*|[\p{Lu}0-9]{1,5}))*)";
 inline constexpr std::string_view kDefaultLabelHint =
     "Use words and numbers such as \"eyes closed\" or \"Baseline 2\". Labels go into files: do not enter names or birth dates";
 /// The hint of a clinic that has set a rule and no hint.

@@ -93,6 +93,12 @@ RecordingView RecordThread::view(const std::string& rig) {
   return view;
 }
 
+void RecordThread::forget(const std::string& rig) {
+  const std::lock_guard lock(mutex_);
+  RecordingView& view = lines_.at(rig).view;
+  if (!view.is_recording) view = {};
+}
+
 void RecordThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const std::int64_t turn_ns = clock_.now_ns();

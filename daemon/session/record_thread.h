@@ -69,6 +69,8 @@ class RecordThread {
   /// Thread: control.
   [[nodiscard]] std::vector<FinishedRecording> take_finished();
   [[nodiscard]] RecordingView view(const std::string& rig);
+  /// Forgets the state of the last recording, which was erased; has no effect while one is open. Thread: control.
+  void forget(const std::string& rig);
   /// Waits until no recording is open, at most `limit`. Thread: control.
   void wait_until_closed(std::chrono::milliseconds limit);
 

@@ -36,8 +36,6 @@ std::string file_of(const StorageConfig& config, const record::SessionFacts& fac
   return sessions_directory(config) + "/" + facts.session_id + part + ".xdf";
 }
 
-std::string catalogue_of(const StorageConfig& config) { return config.directory + "/catalogue.sqlite"; }
-
 /// Returns the closed recording of a part if the daemon ended between closing the file and updating the catalogue.
 std::optional<record::FoundRecording> closed_already(const record::PartRow& part) {
   const std::string closed = part.file.substr(0, part.file.rfind(".part"));
@@ -60,7 +58,7 @@ std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock,
                                                                      const core::Log& log) {
-  DTS_TRY_ASSIGN(auto catalogue, record::Catalogue::open(catalogue_of(config)));
+  DTS_TRY_ASSIGN(auto catalogue, record::Catalogue::open(catalogue_file(config)));
   std::unique_ptr<Recordings> recordings(new Recordings(config, clock, log, std::move(catalogue)));
   recordings->continue_erasure();  // first, so that no file of an erased session is entered again
   DTS_TRY(recordings->enter_interrupted());
@@ -69,7 +67,7 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const Stora
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& config, core::Clock& clock, core::Log log) {
   DTS_TRY(prepare_storage(config));
-  const std::string file = catalogue_of(config);
+  const std::string file = catalogue_file(config);
   std::string damage = is_half_set_aside(file) ? file + " is missing, but files that belong to it exist" : "";
   core::Result<std::unique_ptr<Recordings>> opened;
   if (damage.empty()) opened = open_catalogue(config, clock, log);
@@ -302,7 +300,9 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
     recorder.reset();  // the file is empty, and the next start would enter it as a session
     for (const char* ending : {".part", ".idx"}) ::unlink((file + ending).c_str());
-    return entered;
+    if (!erasing_thread_.joinable()) return entered;
+    return core::fail(core::ErrorCode::WrongState, "dtsd is writing its catalogue again, because a subject was erased",
+                      "start the session again in some seconds");
   }
   under_way_[facts.rig] = {
       .session_id = facts.session_id, .part = facts.part, .file = file + ".part", .started_utc_ns = facts.started_utc_ns};

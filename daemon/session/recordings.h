@@ -6,6 +6,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -24,6 +25,12 @@
 #include "session/storage.h"
 
 namespace dts::session {
+
+/// Sessions that have a subject ID somewhere, but are not sessions of this subject.
+struct Mentions {
+  std::vector<std::string> sessions{};  ///< Their IDs.
+  std::size_t unsearched = 0;           ///< Further sessions that may be among them.
+};
 
 /// Manages all recordings of a daemon: the folder, the catalogue, the record thread, and the recovery of recordings interrupted by a crash.
 ///
@@ -91,8 +98,10 @@ class Recordings {
   [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
 
   // recordings_erase.cpp
-  /// Returns the IDs of other sessions whose corrections, recorded subject ID or recorded label have this subject ID.
-  [[nodiscard]] core::Result<std::vector<std::string>> sessions_mentioning(const std::string& subject) const;
+  /// Returns the other sessions whose corrections, recorded subject ID or recorded label have this subject ID. Searches at most
+  /// `most_searched` of the sessions that have its text somewhere.
+  [[nodiscard]] core::Result<Mentions> sessions_mentioning(const std::string& subject,
+                                                           std::size_t most_searched = std::numeric_limits<std::size_t>::max()) const;
   /// Begins to erase a subject: its sessions are in no list any more when this returns; a thread removes the files. Fails with NotFound if
   /// no session has or had this subject ID, with WrongState while one of its sessions runs or a file of its recordings is missing, while
   /// repaired copies are made or during another erasure, and with NotAllowed if a recording is a link or outside the folder of the
@@ -111,6 +120,8 @@ class Recordings {
   /// Returns the recordings that ended since the last call. Their catalogue entries are made first.
   [[nodiscard]] std::vector<FinishedRecording> take_finished();
   [[nodiscard]] RecordingView view(const std::string& rig) { return thread_.view(rig); }
+  /// The last session of the rig was erased: `view` does not show its recording any more.
+  void forget(const std::string& rig) { thread_.forget(rig); }
   [[nodiscard]] DiskView disk() const { return look_at_disk(config_, bytes_per_s_); }
   [[nodiscard]] record::Catalogue& catalogue() noexcept { return *catalogue_; }
   /// Returns the part number of the current or last recording.

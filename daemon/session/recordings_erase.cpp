@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Erasing a subject. Its order keeps a crash harmless:
 //
-//     erasure.json on the disk --> rows --> mentions in other sessions --> files --> audit entry --> erasure.json removed
+//     erasure.json on the disk --> rows --> mentions in other sessions --> files --> bytes of rows --> audit entry --> erasure.json removed
+//                                           control thread <-- | --> thread "erase"              | --> control thread
 //
 // The next start continues with an erasure.json that it finds, before it looks for recordings. It enters the erasure after that.
 #include <sys/stat.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <set>
+#include <span>
 #include <utility>
 
 #include "core/thread.h"
@@ -22,6 +23,9 @@ using core::ErrorCode;
 
 constexpr std::size_t kMostSessions = 10'000;
 constexpr std::size_t kEntriesToSearch = 1000;
+/// How long the control thread waits for the catalogue. While removed rows are overwritten, it cannot write; it retries later.
+constexpr std::chrono::milliseconds kWaitWhileErasing{50};
+constexpr std::chrono::milliseconds kWaitOtherwise{1000};
 
 bool is_below(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
@@ -47,6 +51,21 @@ bool remove_mention(record::Correction& correction, const std::string& subject) 
   return is_changed;
 }
 
+/// Removes the bytes of removed rows too, if the files were removed: their removal makes the room that this needs, and a full disk must
+/// not keep them. Thread: any.
+core::Result<record::Erased> and_overwrite(core::Result<record::Erased> removed, const StorageConfig& config,
+                                           const std::function<bool()>& is_wanted) {
+  if (!removed) return removed;
+  const auto overwritten = record::Catalogue::overwrite_removed(catalogue_file(config), config.directory, is_wanted);
+  if (!is_wanted()) return core::fail(ErrorCode::Failed, "dtsd is stopping: it continues the erasure when it starts again");
+  if (!overwritten) removed->left.push_back("the catalogue still has bytes of removed rows: " + core::to_string(overwritten.error()));
+  if (overwritten && !*overwritten) {
+    removed->left.emplace_back(
+        "the log of the catalogue still has removed rows, because another program reads it: end that program and restart dtsd");
+  }
+  return removed;
+}
+
 /// Returns whether a session was recorded with this subject ID, or had it.
 bool had_subject(const record::SessionRow& session, const std::string& subject) {
   return session.recorded_subject == subject || std::ranges::any_of(session.corrections, [&](const record::Correction& one) {
@@ -56,19 +75,20 @@ bool had_subject(const record::SessionRow& session, const std::string& subject) 
 
 }  // namespace
 
-core::Result<std::vector<std::string>> Recordings::sessions_mentioning(const std::string& subject) const {
-  if (subject.empty()) return std::vector<std::string>();
+core::Result<Mentions> Recordings::sessions_mentioning(const std::string& subject, std::size_t most_searched) const {
+  if (subject.empty()) return Mentions{};
   DTS_TRY_ASSIGN(const auto candidates, catalogue_->sessions_with(subject));
-  std::vector<std::string> ids;
-  for (const std::string& id : candidates) {
+  const std::size_t searched = std::min(candidates.size(), most_searched);
+  Mentions found{.unsearched = candidates.size() - searched};
+  for (const std::string& id : std::span(candidates).first(searched)) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
     if (session.subject == subject) continue;
     const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject);
     const bool is_corrected =
         std::ranges::any_of(session.corrections, [&](record::Correction one) { return remove_mention(one, subject); });
-    if (is_recorded || is_corrected) ids.push_back(id);
+    if (is_recorded || is_corrected) found.sessions.push_back(id);
   }
-  return ids;
+  return found;
 }
 
 /// Fails if a recording must not or cannot be removed.
@@ -115,8 +135,8 @@ core::Status Recordings::check_part(const record::PartRow& part, const fs::path&
 
 /// Removes the subject ID from the corrections of other sessions. Lists in `unerased_` the recordings that have it: they are not changed.
 core::Status Recordings::remove_mentions(record::Erasure& erasure) {
-  DTS_TRY_ASSIGN(const auto ids, sessions_mentioning(erasure.subject));
-  for (const std::string& id : ids) {
+  DTS_TRY_ASSIGN(const auto mentioning, sessions_mentioning(erasure.subject));
+  for (const std::string& id : mentioning.sessions) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
     if (session.recorded_subject == erasure.subject) {
       unerased_.push_back("the recordings of session " + id + " were recorded with this subject ID, and the session now has " +
@@ -141,15 +161,7 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
 
 core::Status Recordings::erase_rows(record::Erasure& erasure) {
   DTS_TRY(catalogue_->erase(erasure.sessions));
-  DTS_TRY(remove_mentions(erasure));
-  const auto overwritten = catalogue_->overwrite_removed();
-  // A full disk must not keep the files, whose removal makes room.
-  if (!overwritten) unerased_.push_back("the catalogue still has bytes of removed rows: " + core::to_string(overwritten.error()));
-  if (overwritten && !*overwritten) {
-    unerased_.push_back(
-        "the log of the catalogue still has removed rows, because another program reads it: end that program and restart dtsd");
-  }
-  return {};
+  return remove_mentions(erasure);
 }
 
 core::Status Recordings::begin_erasure(const std::string& subject, const std::string& who) {
@@ -170,7 +182,7 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
   DTS_TRY_ASSIGN(const auto sessions, catalogue_->sessions({.subject = subject, .limit = kMostSessions, .shown = record::Shown::Both}));
   DTS_TRY_ASSIGN(const auto mentioning, sessions_mentioning(subject));
   bool is_known = erasure_ || !sessions.empty();
-  for (const std::string& id : mentioning) {
+  for (const std::string& id : mentioning.sessions) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
     is_known = is_known || had_subject(session, subject);
   }
@@ -194,9 +206,11 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
 }
 
 void Recordings::start_erasing() {
+  catalogue_->wait_at_most(kWaitWhileErasing);
   erasing_thread_ = std::jthread([this, sessions = erasure_->sessions](const std::stop_token& stop) {
     static_cast<void>(core::configure_this_thread("erase", {}));  // default policy, cannot be rejected
-    auto removed = record::remove_session_files(sessions_directory(config_), sessions, [&stop] { return !stop.stop_requested(); });
+    const auto is_wanted = [&stop] { return !stop.stop_requested(); };
+    auto removed = and_overwrite(record::remove_session_files(sessions_directory(config_), sessions, is_wanted), config_, is_wanted);
     const std::lock_guard lock(removed_mutex_);
     removed_ = std::move(removed);
   });
@@ -210,6 +224,7 @@ void Recordings::collect_erased() {
   }
   if (!removed) return;
   if (erasing_thread_.joinable()) erasing_thread_.join();  // `stop` joins it too
+  catalogue_->wait_at_most(kWaitOtherwise);
   finish_erasure(std::move(*removed));
 }
 
@@ -275,6 +290,7 @@ void Recordings::end_continued_erasure() {
   if (!removed) return;
   unerased_.clear();
   if (auto erased = erase_rows(*erasure_); !erased) *removed = tl::make_unexpected(erased.error());
+  *removed = and_overwrite(std::move(*removed), config_, [] { return true; });
   finish_erasure(std::move(*removed));
   erased_.reset();  // nobody waits for it
 }

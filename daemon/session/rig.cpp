@@ -2,7 +2,9 @@
 #include "session/rig.h"
 
 #include <algorithm>
+#include <cmath>
 #include <future>
+#include <string_view>
 
 #include "core/join.h"
 #include "device/registry.h"
@@ -36,7 +38,11 @@ core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pi
   return {};
 }
 
-constexpr std::size_t kCopChannels = 3;  // ml_mm, ap_mm, load_n
+constexpr std::size_t kCopChannels = 3;                 // ml_mm, ap_mm, load_n
+constexpr std::int64_t kTravelShownNs = 2'000'000'000;  // a person who sways reaches the end of the travel now and then
+constexpr std::string_view kBeyondTravel =
+    "the load bends the plate further than its sensors measure, so load and centre of pressure are less exact: ask the person to stand in "
+    "the middle of the plate; a person who is too heavy for this plate needs a stiffer one";
 
 std::optional<std::size_t> cop_stream_of(const pipeline::Pipeline& pipeline) {
   const auto found = std::ranges::find(pipeline.formats(), std::string_view("cop"), &core::StreamFormat::name);
@@ -167,6 +173,7 @@ void Rig::process(const core::Acquired& acquired, bool has_more) noexcept {
   tap_.begin_take();
   pipeline_->process(acquired, frame_);
   frames_.write(frame_, pipeline_->events());
+  note_travel();
   note_progress(acquired.block, clock_.now_ns() - started_ns);
   publish(has_more);
   if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
@@ -187,7 +194,10 @@ std::string Rig::sensor_problems() {
   if (!has_scans || !sensor_stream_) return {};
   std::vector<std::string> names;
   for (const std::size_t channel : config_->sensor_channels) names.push_back(device_->describe().channels[channel].name);
-  return session::sensor_problems(sensor_watch_.latest(), names);
+  std::string problems = session::sensor_problems(sensor_watch_.latest(), names);
+  const auto& beyond_ns = pipeline_report().beyond_travel_ns;
+  if (problems.empty() && beyond_ns && clock_.now_ns() - *beyond_ns < kTravelShownNs) return std::string(kBeyondTravel);
+  return problems;
 }
 
 std::optional<core::Rate> Rig::cop_rate() const noexcept {
@@ -200,6 +210,19 @@ RingFill Rig::ring_fill() noexcept {
   const auto percent = [](std::size_t frames, std::size_t of) { return 100.0 * static_cast<double>(frames) / static_cast<double>(of); };
   return {.frames_percent = percent(published().frames_waiting.at(now_ns), frames_.capacity()),
           .record_percent = percent(tap_.recently_waiting(now_ns), frames_.capacity())};
+}
+
+/// The stage `cop` marks a value from deflections beyond the travel: it is less exact, but a number.
+void Rig::note_travel() noexcept {
+  if (!cop_stream_) return;
+  const core::Block& cop = frame_.streams[*cop_stream_];
+  const auto load_n = cop.column(kCopChannels - 1);
+  const auto bits = cop.quality(kCopChannels - 1);
+  for (std::size_t i = 0; i < cop.count(); ++i) {
+    if ((bits[i] & core::quality::kOutOfRange) == 0 || !std::isfinite(load_n[i])) continue;
+    pipeline_state_.beyond_travel_ns = clock_.now_ns();
+    return;
+  }
 }
 
 /// Call after all data of the block are in the ring: a reader of this report then finds everything before its position.

@@ -32,9 +32,10 @@ namespace dts::session {
 
 /// The rig thread's report about the stages.
 struct PipelineReport {
-  double us_per_scan = 0.0;   ///< Time spent in the stages, moving mean.
-  core::FramePosition end;    ///< The end of the processed frames,
-  core::ScanIndex next_scan;  ///< and of the scans in the newest segment. All data before it are in the ring.
+  double us_per_scan = 0.0;                        ///< Time spent in the stages, moving mean.
+  core::FramePosition end;                         ///< The end of the processed frames,
+  core::ScanIndex next_scan;                       ///< and of the scans in the newest segment. All data before it are in the ring.
+  std::optional<std::int64_t> beyond_travel_ns{};  ///< When a load last bent the plate beyond the travel of the sensors.
 };
 
 /// The recent peak fill of each queue (RecentPeak).
@@ -91,7 +92,8 @@ class Rig final : private ScanSink {
   [[nodiscard]] const AcquisitionReport& acquisition() noexcept { return acquisition_.report(); }
   [[nodiscard]] const PipelineReport& pipeline_report() noexcept { return pipeline_report_.load(); }
   [[nodiscard]] const StatisticsReport& statistics() noexcept { return statistics_.latest(); }
-  /// Returns which sensors of a streaming device did not measure in the last second; empty: all measured.
+  /// Returns which sensors of a streaming device did not measure in the last second, else that a load was beyond their travel; empty: all
+  /// measured.
   [[nodiscard]] std::string sensor_problems();
   [[nodiscard]] pipeline::Tare& tare() noexcept { return *tare_; }
   [[nodiscard]] RingFill ring_fill() noexcept;
@@ -131,6 +133,7 @@ class Rig final : private ScanSink {
   [[nodiscard]] bool has_room() noexcept override;
   void process(const core::Acquired& acquired, bool has_more) noexcept override;
   void publish(bool has_more) noexcept;
+  void note_travel() noexcept;
   void note_progress(const core::Block& block, std::int64_t spent_ns) noexcept;
 
   std::unique_ptr<const pipeline::RigConfig> config_;  ///< On the heap: device and stages keep references to its model.

@@ -324,6 +324,7 @@ void RigSession::revise(const record::SessionRow& row, const Moment& moment) {
 void RigSession::forget(const std::string& subject, const Moment& moment) {
   if (is_under_way() || session_.view(moment.now_ns).request.subject != subject) return;
   session_.forget(moment.now_ns);
+  services_.recordings.forget(rig_.config().name);
   trials_.reset();
   collect(moment.at);
 }

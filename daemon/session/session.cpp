@@ -4,20 +4,17 @@
 #include <cmath>
 #include <utility>
 
+#include "record/session_facts.h"
+
 namespace dts::session {
 namespace {
 
 constexpr double kStartTimeoutS = 10.0;
 constexpr double kLongestDurationS = 7.0 * 86400.0;
 constexpr double kLongestSettleS = 3600.0;
-constexpr std::size_t kLongestSubject = 64;
 constexpr std::size_t kLongestText = 200;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
-
-bool is_word(const std::string& text) {
-  return text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == std::string::npos;
-}
 
 }  // namespace
 
@@ -35,7 +32,7 @@ std::string_view name(SessionState state) noexcept {
 
 core::Status check(const SessionRequest& request) {
   using core::ErrorCode;
-  if (request.subject.size() > kLongestSubject || !is_word(request.subject)) {
+  if (request.subject.size() > record::kLongestSubject || !record::is_id(request.subject)) {
     return core::fail(ErrorCode::InvalidArgument, "the subject ID must have at most 64 letters, digits, '_', '.' or '-'",
                       "use the clinic's subject ID, never a name");
   }

@@ -34,6 +34,8 @@ std::string_view name(DiskState state) noexcept {
   return "unknown";
 }
 
+std::string catalogue_file(const StorageConfig& config) { return config.directory + "/catalogue.sqlite"; }
+
 std::string sessions_directory(const StorageConfig& config) { return config.directory + "/sessions"; }
 
 core::Status prepare_storage(const StorageConfig& config) {

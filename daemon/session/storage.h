@@ -34,6 +34,7 @@ struct DiskView {
 
 /// Creates `<directory>/sessions` (0750) and checks the access rights to it. An error says what is wrong and what to do.
 [[nodiscard]] core::Status prepare_storage(const StorageConfig& config);
+[[nodiscard]] std::string catalogue_file(const StorageConfig& config);
 [[nodiscard]] std::string sessions_directory(const StorageConfig& config);
 
 }  // namespace dts::session

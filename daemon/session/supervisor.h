@@ -42,7 +42,7 @@ struct RigState {
   double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
   RingFill ring_fill;
   PublishReport published;
-  std::string sensor_problems{};  ///< Sensors that did not measure in the last second; empty: all measured.
+  std::string sensor_problems{};  ///< See Rig::sensor_problems.
 };
 
 /// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.

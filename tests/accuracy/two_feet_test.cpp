@@ -109,13 +109,16 @@ void add_loads(CopTrial& trial, const JudgesFoot& foot, double load_n, double he
 
 struct JudgedPerson {
   double load_n = 0.0;
+  double width_mm = 0.0;
   double stated_width_mm = 0.0;
   std::vector<CopTrial> sway;
+  std::array<CopTrial, 2> one_foot;  ///< Left and right: this foot carries all while the other one is in the air.
 };
 
-JudgedPerson draw_person(Random& random, const Plate& plate) {
-  JudgedPerson person{.load_n = random(45.0, 110.0) * kGravity, .stated_width_mm = 0.0, .sway = {}};
+JudgedPerson draw_person(Random& random, Random& stepping, const Plate& plate) {
+  JudgedPerson person{.load_n = random(45.0, 110.0) * kGravity, .width_mm = 0.0, .stated_width_mm = 0.0, .sway = {}, .one_foot = {}};
   const double width_mm = random(110.0, 260.0);
+  person.width_mm = width_mm;
   person.stated_width_mm = width_mm + random(-20.0, 20.0);
   const double length_mm = random(220.0, 290.0);
   const double centre = random(0.42, 0.5);  // the part of the foot that is put on the middle of the plate
@@ -135,6 +138,9 @@ JudgedPerson draw_person(Random& random, const Plate& plate) {
     add_loads(trial, right, person.load_n * (1.0 - left_now), heel_now);
     trial.centre = centre_of(trial.loads);
     person.sway.push_back(std::move(trial));
+  }
+  for (const std::size_t side : {0U, 1U}) {  // 10 % more or less than the weight: the body still moves up or down
+    add_loads(person.one_foot[side], side == 0 ? left : right, person.load_n * stepping(0.9, 1.1), stepping(0.2, 0.8));
   }
   return person;
 }
@@ -227,11 +233,12 @@ TEST_P(TwoFeetAccuracy, OfUnseenPeopleOnOtherFeet_IsWithinTheLimits) {
   const auto points = CopEstimator::from_model(CopMethod::Poly3, rig).value();
   const auto plate = SensedPlate::create(rig, PlateBehaviour::Stiffening).value();
   Random random(2024);
+  Random stepping(2025);
   std::array<std::vector<PersonErrors>, 3> errors;
   double deepest_of_light_mm = 0.0;
   double deepest_of_heavy_mm = 0.0;
   for (std::size_t k = 0; k < kPeople; ++k) {
-    const JudgedPerson person = draw_person(random, rig.plate);
+    const JudgedPerson person = draw_person(random, stepping, rig.plate);
     std::vector<std::vector<double>> deflections;
     for (const CopTrial& trial : person.sway) {
       deflections.push_back(plate.deflection_mm(trial.loads));
@@ -264,6 +271,72 @@ TEST_P(TwoFeetAccuracy, OfUnseenPeopleOnOtherFeet_IsWithinTheLimits) {
   const auto approximate = spreads_of(errors[1]);
   EXPECT_GT(uncorrected[0].mean, 6.0) << "the judge's feet must need the correction";
   EXPECT_LE(approximate[0].mean, 3.5);  // sheet two-feet: 2.6 and 2.4
+}
+
+/// Of readings of the stance width: how far they are off, mm.
+struct Reading {
+  double bias = 0.0;
+  double sd = 0.0;
+};
+
+Reading reading_of(const std::vector<double>& errors_mm) {
+  Reading reading;
+  for (const double error : errors_mm) reading.bias += error / static_cast<double>(errors_mm.size());
+  for (const double error : errors_mm)
+    reading.sd += (error - reading.bias) * (error - reading.bias) / static_cast<double>(errors_mm.size());
+  reading.sd = std::sqrt(reading.sd);
+  return reading;
+}
+
+/// The width could be read without anybody's help. From the first foot on the plate: twice its distance from the centre of pressure of
+/// standing. From both feet, if one is alone on the plate at the beginning and the other at the end: only when the person has left. All at
+/// rest, which a step is not.
+TEST_P(TwoFeetAccuracy, WidthReadWhileSteppingOn_IsNotExactEnough) {
+  const RigModel& rig = GetParam().rig;
+  const auto correction = TwoFeetCorrection::from_form(fit_two_feet(CopMethod::Poly3, rig).value().form).value();
+  const auto points = CopEstimator::from_model(CopMethod::Poly3, rig).value();
+  const auto plate = SensedPlate::create(rig, PlateBehaviour::Stiffening).value();
+  Random random(2024);
+  Random stepping(2025);
+  std::vector<JudgedPerson> people;
+  std::vector<std::vector<std::vector<double>>> deflections;
+  std::vector<double> on_mm, on_error_mm, both_mm, both_error_mm;
+  for (std::size_t k = 0; k < kPeople; ++k) {
+    people.push_back(draw_person(random, stepping, rig.plate));
+    const JudgedPerson& person = people.back();
+    deflections.emplace_back();
+    double middle_mm = 0.0;
+    for (const CopTrial& trial : person.sway) {
+      deflections.back().push_back(plate.deflection_mm(trial.loads));
+      middle_mm += points.estimate(deflections.back().back()).x_mm / static_cast<double>(kSwayPositions);
+    }
+    const auto place_mm = [&](std::size_t side) { return points.estimate(plate.deflection_mm(person.one_foot[side].loads)).x_mm; };
+    on_mm.push_back(2.0 * std::abs(middle_mm - place_mm(k % 2)));
+    both_mm.push_back(place_mm(1) - place_mm(0));
+    on_error_mm.push_back(on_mm.back() - person.width_mm);
+    both_error_mm.push_back(both_mm.back() - person.width_mm);
+  }
+  const Reading on = reading_of(on_error_mm);
+  const Reading both = reading_of(both_error_mm);
+  std::printf("\nStance width read on plate %s: first foot %.0f mm off, sd %.0f mm; both feet %.0f mm off, sd %.0f mm\n",
+              GetParam().name.c_str(), on.bias, on.sd, both.bias, both.sd);
+  std::printf("| known | load | gain ML | gain AP |\n|---|---|---|---|\n");
+  std::array<std::array<Spread, 3>, 2> spreads;
+  for (const bool has_both : {false, true}) {
+    std::vector<PersonErrors> errors;
+    for (std::size_t k = 0; k < kPeople; ++k) {
+      people[k].stated_width_mm = has_both ? both_mm[k] - both.bias : on_mm[k] - on.bias;  // the constant part can be corrected
+      errors.push_back(judge(people[k], deflections[k], points, correction, Known::Width));
+    }
+    spreads[has_both ? 1 : 0] = spreads_of(errors);
+    print(has_both ? "width read from both feet" : "width read from the first foot", spreads[has_both ? 1 : 0]);
+  }
+  constexpr double kSdOfStated = 20.0 / 1.732;  // of a width that is stated within 20 mm
+  EXPECT_GT(on.sd, 1.3 * kSdOfStated) << "good enough now: read it while the person steps on";
+  EXPECT_LT(both.sd, kSdOfStated);
+  EXPECT_LE(spreads[1][0].mean, 1.5);
+  EXPECT_LE(spreads[1][2].mean, GetParam().most_ap_percent);
+  EXPECT_LE(spreads[1][2].p95, GetParam().most_ap_percent_p95);
 }
 
 INSTANTIATE_TEST_SUITE_P(Plates, TwoFeetAccuracy,

@@ -7,6 +7,7 @@
 
 #include <cerrno>
 #include <climits>
+#include <csignal>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -98,12 +99,13 @@ std::string_view name(Operation operation) noexcept {
     case Operation::Rename: return "rename";
     case Operation::Open: return "open";
     case Operation::Truncate: return "ftruncate";
+    case Operation::Unlink: return "unlink";
   }
   return "unknown";
 }
 
 std::string to_text(const Fault& fault) {
-  return std::string(name(fault.operation)) + " " + std::to_string(fault.nth) + " " + name_of(fault.error) +
+  return std::string(name(fault.operation)) + " " + std::to_string(fault.nth) + " " + (fault.is_kill ? "SIGKILL" : name_of(fault.error)) +
          (fault.is_lasting ? " for ever" : " once");
 }
 
@@ -123,6 +125,7 @@ FaultyDisk::Verdict FaultyDisk::error_for(Operation operation, std::string_view 
   if (!is_armed_.load(std::memory_order_acquire) || operation != fault_.operation) return {};
   if (call != fault_.nth && (!fault_.is_lasting || call < fault_.nth)) return {};
   has_struck_.store(true, std::memory_order_relaxed);
+  if (fault_.is_kill) ::kill(::getpid(), SIGKILL);
   return {.error = fault_.error, .is_torn = fault_.is_lasting && call == fault_.nth};
 }
 
@@ -178,6 +181,14 @@ int renameat2(int from_folder, const char* from, int to_folder, const char* to, 
 int link(const char* from, const char* to) noexcept {
   static const auto real = next<int (*)(const char*, const char*)>("link");
   return dts::fault::perform(Operation::Rename, std::string_view(to), [&] { return real(from, to); });
+}
+int unlink(const char* path) noexcept {
+  static const auto real = next<int (*)(const char*)>("unlink");
+  return dts::fault::perform(Operation::Unlink, std::string_view(path), [&] { return real(path); });
+}
+int unlinkat(int folder, const char* path, int flags) noexcept {
+  static const auto real = next<int (*)(int, const char*, int)>("unlinkat");
+  return dts::fault::perform(Operation::Unlink, folder, [&] { return real(folder, path, flags); });
 }
 int open(const char* path, int flags, ...) {
   static const auto real = next<int (*)(const char*, int, ...)>("open");

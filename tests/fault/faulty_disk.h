@@ -11,9 +11,9 @@
 namespace dts::fault {
 
 /// What can fail. Each stands for the functions of libc that do it: Write for write, pwrite and pwrite64, and so on.
-enum class Operation : std::uint8_t { Write, Fsync, Fdatasync, Rename, Open, Truncate };
-inline constexpr std::array kOperations{Operation::Write,  Operation::Fsync, Operation::Fdatasync,
-                                        Operation::Rename, Operation::Open,  Operation::Truncate};
+enum class Operation : std::uint8_t { Write, Fsync, Fdatasync, Rename, Open, Truncate, Unlink };
+inline constexpr std::array kOperations{Operation::Write, Operation::Fsync,    Operation::Fdatasync, Operation::Rename,
+                                        Operation::Open,  Operation::Truncate, Operation::Unlink};
 [[nodiscard]] std::string_view name(Operation operation) noexcept;
 
 struct Fault {
@@ -21,6 +21,7 @@ struct Fault {
   std::uint64_t nth = 1;    ///< The first call that fails, counted from 1.
   int error = 0;            ///< errno
   bool is_lasting = false;  ///< From then on every call fails; a write is torn first: half of it reaches the file.
+  bool is_kill = false;     ///< SIGKILL for this process in place of the error.
 };
 /// "write 17 ENOSPC for ever"
 [[nodiscard]] std::string to_text(const Fault& fault);

@@ -16,10 +16,6 @@ using record::PartState;
 
 constexpr std::chrono::seconds kPatience{100};  // by the real clock: more is a hang
 
-session::StorageConfig storage(const std::string& folder) {
-  return {.directory = folder, .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0};
-}
-
 std::string where(const record::PartRow& part) {
   return "session " + part.session_id + " part " + std::to_string(part.part) + " (" + std::string(record::name(part.state)) + "): ";
 }
@@ -83,6 +79,10 @@ bool has_interrupted(const record::Catalogue& catalogue) {
 
 }  // namespace
 
+session::StorageConfig storage_in(const std::string& folder) {
+  return {.directory = folder, .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0};
+}
+
 RecordedSession::RecordedSession(core::Clock& clock, std::unique_ptr<session::Recordings> recordings)
     : clock_(clock),
       recordings_(std::move(recordings)),
@@ -93,7 +93,7 @@ RecordedSession::~RecordedSession() { supervisor_.stop(); }
 
 core::Result<std::unique_ptr<RecordedSession>> RecordedSession::open(const std::string& folder, pipeline::RigConfig config,
                                                                      core::Clock& clock) {
-  auto recordings = session::Recordings::open(storage(folder), clock, core::Log());
+  auto recordings = session::Recordings::open(storage_in(folder), clock, core::Log());
   if (!recordings) return tl::make_unexpected(recordings.error());
   std::unique_ptr<RecordedSession> session(new RecordedSession(clock, std::move(*recordings)));
   auto rig = session::Rig::create(std::move(config), clock, session->bell_);
@@ -122,13 +122,13 @@ void RecordedSession::audit(const std::string& what, const std::string& target) 
   recordings_->enter_audit({.utc_ns = 1, .who = "local", .what = what, .target = target, .result = "ok", .hash = {}});
 }
 
-SessionCourse RecordedSession::start() {
+SessionCourse RecordedSession::start(const std::string& subject) {
   SessionCourse course;
   if (!tick_until([&] { return supervisor_.rigs().front()->acquisition().scans_total > 0; })) {
     course.hang = "no scan arrives";
     return course;
   }
-  const auto started = supervisor_.start_session("floor", {.subject = "P001", .label = "fault"});
+  const auto started = supervisor_.start_session("floor", {.subject = subject, .label = "fault"});
   audit("start_session", "floor");
   course.has_started = started.has_value();
   if (started) course.session_id = started->id;
@@ -159,7 +159,7 @@ void RecordedSession::stop(SessionCourse& course) {
 Afterwards look_afterwards(const std::string& folder, const Reference& reference) {
   test::PatientClock clock(kClockStepNs);
   clock.start();
-  auto recordings = session::Recordings::open(storage(folder), clock, core::Log());
+  auto recordings = session::Recordings::open(storage_in(folder), clock, core::Log());
   if (!recordings) return {.problem = "the next start fails: " + core::to_string(recordings.error())};
   record::Catalogue& catalogue = (*recordings)->catalogue();
   (*recordings)->start();

@@ -15,6 +15,9 @@
 
 namespace dts::fault {
 
+/// A state folder whose recordings no limit of room stops.
+[[nodiscard]] session::StorageConfig storage_in(const std::string& folder);
+
 /// How a session went, as its operator saw it.
 struct SessionCourse {
   bool has_started = false;  ///< `start_session` said so: from then on the session must be found again.
@@ -34,7 +37,7 @@ class RecordedSession {
   RecordedSession(const RecordedSession&) = delete;
   RecordedSession& operator=(const RecordedSession&) = delete;
 
-  [[nodiscard]] SessionCourse start();
+  [[nodiscard]] SessionCourse start(const std::string& subject = "P001");
   /// Lets the daemon's control thread do its work for so long by `clock`; `between` is called every turn.
   void run_for(double seconds, const std::function<void()>& between = {});
   void stop(SessionCourse& course);

@@ -145,6 +145,7 @@ def label_patterns() -> dict[str, str]:
         "slow": "(a*)*b\n" + 60 * "a",
         "odd": "[^a-c]\\.{2,}(|x)?\n.d..x",
         "large": "((a{20}){10}){10}\naa",
+        "properties": "[^\\p{Z}]*( [^\\p{Lu}\\p{Z}]+|\\p{Lu}{1,5})*\n\u0434\u0438\u0442\u0438\u043d\u0430 OP",
     }
 
 

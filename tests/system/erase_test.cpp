@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <thread>
@@ -72,21 +71,19 @@ class EraseTest : public ::testing::Test {
   DaemonProcess daemon_;
 };
 
-TEST_F(EraseTest, KilledAtAnyTime_TheSubjectIsCompleteOrGone) {
+/// The whole program, killed at once and killed when the erasure is on the disk. fault_recording kills a part of it at every call to the
+/// disk.
+TEST_F(EraseTest, Killed_TheSubjectIsCompleteOrGone) {
   const std::string other = record("P018");
   std::ptrdiff_t gone = 0;
   std::ptrdiff_t erased = 0;
-  for (int delay = 0; delay < 8; ++delay) {
+  for (const bool has_begun : {false, true}) {
     const std::set<std::string> ours{record("P017"), record("P017")};
-    for (int number = 0; number < 200; ++number) {  // so that removing takes a moment
-      std::ofstream(daemon_.state_directory() / "sessions" / (*ours.begin() + ".copy-" + std::to_string(number))) << "x";
-    }
-    EXPECT_EQ(daemon_.ctl({"session", "edit", other, "--notes", "confused with P017", "--reason", std::to_string(delay)}).status, 0);
+    EXPECT_EQ(daemon_.ctl({"session", "edit", other, "--notes", "confused with P017", "--reason", has_begun ? "a" : "b"}).status, 0);
     std::thread client([this] { static_cast<void>(daemon_.ctl({"subject", "erase", "P017", "--yes", "--timeout", "1"})); });
-    if (delay > 0) {
+    if (has_begun) {
       EXPECT_TRUE(eventually([this, &ours] { return has_journal() || on_disk().count(*ours.begin()) == 0; }));
     }
-    for (int turn = 0; turn < delay * 2000; ++turn) static_cast<void>(has_journal());  // a while that differs each time
     kill_and_restart();
     client.join();
 

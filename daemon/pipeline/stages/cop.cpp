@@ -113,6 +113,7 @@ std::array<Cop::Value, 3> Cop::evaluate(std::span<const double> deflection_mm, s
   }
   correct(estimate, deflection_mm);
   if (!estimate.is_inside_calibration()) bits |= core::quality::kUncalibrated;
+  if ((estimate.flags & physics::cop_flag::kOutsideTravel) != 0) bits |= core::quality::kOutOfRange;
   const double ml_mm = estimate.x_mm - 0.5 * rig_->plate.a.value;
   const double ap_mm = estimate.y_mm - 0.5 * rig_->plate.b.value;
   return {Value{ml_mm, bits}, Value{ap_mm, bits}, Value{estimate.load_n, bits}};

@@ -20,8 +20,9 @@ namespace dts::pipeline {
 /// use a plate corner as origin; this stage converts between the two.
 ///
 /// Below the contact threshold there is no COP: ml and ap are NaN with kNoContact, and the load is still computed. Outside the calibrated
-/// area or load range, values have kUncalibrated, and positions are clamped to the area. A fault bit or NaN on any sensor makes the whole
-/// scan NaN with the bits of all sensors, because a COP from fewer sensors is wrong.
+/// area or load range, values have kUncalibrated, and positions are clamped to the area. If the correction for two feet reports a
+/// deflection beyond the travel of the sensors, values also have kOutOfRange. A fault bit or NaN on any sensor makes the whole scan NaN
+/// with the bits of all sensors, because a COP from fewer sensors is wrong.
 ///
 /// If the calibration has a correction for two feet, it corrects the values of a person who has settled (SettledStance), with the stance
 /// width of the session if stated. While stepping on and off, in trials on one foot, and without a person, the point calibration applies.

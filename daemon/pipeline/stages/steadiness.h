@@ -16,8 +16,8 @@ namespace dts::pipeline {
 /// A window is a trial's measuring time so far, from `SteadinessWindows`. Without a trial, it is the last 30 s at most
 /// (`core::kRecentSwayS`), since a person stands still: see `SwayWatch` for how stepping on is left out. It ends when the load changes or
 /// the centre of pressure is missing for more than 50 ms, and begins again at Go of a trial and when a session begins. A trial's window
-/// continues after such a gap, without the missing samples. If a trial is voided and that is undone, its window begins again at the undo:
-/// the sums from before are gone, and only the final values cover the whole trial. A new segment ends every window without a last event.
+/// continues after such a gap, without the missing samples, and after an undone redo or reject, with the samples in between. A new segment
+/// ends every window without a last event.
 /// Events name the scans that their values describe, corrected for the input's delay and the filter's own 80 ms; so a window's last event
 /// is 80 ms after its end.
 class Steadiness final : public Stage {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/special_numbers.h"
 #include "core/sway.h"
@@ -14,8 +15,12 @@ namespace {
 constexpr double kCutOffHz = 10.0;
 constexpr double kFarthestMm = 1e5;  // farther away is not on a plate
 constexpr double kLargestLoadN = 1e6;
-constexpr double kLargestInFilter = 1e9;                          // limit for values from a file
+constexpr double kLoadTimes = 5.0;        // time constants of the load in the time of settling: its error is then below 1 %
+constexpr double kLargestInFilter = 1e9;  // limit for values from a file
 constexpr std::uint64_t kLargestIndex = std::uint64_t{1} << 53U;  // the largest that a state can hold
+
+/// Returns whether both are the same attempt; the end may differ.
+bool is_same(const SwayWatch::Trial& a, const SwayWatch::Trial& b) noexcept { return a.number == b.number && a.begin == b.begin; }
 
 bool is_place(double ml_mm, double ap_mm) noexcept { return std::abs(ml_mm) <= kFarthestMm && std::abs(ap_mm) <= kFarthestMm; }
 
@@ -34,26 +39,41 @@ void push_newest(SwayWatch::Events& events, const core::SwayEvent& event) noexce
 void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_ms) {
   const double hz = rate.hz();
   divisor_ = static_cast<std::uint64_t>(std::max(1.0, std::round(hz / kAnalysisRateHz)));
-  every_ = rate.scans_in_ms(every_ms);
+  const double analysis_hz = hz / static_cast<double>(divisor_);
+  const auto samples = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::round(every_ms * 1e-3 * analysis_hz)));
+  every_ = samples * divisor_;
   settle_ = settle_ms > 0.0 ? rate.scans_in_ms(settle_ms) : 0;
+  load_step_ = settle_ > 0 ? 1.0 - std::exp(-kLoadTimes / static_cast<double>(settle_)) : 0.0;
   longest_gap_ = static_cast<std::uint64_t>(std::floor(kLongestGapMs * 1e-3 * hz + 1e-6));  // five samples also at 99.999999 Hz
   lag_ = static_cast<std::uint64_t>(std::round(static_cast<double>(kPasses) * posturography::lag_near_dc(kCutOffHz, hz)));
   const posturography::LowPass low_pass = posturography::butterworth4(kCutOffHz, hz);
   ml_filter_.fill(posturography::CausalLowPass(low_pass));
   ap_filter_.fill(posturography::CausalLowPass(low_pass));
   longest_transient_ = rate.scans_in_ms(kLongestTransientMs);
-  const double analysis_hz = hz / static_cast<double>(divisor_);
   sums_ = posturography::RunningSwaySums(analysis_hz);
-  const auto chunks = static_cast<std::size_t>(std::floor(core::kRecentSwayS * 1e3 / every_ms));  // not more than this time
-  recent_ = posturography::RecentSwaySums(analysis_hz, chunks);
+  const double most_samples = core::kRecentSwayS * analysis_hz + 1e-6;  // 3000 also at 99.999999 Hz
+  recent_ = posturography::RecentSwaySums(analysis_hz, static_cast<std::size_t>(most_samples / static_cast<double>(samples)));
   trial_ = {};
   reset();
 }
 
 void SwayWatch::expect(const Trial& trial, Events& events) noexcept {
-  const bool goes_on = trial.number == trial_.number && trial.begin == trial_.begin;  // the end may differ
-  if (window_ == Window::OfTrial && !goes_on) close(events);
-  if (trial.number != 0 && !goes_on) restart(events);
+  const bool goes_on = is_same(trial, trial_);
+  if (window_ == Window::OfTrial && !goes_on) {
+    if (trial.number == 0) {
+      voided_ = trial_;
+      voided_first_ = first_;
+    }
+    close(events);
+  }
+  if (trial.number != 0 && !goes_on) {
+    if (is_same(trial, voided_)) {
+      resume();
+    } else {
+      restart(events);
+    }
+    voided_ = {};
+  }
   trial_ = trial;
 }
 
@@ -103,7 +123,10 @@ void SwayWatch::settle(std::uint64_t now, const Sample& sample) noexcept {
 /// Detects that a foot came on the plate or left it.
 void SwayWatch::check_load(std::uint64_t now, double load_n, Events& events) noexcept {
   if (!(load_n > 0.0 && load_n < kLargestLoadN)) return;  // unknown
-  if (std::abs(load_n - steady_load_n_) <= kSteadyLoad * steady_load_n_) return;
+  if (std::abs(load_n - steady_load_n_) <= kSteadyLoad * steady_load_n_) {
+    if (now < loaded_since_ + settle_) steady_load_n_ += load_step_ * (load_n - steady_load_n_);
+    return;
+  }
   if (steady_load_n_ > 0.0) {
     loaded_since_ = now;
     restart(events);
@@ -129,7 +152,7 @@ void SwayWatch::lose(std::uint64_t now, Events& events) noexcept {
   is_standing_ = false;
   since_ = gap_ = 0;
   if (window_ == Window::Free) close(events);
-  if (window_ == Window::OfTrial) sums_.interrupt();
+  if (window_ == Window::OfTrial || voided_.number != 0) sums_.interrupt();
   for (std::uint64_t k = 1; k <= missing; ++k) follow_trial(now - missing + k, events);
 }
 
@@ -144,12 +167,17 @@ void SwayWatch::measure(std::uint64_t now, const Sample& sample, Events& events)
   follow_trial(described, events);
   check_place(described, ml_mm, ap_mm);
   if (window_ == Window::None && is_still(described)) open(Window::Free, described);
+  if (needs_sums(described)) sums_.add(ml_mm, ap_mm);
   if (window_ == Window::None || (described - first_) % divisor_ != 0) return;
-  if (window_ == Window::OfTrial) sums_.add(ml_mm, ap_mm);
   if (window_ == Window::Free) recent_.add(ml_mm, ap_mm, described);
   newest_ = described;
   has_news_ = true;
   if (described >= due_) report(events);
+}
+
+bool SwayWatch::needs_sums(std::uint64_t described) const noexcept {
+  if (window_ == Window::OfTrial) return (described - first_) % divisor_ == 0;
+  return voided_.number != 0 && described < voided_.end && (described - voided_first_) % divisor_ == 0;
 }
 
 void SwayWatch::follow_trial(std::uint64_t described, Events& events) noexcept {
@@ -162,9 +190,18 @@ void SwayWatch::follow_trial(std::uint64_t described, Events& events) noexcept {
 void SwayWatch::open(Window window, std::uint64_t described) noexcept {
   window_ = window;
   first_ = newest_ = described;
-  due_ = described + every_;
+  due_ = described + every_ - divisor_;  // so that a chunk has the same number of samples as all others
   has_news_ = false;
-  sums_.reset();
+  if (voided_.number == 0) sums_.reset();
+  recent_.reset();
+}
+
+/// Continues the window of the voided trial in place of a window without a trial. Its values follow with the next sample.
+void SwayWatch::resume() noexcept {
+  window_ = Window::OfTrial;
+  first_ = newest_ = voided_first_;
+  due_ = first_;
+  has_news_ = false;
   recent_.reset();
 }
 
@@ -184,7 +221,7 @@ void SwayWatch::report(Events& events) noexcept {
   if (event.values.samples > 0) push_newest(events, event);  // none: restored from a recording of dtsd 0.1
   recent_.end_chunk();
   has_news_ = false;
-  due_ = first_ + ((newest_ - first_) / every_ + 1) * every_;
+  due_ = first_ + ((newest_ + divisor_ - first_) / every_ + 1) * every_ - divisor_;
 }
 
 void SwayWatch::reset() noexcept {
@@ -193,6 +230,8 @@ void SwayWatch::reset() noexcept {
   last_ml_mm_ = last_ap_mm_ = steady_load_n_ = still_ml_mm_ = still_ap_mm_ = 0.0;
   for (posturography::CausalLowPass& pass : ml_filter_) pass.set_state({});
   for (posturography::CausalLowPass& pass : ap_filter_) pass.set_state({});
+  voided_ = {};
+  voided_first_ = 0;
   open(Window::None, 0);
   due_ = 0;
 }
@@ -220,6 +259,10 @@ void SwayWatch::save(StateWriter& writer) const noexcept {
   writer.put(still_ml_mm_);
   writer.put(still_ap_mm_);
   recent_.save(writer.take(recent_.state_size()));
+  writer.put_count(voided_.number);
+  writer.put_count(voided_.begin);
+  writer.put_count(std::min(voided_.end, kLargestIndex));
+  writer.put_count(voided_first_);
 }
 
 bool SwayWatch::restore(StateReader& reader, const Trial& trial) noexcept {
@@ -249,9 +292,14 @@ bool SwayWatch::restore(StateReader& reader, const Trial& trial) noexcept {
   still_ml_mm_ = reader.number(-kLargestInFilter, kLargestInFilter);
   still_ap_mm_ = reader.number(-kLargestInFilter, kLargestInFilter);
   const bool is_recent_possible = recent_.restore(reader.take(recent_.state_size()));
+  voided_.number = static_cast<std::uint32_t>(reader.count(std::numeric_limits<std::uint32_t>::max()));
+  voided_.begin = reader.count(kLargestIndex);
+  voided_.end = reader.count(kLargestIndex);
+  voided_first_ = reader.count(kLargestIndex);
+  const bool has_one_trial = window_ != Window::OfTrial || voided_.number == 0;
   const bool has_its_trial = window_ != Window::OfTrial || trial_.number != 0;
   const bool is_window_possible = newest_ >= first_ && (window_ != Window::Free || is_standing_) && (gap_ == 0 || is_standing_);
-  if (reader.is_right() && is_recent_possible && sums_.set_state(sums) && has_its_trial && is_window_possible) return true;
+  if (reader.is_right() && is_recent_possible && sums_.set_state(sums) && has_its_trial && has_one_trial && is_window_possible) return true;
   reset();
   return false;
 }

@@ -27,8 +27,8 @@ namespace dts::pipeline {
 ///
 /// Outside a trial, the transient of stepping on is left out. A window begins when the person has stood still for `settle_ms`:
 ///
-///     load   ____/^^\/\___________   within 20 % of what it was at the start of this time; a larger change (the second foot, a step
-///     COP    --/\/^\_/~~~~~~~~~~~~   off) also ends a window. The COP within 40 mm of where it was, in both axes
+///     load   ____/^^\/\___________   within 20 % of the load that settled in this time; a larger change (the second foot, a step off)
+///     COP    --/\/^\_/~~~~~~~~~~~~   also ends a window. The COP within 40 mm of where it was, in both axes
 ///            step on    |-settle-| window
 ///
 /// A person who sways more than that is measured 5 s after the last change of load. The limits are wide: quiet standing moves the COP by
@@ -59,7 +59,8 @@ class SwayWatch {
   /// Sets the parameters. Also forgets the trial.
   void prepare(const core::Rate& rate, double every_ms, double settle_ms);
   /// Sets the trial from the next index on; ends the window of another trial, and for a new trial also a window without a trial. If only
-  /// the end differs, the window continues.
+  /// the end differs, the window continues. If a window is ended by "no trial" and its trial is set again, it continues with all samples,
+  /// also those in between.
   void expect(const Trial& trial, Events& events) noexcept;
   /// Ends a window without a trial, for the start of a session. The next one begins at once if the person stands still.
   void restart(Events& events) noexcept;
@@ -69,7 +70,7 @@ class SwayWatch {
   /// Forgets the signal but keeps the trial.
   void reset() noexcept;
   [[nodiscard]] std::size_t state_size() const noexcept { return kOldStateSize + state_added_since_0_1(); }
-  [[nodiscard]] std::size_t state_added_since_0_1() const noexcept { return kSteadyStateSize + recent_.state_size(); }
+  [[nodiscard]] std::size_t state_added_since_0_1() const noexcept { return kSteadyStateSize + recent_.state_size() + kVoidedStateSize; }
   void save(StateWriter& writer) const noexcept;
   /// Restores a state; returns false if a value is impossible, with the watch as after `reset`. `trial` must be the trial set at `save`.
   [[nodiscard]] bool restore(StateReader& reader, const Trial& trial) noexcept;
@@ -80,6 +81,7 @@ class SwayWatch {
   static constexpr std::size_t kOldStateSize =
       10 + 2 * kPasses * posturography::CausalLowPass::kStateSize + posturography::RunningSwaySums::kStateSize;
   static constexpr std::size_t kSteadyStateSize = 5;
+  static constexpr std::size_t kVoidedStateSize = 4;
 
   void miss(std::uint64_t now, Events& events) noexcept;
   void bridge(std::uint64_t now, const Sample& sample, Events& events) noexcept;
@@ -92,14 +94,17 @@ class SwayWatch {
   void follow_trial(std::uint64_t described, Events& events) noexcept;
   void open(Window window, std::uint64_t described) noexcept;
   void close(Events& events) noexcept;
+  void resume() noexcept;
+  [[nodiscard]] bool needs_sums(std::uint64_t described) const noexcept;
   void report(Events& events) noexcept;
 
   std::uint64_t divisor_ = 1;
-  std::uint64_t every_ = 50;
+  std::uint64_t every_ = 50;  ///< From one event to the next: a multiple of `divisor_`.
   std::uint64_t settle_ = 100;
   std::uint64_t longest_transient_ = 500;
   std::uint64_t longest_gap_ = 5;
   std::uint64_t lag_ = 8;
+  double load_step_ = 0.0;  ///< Share of a difference in load by which `steady_load_n_` follows at each sample.
   Trial trial_;
 
   bool is_standing_ = false;  ///< The filters run.
@@ -108,7 +113,7 @@ class SwayWatch {
   double last_ml_mm_ = 0.0;   ///< The newest valid sample.
   double last_ap_mm_ = 0.0;
   std::uint64_t loaded_since_ = 0;  ///< Index since which the load has not changed.
-  double steady_load_n_ = 0.0;      ///< The load at that index; 0: not known yet.
+  double steady_load_n_ = 0.0;      ///< Follows the load for `settle_` after that index, then stays; 0: not known yet.
   std::uint64_t still_since_ = 0;   ///< Index since which the filtered COP has stayed at its place,
   double still_ml_mm_ = 0.0;        ///< which is this.
   double still_ap_mm_ = 0.0;
@@ -120,7 +125,9 @@ class SwayWatch {
   std::uint64_t due_ = 0;                 ///< Index of the next event.
   std::uint64_t newest_ = 0;              ///< Newest index in the sums.
   bool has_news_ = false;                 ///< The sums changed since the last event.
-  posturography::RunningSwaySums sums_;   ///< Of a trial.
+  Trial voided_;                          ///< A trial whose window was ended early; `sums_` continues, in case that is undone.
+  std::uint64_t voided_first_ = 0;        ///< First index of its window.
+  posturography::RunningSwaySums sums_;   ///< Of a trial, or of `voided_`.
   posturography::RecentSwaySums recent_;  ///< Without a trial, in chunks from one event to the next.
 };
 

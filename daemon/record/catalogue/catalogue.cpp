@@ -22,6 +22,7 @@ using core::ErrorCode;
 
 constexpr std::size_t kLongestId = 128;
 constexpr std::size_t kMostSessions = 10'000;
+constexpr std::chrono::milliseconds kLongestWait{1000};  // for another program, while removed rows are overwritten
 constexpr std::array<std::string_view, 4> kEndStates{"complete", "incomplete", "interrupted", "aborted"};
 
 tl::unexpected<core::Error> no_session(const std::string& id) {
@@ -33,9 +34,7 @@ tl::unexpected<core::Error> no_part(const std::string& id, std::uint32_t part) {
 
 /// Checks the session ID strictly, because it becomes part of file names.
 core::Status check_facts(const SessionFacts& facts) {
-  const bool is_word =
-      facts.session_id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == std::string::npos;
-  if (facts.session_id.empty() || facts.session_id.size() > kLongestId || !is_word) {
+  if (facts.session_id.empty() || facts.session_id.size() > kLongestId || !is_id(facts.session_id)) {
     return core::fail(ErrorCode::InvalidArgument, "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'");
   }
   if (facts.part == 0 || facts.rig.empty()) {
@@ -404,12 +403,23 @@ core::Status Catalogue::erase(const std::vector<std::string>& session_ids) try {
   return implementation_->database.failure(exception);
 }
 
-core::Result<bool> Catalogue::overwrite_removed() try {
-  // `secure_delete` is not enough: cells that move to another page leave their bytes. The copy is made in memory, not in another folder.
-  implementation_->database.execute("PRAGMA temp_store = MEMORY; VACUUM");
-  return implementation_->database.number("PRAGMA wal_checkpoint(TRUNCATE)") == 0;  // its first column: whether a reader prevents it
-} catch (const SQLite::Exception& exception) {
-  return implementation_->database.failure(exception);
+void Catalogue::wait_at_most(std::chrono::milliseconds time) const { implementation_->database.wait_at_most(time); }
+
+core::Result<bool> Catalogue::overwrite_removed(const std::string& file, const std::string& folder,
+                                                const std::function<bool()>& is_wanted) {
+  DTS_TRY_ASSIGN(const auto database, Database::open(file));
+  try {
+    database.wait_at_most(kLongestWait);
+    database.interrupt_unless(is_wanted);
+    // `secure_delete` is not enough: cells that move to another page leave their bytes. The copy has no name in the folder. It is not made
+    // in memory, because ten years of sessions have more than a gigabyte. Other connections keep temporary data in memory.
+    std::string quoted = folder;
+    for (std::size_t at = 0; (at = quoted.find('\'', at)) != std::string::npos; at += 2) quoted.insert(at, 1, '\'');
+    database.execute("PRAGMA temp_store = FILE; PRAGMA temp_store_directory = '" + quoted + "'; VACUUM");
+    return database.number("PRAGMA wal_checkpoint(TRUNCATE)") == 0;  // its first column: whether a reader prevents it
+  } catch (const SQLite::Exception& exception) {
+    return database.failure(exception);
+  }
 }
 
 core::Result<std::vector<std::string>> Catalogue::sessions_with(const std::string& text) const try {

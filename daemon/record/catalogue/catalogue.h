@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -199,9 +201,14 @@ class Catalogue {
   [[nodiscard]] core::Status set_results(const std::string& session_id, const std::vector<ResultRow>& results);
   /// Removes all rows of sessions, and subjects without a session, completely or not at all. Unknown sessions are ignored.
   [[nodiscard]] core::Status erase(const std::vector<std::string>& session_ids);
-  /// Writes the whole database again and empties its log, so that no bytes of removed rows remain. Returns false if another program that
-  /// reads the catalogue prevents it: the log then still has them.
-  [[nodiscard]] core::Result<bool> overwrite_removed();
+  /// Sets how long a call waits while another connection writes. Default: 1 s.
+  void wait_at_most(std::chrono::milliseconds time) const;
+  /// Writes the whole database of a catalogue again and empties its log, so that no bytes of removed rows remain. Returns false if another
+  /// program that reads the catalogue prevents it: the log then still has them. Uses a connection of its own; others can read meanwhile,
+  /// but not write. Needs the catalogue's size twice on its disk; a copy without the removed rows is in `folder` while it runs. Fails early
+  /// if `is_wanted` returns false. Thread: any.
+  [[nodiscard]] static core::Result<bool> overwrite_removed(const std::string& file, const std::string& folder,
+                                                            const std::function<bool()>& is_wanted);
 
   [[nodiscard]] core::Result<std::vector<SubjectRow>> subjects() const;  ///< Sorted.
   /// Returns the sessions that have corrections.

@@ -82,6 +82,10 @@ core::Result<Correction> read_correction(const Json& object, const std::string& 
     read.attempt = reader.count("attempt");
     if (std::ranges::find(kTrialOutcomes, read.new_value) == kTrialOutcomes.end()) reader.note("new_value");
   }
+  if (read.field == CorrectedField::Subject) {
+    const bool is_subject = read.new_value.size() <= kLongestSubject && is_id(read.new_value);
+    if (!is_subject && read.new_value != kErasedText) reader.note("new_value");
+  }
   if (!reader.problem().empty()) return damaged_corrections(file, "correction " + std::to_string(number) + ": " + reader.problem());
   return read;
 }
@@ -172,8 +176,7 @@ core::Result<Corrections> read_corrections(const std::string& file) {
 }
 
 core::Result<Corrections> corrections_beside(const std::string& recording, const SessionFacts& facts) {
-  constexpr std::string_view kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
-  const bool is_ours = !facts.session_id.empty() && facts.session_id.find_first_not_of(kLetters) == std::string::npos;
+  const bool is_ours = !facts.session_id.empty() && is_id(facts.session_id);
   if (!is_ours) return Corrections{};  // a recording of another program, or a forged ID that would be a path
   const std::string file = corrections_file(recording, facts.session_id);
   auto read = read_corrections(file);

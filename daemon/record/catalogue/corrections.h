@@ -23,6 +23,9 @@ inline constexpr std::array<std::string_view, 4> kTrialOutcomes{"done", "redone"
 /// Stands for a label or notes that a person has removed: perhaps they had a name. Only the recording still has such a label.
 inline constexpr std::string_view kRemovedText = "[removed]";
 
+/// Stands for an erased subject ID.
+inline constexpr std::string_view kErasedText = "[erased]";
+
 /// A change of a closed session by a person. The recording stays as it is.
 struct Correction {
   std::uint32_t number = 1;  ///< Counts from 1 without missing numbers.

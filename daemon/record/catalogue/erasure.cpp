@@ -29,7 +29,6 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kErasureHint =
     "check the permissions of the state folder and whether its disk is full or read-only, then restart dtsd";
 constexpr int kDeepest = 32;
-constexpr std::string_view kErased = "[erased]";
 
 std::string journal_of(const std::string& state_folder) { return state_folder + "/erasure.json"; }
 
@@ -199,9 +198,9 @@ std::optional<std::string> without_mention(const std::string& text, const std::s
   bool is_found = false;
   for (std::size_t at = changed.find(subject); !subject.empty() && at != std::string::npos; at = changed.find(subject, at)) {
     const bool stands_alone = !continues_before(changed, at) && !continues_after(changed, at + subject.size());
-    if (stands_alone) changed.replace(at, subject.size(), kErased);
+    if (stands_alone) changed.replace(at, subject.size(), kErasedText);
     is_found = is_found || stands_alone;
-    at += stands_alone ? kErased.size() : 1;
+    at += stands_alone ? kErasedText.size() : 1;
   }
   if (!is_found) return std::nullopt;
   if (changed.size() > kLongestCorrectionText) {

@@ -130,7 +130,13 @@ void Database::configure() const {
   sqlite3_db_config(handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DQS_DDL, 0, nullptr);
   sqlite3_db_config(handle, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
-  execute("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON;");
+  execute("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON; PRAGMA temp_store = MEMORY;");
+}
+
+void Database::interrupt_unless(const std::function<bool()>& is_wanted) const {
+  constexpr int kStepsBetween = 1000;  // of the virtual machine: some 10 us
+  const auto ask = [](void* wanted) noexcept { return (*static_cast<const std::function<bool()>*>(wanted))() ? 0 : 1; };
+  sqlite3_progress_handler(database_.getHandle(), kStepsBetween, ask, const_cast<std::function<bool()>*>(&is_wanted));
 }
 
 void Database::check() const {

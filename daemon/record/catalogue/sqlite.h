@@ -4,8 +4,10 @@
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <sqlite3.h>
 
+#include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -78,6 +80,11 @@ class Database {
   void execute(const std::string& sql) const { database_.exec(sql); }
   /// Returns the first column of the first row; 0 if there is no row.
   [[nodiscard]] std::int64_t number(const std::string& sql) const;
+
+  /// Sets how long a statement waits while another connection locks the file.
+  void wait_at_most(std::chrono::milliseconds time) const { database_.setBusyTimeout(static_cast<int>(time.count())); }
+  /// Ends a statement with SQLITE_INTERRUPT as soon as `is_wanted`, which is called often, returns false. It must outlive this object.
+  void interrupt_unless(const std::function<bool()>& is_wanted) const;
 
   [[nodiscard]] int changes() const noexcept { return database_.getChanges(); }
   [[nodiscard]] const std::string& file() const noexcept { return file_; }

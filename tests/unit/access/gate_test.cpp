@@ -32,8 +32,8 @@ const std::map<std::string, v1::Role> kNeeded{
     {"note_login", v1::ROLE_ENGINEER},
     {"correct_session", v1::ROLE_OPERATOR},
     {"delete_session", v1::ROLE_OPERATOR},
-    {"list_subjects", v1::ROLE_VIEWER},
-    {"show_subject", v1::ROLE_VIEWER},
+    {"list_subjects", v1::ROLE_OPERATOR},
+    {"show_subject", v1::ROLE_OPERATOR},
     {"erase_subject", v1::ROLE_ENGINEER},
 };
 

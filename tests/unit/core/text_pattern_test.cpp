@@ -42,6 +42,8 @@ TEST(TextPattern, KnowsClassesGroupsAndCounts) {
       {"a{0,2}b", {"b", "aab"}, {"aaab"}},
       {"(|x)y", {"y", "xy"}, {"xxy"}},
       {"(a*)*", {"", "aaa"}, {"b"}},
+      {"\\p{Lu}[^\\p{Lu}\\p{Z}]+", {"Ab", "\u0416\u05e9"}, {"ab", "AB", "A ", "A\u00a0"}},
+      {"[\\p{Z}x]+", {" x\u3000"}, {"p", "Z", "{", "}"}},
       {"[\xC3\xA0-\xC3\xBF]", {"\xC3\xA4"}, {"a", "\xC3"}},
   };
   for (const auto& [pattern, good, bad] : cases) {
@@ -63,7 +65,8 @@ TEST(TextPattern, NeedsLinearTime) {
 TEST(TextPattern, NamesThePlaceOfAMistake) {
   EXPECT_EQ(error_of("ab[c"), "the pattern has a mistake at character 5: ']' is missing");
   EXPECT_EQ(error_of("a)"), "the pattern has a mistake at character 2: ')' without '('");
-  for (const std::string pattern : {"(a", "*a", "a**", "[b-a]", "[]", "a{2,1}", "a{", "a{999}", "\\", "\\d", "^a$", "a{,2}", "]"}) {
+  for (const std::string pattern :
+       {"(a", "*a", "a**", "[b-a]", "[]", "a{2,1}", "a{", "a{999}", "\\", "\\d", "\\p", "\\p{L}", "[\\p{lu}]", "^a$", "a{,2}", "]"}) {
     EXPECT_NE(error_of(pattern), "") << pattern;
   }
 }

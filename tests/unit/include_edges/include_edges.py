@@ -111,7 +111,7 @@ HOUSE = [
 # What the system offers, allowed everywhere. C headers that have a C++ name (stdint.h) are missing on purpose.
 STANDARD_CPP = re.compile(r"[a-z_0-9]+")
 POSIX = {
-    "dirent.h", "dlfcn.h", "fcntl.h", "glob.h", "grp.h", "netdb.h", "poll.h", "pthread.h", "pwd.h", "sched.h", "signal.h",
+    "dirent.h", "dlfcn.h", "fcntl.h", "glob.h", "grp.h", "malloc.h", "netdb.h", "poll.h", "pthread.h", "pwd.h", "sched.h", "signal.h",
     "spawn.h", "termios.h", "unistd.h",
 }
 POSIX_FOLDERS = ("arpa/", "linux/", "netinet/", "sys/")

@@ -85,6 +85,20 @@ TEST_F(CopTwoFeetTest, WidthBeyondTheCorrection_IsMarkedUncalibrated) {
   EXPECT_EQ(output.bits[0][kSettled], kUncalibrated);
 }
 
+TEST_F(CopTwoFeetTest, DeflectionBeyondTheTravel_IsMarkedOutOfRange_ButHasAValue) {
+  physics::TwoFeetForm form = physics::test::constant_form();
+  form.travel_mm = plate_.deflection_mm({{225.0}, {195.0}}, 600.0)[0] - 0.01;
+  surroundings_.cop_calibration->two_feet = physics::TwoFeetCorrection::from_form(form).value();
+
+  const Output output = prepare_and_run(*make(), standing(100));
+
+  EXPECT_EQ(output.bits[0][10], 0) << "while stepping on, the point calibration applies";
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_EQ(output.bits[c][kSettled], core::quality::kOutOfRange | kUncalibrated);
+    EXPECT_TRUE(std::isfinite(output.values[c][kSettled]));
+  }
+}
+
 TEST_F(CopTwoFeetTest, PersonAtTheSide_StandsOnOneFoot) {
   const Output output = prepare_and_run(*make(), standing(200, 600.0, 100.0));
 

@@ -84,81 +84,81 @@ TEST(Steadiness, Windows_AreExactToTheScan) {
     const char* expected;
   };
   const std::vector<Row> rows{
-      {"no trial", {}, {}, "0:100..150=51 0:100..200=101 0:100..250=151 0:100..300=201 0:100..350=251 "},
+      {"no trial", {}, {}, "0:100..149=50 0:100..199=100 0:100..249=150 0:100..299=200 0:100..349=250 "},
       {"nobody", {{0, 400}}, {{0, [](Watching& w) { w.windows().open(1, 0, {100}, {300}); }}}, ""},
-      {"steps off and on", {{160, 30}}, {}, "0:100..150=51 0:100..151=52 0:290..340=51 0:290..390=101 "},
-      {"absent for 60 ms", {{160, 6}}, {}, "0:100..150=51 0:100..151=52 0:266..316=51 0:266..366=101 "},
-      {"absent for 50 ms", {{160, 5}}, {}, "0:100..150=51 0:100..200=101 0:100..250=151 0:100..300=201 0:100..350=251 "},
+      {"steps off and on", {{160, 30}}, {}, "0:100..149=50 0:100..151=52 0:290..339=50 0:290..389=100 "},
+      {"absent for 60 ms", {{160, 6}}, {}, "0:100..149=50 0:100..151=52 0:266..315=50 0:266..365=100 "},
+      {"absent for 50 ms", {{160, 5}}, {}, "0:100..149=50 0:100..199=100 0:100..249=150 0:100..299=200 0:100..349=250 "},
       {"trial",
        {},
        {{0, [](Watching& w) { w.windows().open(7, 0, {123}, {345}); }}},
-       "0:100..122=23 7:123..173=51 7:123..223=101 7:123..273=151 7:123..323=201 7:123..344=222 "},
+       "0:100..122=23 7:123..172=50 7:123..222=100 7:123..272=150 7:123..322=200 7:123..344=222 "},
       {"trial of another segment",
        {},
        {{0, [](Watching& w) { w.windows().open(7, 4, {123}, {345}); }}},
-       "0:100..150=51 0:100..200=101 0:100..250=151 0:100..300=201 0:100..350=251 "},
+       "0:100..149=50 0:100..199=100 0:100..249=150 0:100..299=200 0:100..349=250 "},
       {"trial announced too late",
        {},
        {{60, [](Watching& w) { w.windows().open(2, 0, {20}, {300}); }}},
-       "2:52..102=51 2:52..152=101 2:52..202=151 2:52..252=201 2:52..299=248 0:300..350=51 "},
+       "2:52..101=50 2:52..151=100 2:52..201=150 2:52..251=200 2:52..299=248 0:300..349=50 "},
       {"trial replaced by one that differs in its number only",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }}, {120, [](Watching& w) { w.windows().open(2, 0, {0}, {400}); }}},
-       "1:0..50=51 1:0..100=101 1:0..111=112 2:112..162=51 2:112..212=101 2:112..262=151 2:112..312=201 2:112..362=251 "},
+       "1:0..49=50 1:0..99=100 1:0..111=112 2:112..161=50 2:112..211=100 2:112..261=150 2:112..311=200 2:112..361=250 "},
       {"trial replaced by a later one",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }}, {120, [](Watching& w) { w.windows().open(2, 0, {150}, {400}); }}},
-       "1:0..50=51 1:0..100=101 1:0..111=112 0:112..149=38 2:150..200=51 2:150..250=101 2:150..300=151 2:150..350=201 "},
+       "1:0..49=50 1:0..99=100 1:0..111=112 0:112..149=38 2:150..199=50 2:150..249=100 2:150..299=150 2:150..349=200 "},
       {"trial announced twice",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }}, {120, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }}},
-       "1:0..50=51 1:0..100=101 1:0..150=151 1:0..200=201 1:0..250=251 1:0..300=301 1:0..350=351 "},
+       "1:0..49=50 1:0..99=100 1:0..149=150 1:0..199=200 1:0..249=250 1:0..299=300 1:0..349=350 "},
       {"trial closed",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }}, {220, [](Watching& w) { w.windows().close(); }}},
-       "1:0..50=51 1:0..100=101 1:0..150=151 1:0..200=201 1:0..211=212 0:212..262=51 0:212..312=101 0:212..362=151 "},
+       "1:0..49=50 1:0..99=100 1:0..149=150 1:0..199=200 1:0..211=212 0:212..261=50 0:212..311=100 0:212..361=150 "},
       {"a session begins",
        {},
        {{200, [](Watching& w) { w.windows().restart(); }}},
-       "0:100..150=51 0:100..191=92 0:192..242=51 0:192..292=101 0:192..342=151 "},
+       "0:100..149=50 0:100..191=92 0:192..241=50 0:192..291=100 0:192..341=150 0:192..391=200 "},
       {"a trial is announced while a person stands",
        {},
        {{200, [](Watching& w) { w.windows().open(1, 0, {300}, {400}); }}},
-       "0:100..150=51 0:100..191=92 0:192..242=51 0:192..292=101 0:192..299=108 1:300..350=51 "},
+       "0:100..149=50 0:100..191=92 0:192..241=50 0:192..291=100 0:192..299=108 1:300..349=50 "},
       {"a trial that was voided goes on",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }},
         {100, [](Watching& w) { w.windows().close(); }},
         {200, [](Watching& w) { w.windows().reopen(); }}},
-       "1:0..50=51 1:0..91=92 0:100..150=51 0:100..191=92 1:192..242=51 1:192..292=101 1:192..342=151 "},
+       "1:0..49=50 1:0..91=92 0:100..149=50 1:0..192=193 1:0..199=200 1:0..249=250 1:0..299=300 1:0..349=350 "},
       {"end earlier than planned",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {20}, {183}); }}, {150, [](Watching& w) { w.windows().end_at(0, {150}); }}},
-       "1:20..70=51 1:20..120=101 1:20..149=130 0:150..200=51 0:150..250=101 0:150..300=151 0:150..350=201 "},
+       "1:20..69=50 1:20..119=100 1:20..149=130 0:150..199=50 0:150..249=100 0:150..299=150 0:150..349=200 "},
       {"end later than planned",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {20}, {153}); }}, {150, [](Watching& w) { w.windows().end_at(0, {300}); }}},
-       "1:20..70=51 1:20..120=101 1:20..170=151 1:20..220=201 1:20..270=251 1:20..299=280 0:300..350=51 "},
+       "1:20..69=50 1:20..119=100 1:20..169=150 1:20..219=200 1:20..269=250 1:20..299=280 0:300..349=50 "},
       {"end in another segment closes it",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {20}, {153}); }}, {100, [](Watching& w) { w.windows().end_at(1, {30}); }}},
-       "1:20..70=51 1:20..91=72 0:100..150=51 0:100..200=101 0:100..250=151 0:100..300=201 0:100..350=251 "},
+       "1:20..69=50 1:20..91=72 0:100..149=50 0:100..199=100 0:100..249=150 0:100..299=200 0:100..349=250 "},
       {"reset within a trial",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {10}, {200}); }}, {100, [](Watching& w) { w.stage().reset(); }}},
-       "1:10..60=51 1:100..150=51 1:100..199=100 0:200..250=51 0:200..300=101 0:200..350=151 "},
+       "1:10..59=50 1:100..149=50 1:100..199=100 0:200..249=50 0:200..299=100 0:200..349=150 "},
       {"trial ends while nobody stands",
        {{180, 220}},
        {{0, [](Watching& w) { w.windows().open(1, 0, {100}, {300}); }}},
-       "1:100..150=51 1:100..171=72 "},
+       "1:100..149=50 1:100..171=72 "},
       {"trial begins while somebody steps off",
        {{120, 50}},
        {{0, [](Watching& w) { w.windows().open(1, 0, {122}, {300}); }}},
-       "0:100..111=12 1:122..172=3 1:122..222=53 1:122..272=103 1:122..299=130 0:300..350=51 "},
+       "0:100..111=12 1:122..171=2 1:122..221=52 1:122..271=102 1:122..299=130 0:300..349=50 "},
       {"trial ends while somebody steps off",
        {{120, 50}},
        {{0, [](Watching& w) { w.windows().open(1, 0, {20}, {122}); }}},
-       "1:20..70=51 1:20..111=92 0:270..320=51 0:270..370=101 "},
+       "1:20..69=50 1:20..111=92 0:270..319=50 0:270..369=100 "},
   };
   for (const Row& row : rows) {
     Signal signal = swaying_cop(100.0, 400, 3);
@@ -213,10 +213,24 @@ TEST(Steadiness, PersonWhoNeverStandsStill_IsMeasuredAfter5S) {
   EXPECT_EQ(events.front().first_scan.value, 500U);
 }
 
+/// The load rises in 0.5 s, overshoots and settles at 650 N. Later it is 5 % larger, as after a deep breath.
+TEST(Steadiness, LoadThatSettled_IsTheReference_NotALoadOfTheRamp) {
+  for (const double last_on_ramp_n : {530.0, 560.0, 600.0}) {
+    Signal signal = swaying_cop(100.0, 1000, 3);
+    for (std::size_t i = 0; i < 50; ++i) signal.values[2][i] = last_on_ramp_n * static_cast<double>(i + 1) / 50.0;
+    for (std::size_t i = 600; i < signal.scans(); ++i) signal.values[2][i] *= 1.05;
+
+    const auto events = Watching().watch(signal);
+
+    ASSERT_FALSE(events.empty());
+    for (const core::SwayEvent& event : events) EXPECT_EQ(event.first_scan, events.front().first_scan) << last_on_ramp_n;
+  }
+}
+
 TEST(Steadiness, FootThatIsLifted_EndsAWindowWithoutATrialOnly) {
   Signal signal = swaying_cop(100.0, 600, 3);
   std::fill(signal.values[2].begin() + 300, signal.values[2].end(), 400.0);
-  EXPECT_EQ(text_of(Watching().watch(signal)).substr(0, 48), "0:100..150=51 0:100..200=101 0:100..250=151 0:10");
+  EXPECT_EQ(text_of(Watching().watch(signal)).substr(0, 48), "0:100..149=50 0:100..199=100 0:100..249=150 0:10");
   EXPECT_EQ(Watching().watch(signal).back().first_scan.value, 400U) << "the load is steady again for 1 s";
 
   Watching in_trial;
@@ -232,7 +246,7 @@ TEST(Steadiness, WindowWithoutATrial_IsTheLast30S) {
   core::SwayEvent last = events.back();
   EXPECT_EQ(last.values.samples, 3000U);
   EXPECT_EQ(last.scan.value - last.first_scan.value, 2999U);
-  for (const core::SwayEvent& event : events) EXPECT_LE(event.values.samples, 3001U);
+  for (const core::SwayEvent& event : events) EXPECT_LE(event.values.samples, 3000U) << "at scan " << event.scan.value;
   Watching shorter;  // the same samples as the measurement of a trial: exact to the rounding of sums
   shorter.windows().open(1, 0, last.first_scan, {last.scan.value + 1});
   const core::SwayEvent same = shorter.watch(signal).back();
@@ -244,11 +258,76 @@ TEST(Steadiness, WindowWithoutATrial_IsTheLast30S) {
   EXPECT_EQ(last.values.range_ap_mm, same.values.range_ap_mm);
 }
 
+TEST(Steadiness, WindowWithoutATrial_IsNotLongerAtAnyRate) {
+  for (const double hz : {99.0, 128.0, 250.0, 1500.0}) {
+    const auto events = Watching({}, hz).watch(swaying_cop(hz, static_cast<std::size_t>(40.0 * hz), 3));
+
+    ASSERT_FALSE(events.empty());
+    const core::RunningSway& values = events.back().values;
+    EXPECT_LE(static_cast<double>(values.samples), core::kRecentSwayS * values.rate_hz) << hz;
+    EXPECT_GE(static_cast<double>(values.samples), (core::kRecentSwayS - 0.5) * values.rate_hz) << hz;
+  }
+}
+
 TEST(Steadiness, WindowWithoutATrial_IsNotLongerIfItsLengthIsNoMultipleOfTheInterval) {
   const auto events = Watching({{"every_ms", 700.0}}).watch(swaying_cop(100.0, 6000, 3));
 
   ASSERT_FALSE(events.empty());
   EXPECT_EQ(events.back().values.samples, 42U * 70U) << "29.4 s; 43 intervals would be 30.1 s";
+}
+
+TEST(Steadiness, UndoneReject_GivesTheValuesOfATrialThatWasNeverRejected) {
+  const Signal signal = swaying_cop(100.0, 600, 3);
+  Watching never;
+  never.windows().open(1, 0, {20}, {500});
+  const core::SwayEvent expected = never.watch(until(signal, 506)).back();
+
+  Watching undone;
+  undone.windows().open(1, 0, {20}, {500});
+  (void)undone.watch(until(signal, 100));
+  undone.windows().close();
+  (void)undone.watch(until(from(signal, 100), 150));
+  undone.windows().reopen();
+  const core::SwayEvent last = undone.watch(until(from(signal, 250), 256)).back();
+
+  EXPECT_EQ(last.trial, 1U);
+  EXPECT_EQ(last.first_scan, expected.first_scan);
+  EXPECT_EQ(last.scan, expected.scan);
+  EXPECT_EQ(last.values.samples, expected.values.samples);
+  EXPECT_EQ(last.values.totex_mm, expected.values.totex_mm);
+  EXPECT_EQ(last.values.pea95_f_mm2, expected.values.pea95_f_mm2);
+}
+
+TEST(Steadiness, RepeatedTrial_HasNoSampleOfTheVoidAttempt) {
+  const Signal signal = swaying_cop(100.0, 400, 3);
+  Watching watching;
+  watching.windows().open(1, 0, {20}, {300});
+  (void)watching.watch(until(signal, 100));
+  watching.windows().close();
+  (void)watching.watch(until(from(signal, 100), 50));
+  watching.windows().open(1, 0, {200}, {400});
+
+  const core::SwayEvent last = watching.watch(from(signal, 150)).back();
+
+  EXPECT_EQ(last.first_scan.value, 200U);
+  EXPECT_EQ(last.values.samples, last.scan.value - 199U);
+}
+
+TEST(Steadiness, VoidTrialInAState_ContinuesAfterItsUndo) {
+  const Signal signal = swaying_cop(100.0, 400, 3);
+  Watching one;
+  one.windows().open(1, 0, {20}, {400});
+  (void)one.watch(until(signal, 100));
+  one.windows().close();
+  (void)one.watch(until(from(signal, 100), 50));
+  std::vector<double> state(one.stage().state_size());
+  one.stage().save(state);
+  Watching other;
+  ASSERT_TRUE(other.stage().restore(state));
+  one.windows().reopen();
+  other.windows().open(1, 0, {20}, {400});
+
+  EXPECT_EQ(text_of(other.watch(from(signal, 150))), text_of(one.watch(from(signal, 150))));
 }
 
 TEST(Steadiness, LoadThatIsNotAboveZero_IsNobody) {
@@ -271,9 +350,9 @@ TEST(Steadiness, FilterAtTheFullRate_TakesAwayWhatIsAbove10Hz) {
   ASSERT_GE(events.size(), 2U);
   const core::RunningSway& values = events[1].values;  // 1 to 2 s: one period of the slow one
   EXPECT_EQ(values.rate_hz, 100.0);
-  EXPECT_EQ(values.samples, 101U);
+  EXPECT_EQ(values.samples, 100U);
   EXPECT_LT(values.range_ml_mm, 0.01);
-  EXPECT_NEAR(values.totex_ap_mm, 40.0, 0.1);  // up, down and up by 10 mm: 4 amplitudes
+  EXPECT_NEAR(values.totex_ap_mm, 40.0 - 0.2 * M_PI, 0.1);  // up, down and up by 10 mm, without the last hundredth of the period
   EXPECT_NEAR(values.range_ap_mm, 20.0, 0.05);
 }
 
@@ -317,8 +396,8 @@ TEST(Steadiness, LongGapInATrial_IsNoPath) {
   const core::SwayEvent& last = events.back();
   EXPECT_EQ(last.trial, 1U);
   EXPECT_EQ(last.first_scan.value, 0U);
-  EXPECT_EQ(last.scan.value, 350U);
-  EXPECT_EQ(last.values.samples, 293U);  // 0 to 141, 200 to 350
+  EXPECT_EQ(last.scan.value, 349U);
+  EXPECT_EQ(last.values.samples, 292U);  // 0 to 141, 200 to 349
   EXPECT_LT(last.values.totex_mm, 1e-9);
   EXPECT_NEAR(last.values.range_ml_mm, 100.0, 1e-9);
 }
@@ -361,7 +440,7 @@ TEST(Steadiness, StateOfDtsd01_BeginsAWindowAgain) {
 
   ASSERT_FALSE(events.empty());
   EXPECT_GE(events.front().first_scan.value, 192U);
-  EXPECT_EQ(events.back().values.samples, 151U + 8U);
+  EXPECT_EQ(events.back().values.samples, 150U + 8U);
 }
 
 TEST(Steadiness, MoreEventsInABlockThanThereIsRoomFor_LeavesTheNewest) {
@@ -374,8 +453,8 @@ TEST(Steadiness, MoreEventsInABlockThanThereIsRoomFor_LeavesTheNewest) {
   const Output output = run(*stage, 0, signal, std::span(&block, 1));
 
   ASSERT_EQ(output.sways.size(), 2U);
-  EXPECT_EQ(output.sways[0].scan.value, 400U);
-  EXPECT_EQ(output.sways[1].scan.value, 450U);
+  EXPECT_EQ(output.sways[0].scan.value, 399U);
+  EXPECT_EQ(output.sways[1].scan.value, 449U);
   EXPECT_EQ(output.lost_sways, 5U);
 }
 

@@ -197,6 +197,7 @@ TEST_F(EditTest, ATrialIsDoneOnce_AndOnlyWithValues) {
   const std::string id = record(kBlock, {.protocol = "standing"});
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
   pass(13.0);
+  ASSERT_TRUE(eventually([&] { return !row(id).trials.at(0).result.empty(); }));
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Redo));  // attempt 1 is redone; attempt 2 begins
   pass(13.0);
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
@@ -250,7 +251,11 @@ TEST_F(EditTest, AnErasedSubjectLeavesNothing) {
   ASSERT_TRUE(supervisor_->delete_session(second, "a test", false, kAnna));
   ASSERT_TRUE(supervisor_->correct_session({.session_id = third, .notes = "n", .reason = "r"}, kAnna));
   ASSERT_TRUE(supervisor_->correct_session({.session_id = other, .notes = "as P017.", .reason = "not P0170"}, kAnna));
-  EXPECT_THAT(recordings_->sessions_mentioning("P017").value(), ElementsAre(other));
+  EXPECT_THAT(recordings_->sessions_mentioning("P017")->sessions, ElementsAre(other));
+  EXPECT_EQ(recordings_->sessions_mentioning("P017")->unsearched, 0U);
+  const Mentions bounded = recordings_->sessions_mentioning("P017", 1).value();
+  EXPECT_THAT(bounded.sessions, ElementsAre(other));
+  EXPECT_EQ(bounded.unsearched, 2U) << "three sessions have the text";
 
   ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
   EXPECT_THAT(listed(), ElementsAre(other)) << "already";
@@ -263,6 +268,7 @@ TEST_F(EditTest, AnErasedSubjectLeavesNothing) {
   EXPECT_EQ(row(other).notes, "as [erased].");
   EXPECT_EQ(row(other).corrections.at(0).reason, "not P0170");
   EXPECT_EQ(now().session.id, "") << "the status does not show its last session";
+  EXPECT_EQ(now().recording.file, "") << "nor its recording";
   EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
   EXPECT_EQ(recordings_->erasures(), 1U);
   ASSERT_TRUE(recordings_->catalogue().verify_audit());
@@ -558,15 +564,18 @@ TEST_F(EditTest, AnErasureIsNotForgotten_UntilItIsInTheAuditTrail) {
 
 TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
   const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
-  for (const std::string good : {"", "eyes closed", "Baseline 2", "T1 OP", "cough",
-                                 "m\xC3\xBC"
-                                 "de",
-                                 "P017", "trial 3: start", "50%", "2026-11-26", "left/right", "comma, and \"quotes\""})
+  for (const std::string good :
+       {"", "eyes closed", "Baseline 2", "T1 OP", "cough",
+        "m\xC3\xBC"
+        "de",
+        "P017", "trial 3: start", "50%", "2026-11-26", "left/right", "comma, and \"quotes\"", "\u0434\u0438\u0442\u0438\u043d\u0430 2",
+        "\u017de\u0161ka l\u00e9kem", "\u05e9\u05dc\u05d5\u05dd", "\u9589\u773c \u7acb\u4f4d"})
     EXPECT_TRUE(check_label(rule, "label", good)) << good;
-  for (const std::string bad : {"Anna Schmidt, born 1950", "Anna Schmidt", "Frau M\xC3\xBCller", "=cmd|x", "+1", "-1", "@x", "<b>x</b>",
-                                "a\tb", " a", "a ", "a  b", "\xD7\xA9\xD7\x9C", "a\nb",
-                                "\xE2\x80\xAE"
-                                "abc"}) {
+  for (const std::string bad :
+       {"Anna Schmidt, born 1950", "Anna Schmidt", "Frau M\xC3\xBCller", "=cmd|x", "+1", "-1", "@x", "<b>x</b>", "a\tb", " a", "a ", "a  b",
+        "\u0410\u043d\u043d\u0430 \u0428\u043c\u0438\u0434\u0442", "Eva \u010cern\u00e1", "Anna\u00a0Schmidt", "Anna\u3000Schmidt", "a\nb",
+        "\xE2\x80\xAE"
+        "abc"}) {
     const auto checked = check_label(rule, "label", bad);
     ASSERT_FALSE(checked) << bad;
     EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);

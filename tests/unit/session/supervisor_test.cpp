@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "supervisor_fixture.h"
+#include "unit/physics/cop/constant_two_feet.h"
 
 namespace dts::session {
 namespace {
@@ -254,6 +255,21 @@ TEST_F(SupervisorTest, SensorsThatStandStill_AreNamed_WhileTheDeviceDelivers) {
   give({.outcome = device::ReadOutcome::Armed});
   while (!rig().acquisition().is_armed) std::this_thread::yield();
   EXPECT_EQ(now().sensor_problems, "");
+}
+
+TEST_F(SupervisorTest, LoadBeyondTheTravelOfTheSensors_IsReportedWithWhatToDo) {
+  const auto samples = physics::model_samples(physics::CopMethod::Poly3, config_.model, physics::PlateBehaviour::Linear).value();
+  config_.cop_calibration =
+      physics::calibrate_cop(physics::CopMethod::Poly3, samples, {.created_utc = "2026-01-31T12:00:00Z", .rig = "floor"}).value();
+  physics::TwoFeetForm form = physics::test::constant_form();
+  form.travel_mm = 0.001;
+  config_.cop_calibration->two_feet = physics::TwoFeetCorrection::from_form(form).value();
+  start();
+  EXPECT_EQ(now().sensor_problems, "");
+  feed(3000);  // a person settles
+  EXPECT_THAT(now().sensor_problems, HasSubstr("ask the person to stand in the middle"));
+  clock_.advance_s(3.0);
+  EXPECT_EQ(now().sensor_problems, "") << "the person left";
 }
 
 }  // namespace

@@ -58,6 +58,8 @@ test.each([
 test.each([
   ['[A-Z0-9]{1,8}', 'AB12', true],
   ['[A-Z0-9]{1,8}', 'Anna Schmidt', false],
+  [String.raw`[^=+@<>\-\p{Z}][^<>\p{Z}]*( [^<>\p{Lu}\p{Z}]*)*`, 'дитина 2', true], // as the daemon's default
+  [String.raw`[^=+@<>\-\p{Z}][^<>\p{Z}]*( [^<>\p{Lu}\p{Z}]*)*`, 'Анна Шмидт', false],
   ['a|b', 'ab', false], // the whole text, not a part of it
   ['[A-Z0-9]{1,8}', '', true], // no label
   ['[', 'anything', true], // the daemon decides

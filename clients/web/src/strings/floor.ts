@@ -88,6 +88,7 @@ export const floor = {
     planned: 'planned',
     trial: (trial: string, what: string) => `Trial ${trial}: ${what}`,
   },
+  doubtful: 'Values are doubtful.',
   noResult: (why: string) => `Trial without result: ${why}`,
   noResultHint: 'Redo the trial (R).',
   controls: {

@@ -54,6 +54,9 @@ class CorrectionsTest : public catalogue_test::CatalogueFixture {
     }
     return text + std::to_string(session.parts.at(0).valid_trials) + " valid";
   }
+  [[nodiscard]] core::Result<bool> overwrite_removed() const {
+    return Catalogue::overwrite_removed(path(), folder_, [] { return true; });
+  }
   std::string write(const std::string& text) {
     std::ofstream(path("s1.corrections.json")) << text;
     return path("s1.corrections.json");
@@ -107,6 +110,14 @@ TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
     const auto read = read_corrections(write(text));
     EXPECT_EQ(code(read), core::ErrorCode::DataDamaged) << text.substr(0, 200);
     EXPECT_NE(what(read).find("s1.corrections.json"), std::string::npos);
+  }
+  const auto subject = [&](const std::string& id) {
+    return code(read_corrections(write(head + R"([{"utc_ns": 1, "who": "local", "field": "subject", "old_value": "P 1", "new_value": ")" +
+                                       id + R"(", "reason": "r"}]})")));
+  };
+  for (const std::string good : {"P017", "", "[erased]"}) EXPECT_NE(subject(good), core::ErrorCode::DataDamaged) << good;
+  for (const std::string& bad : {std::string("Anna Schmidt"), std::string("<b>"), std::string(65, 'P')}) {
+    EXPECT_EQ(subject(bad), core::ErrorCode::DataDamaged) << bad;
   }
   EXPECT_EQ(code(read_corrections(path("none"))), core::ErrorCode::NotFound);
   EXPECT_EQ(code(read_corrections(folder_)), core::ErrorCode::DataDamaged) << "a folder";
@@ -179,7 +190,7 @@ TEST_F(CorrectionsTest, ErasedRowsAreNotEvenInTheBytesOfTheDatabase) {
   ASSERT_TRUE(catalogue().append_audit({.utc_ns = 1, .who = "local", .what = "start_session", .target = "s2", .result = "ok"}));
 
   ASSERT_TRUE(catalogue().erase({"s2", "unknown"}));
-  ASSERT_TRUE(catalogue().overwrite_removed().value());
+  ASSERT_TRUE(overwrite_removed().value());
 
   EXPECT_EQ(code(catalogue().session("s2")), core::ErrorCode::NotFound);
   EXPECT_TRUE(catalogue().session("s1"));
@@ -215,12 +226,22 @@ TEST_F(CorrectionsTest, OfManySessionsNothingRemains_UnlessAnotherProgramReads) 
     auto rows = reader.query("SELECT id FROM sessions");
     ASSERT_TRUE(rows.step());
     ASSERT_TRUE(catalogue().erase(erased));
-    EXPECT_FALSE(catalogue().overwrite_removed().value()) << "the reader needs the old rows";
+    EXPECT_FALSE(overwrite_removed().value()) << "the reader needs the old rows";
     EXPECT_TRUE(remains());
   }
-  EXPECT_TRUE(catalogue().overwrite_removed().value());
+  EXPECT_TRUE(overwrite_removed().value());
   EXPECT_FALSE(remains());
   EXPECT_EQ(catalogue().sessions({.limit = 1000})->size(), 400 - erased.size());
+}
+
+TEST_F(CorrectionsTest, OverwritingOfRemovedRows_IsInterrupted) {
+  for (int number = 0; number < 200; ++number) add_session("s" + std::to_string(number));
+  ASSERT_TRUE(catalogue().erase({"s1"}));
+
+  EXPECT_FALSE(Catalogue::overwrite_removed(path(), folder_, [] { return false; }));
+
+  EXPECT_EQ(catalogue().sessions({.limit = 1000})->size(), 199U) << "nothing was lost";
+  EXPECT_TRUE(overwrite_removed().value());
 }
 
 TEST_F(CorrectionsTest, SessionsAreFoundByTheirTexts) {

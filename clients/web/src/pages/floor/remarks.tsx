@@ -2,7 +2,9 @@
 import type { JSX } from 'preact';
 
 import type { RigStatus } from '../../generated/dts/v1/control_pb';
+import { DeviceState } from '../../generated/dts/v1/stream_pb';
 import { PassingNotice } from '../../parts/controls';
+import { asSentence } from '../../parts/names';
 import { clockTime, duration } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { LiveFloor } from './live_floor';
@@ -10,7 +12,7 @@ import type { LiveFloor } from './live_floor';
 const words = strings.floor;
 const absenceShownMs = 15_000;
 
-/** Problems of the session or of its last result, and the length of a gap that just ended. */
+/** Problems of the sensors, of the session or of its last result, and the length of a gap that just ended. */
 export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus }): JSX.Element => {
   const sway = floor.sway.value?.sway;
   const absence = floor.absence.value;
@@ -20,6 +22,9 @@ export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus
     <>
       {status.session?.message !== undefined && status.session.message !== '' && (
         <PassingNotice kind="error" what={status.session.message} testId="session-message" />
+      )}
+      {status.device === DeviceState.STREAMING && status.deviceMessage !== '' && (
+        <PassingNotice kind="warning" what={words.doubtful} hint={asSentence(status.deviceMessage)} testId="device-message" />
       )}
       {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={words.noResultHint} testId="no-result" />}
       {isFresh && <PassingNotice kind="warning" what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))} hint={words.gapHint} testId="gap" />}

@@ -96,7 +96,8 @@ test('LiveFloor.ResultFromTheCatalogue is not shown when the next trial has begu
 });
 
 test.each<[MessageInitShape<typeof SwaySchema>, string]>([
-  [{ isPreliminary: true, window: SwayWindow.LATEST, windowS: 30 }, 'last 30 s'],
+  [{ isPreliminary: true, window: SwayWindow.LATEST, durationS: 30, windowS: 30 }, 'last 30 s'],
+  [{ isPreliminary: true, window: SwayWindow.LATEST, durationS: 0.5, windowS: 30 }, 'last 1 s'],
   [{ isPreliminary: true, trial: 2, window: SwayWindow.TRIAL }, 'trial 2 so far'],
   [{ trial: 2 }, 'trial 2'],
 ])('windowName.%j is %j', (sway, expected) => {

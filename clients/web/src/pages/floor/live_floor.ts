@@ -206,9 +206,9 @@ export class LiveFloor {
   }
 }
 
-/** Returns which scans the values describe, in words: "last 30 s", "trial 1 so far", "trial 1". */
-export const windowName = ({ isPreliminary, trial, window, windowS: longestS }: Sway, words: typeof strings.floor.windows): string => {
+/** Returns which scans the values describe, in words: "last 12 s", "trial 1 so far", "trial 1". */
+export const windowName = ({ isPreliminary, trial, window, durationS, windowS: longestS }: Sway, words: typeof strings.floor.windows): string => {
   if (!isPreliminary) return words.trial(whole(trial));
   if (window === SwayWindow.TRIAL || trial > 0) return words.soFar(whole(trial));
-  return longestS === undefined ? words.standing : words.latest(whole(longestS));
+  return longestS === undefined ? words.standing : words.latest(whole(Math.ceil(durationS ?? longestS)));
 };

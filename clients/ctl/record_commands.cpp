@@ -91,7 +91,6 @@ int run_session_edit(const Arguments& arguments, cli::Console& console) {
   if (edit.notes) request.set_notes(*edit.notes);
   request.set_trial(edit.trial);
   request.set_attempt(edit.attempt);
-  request.set_part(edit.part);
   request.set_outcome(edit.outcome);
   request.set_reason(arguments.session.reason);
   return ask_and_print(

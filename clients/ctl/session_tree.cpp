@@ -114,8 +114,11 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   add_limit(*list, tree, "Show at most N sessions. Default: 100");
   list->add_flag("--deleted", wishes.is_deleted, "Show the deleted sessions instead");
   CLI::App* show = add(tree, session, "show", "Show a session: state, recordings, trials and results",
-                       "dtsctl session show 20261121T144525Z-floor-1 | one session\n", run_session_show);
+                       "dtsctl session show 20261121T144525Z-floor-1 | one session\n"
+                       "dtsctl session show 20261121T144525Z-floor-1 --csv > trials.csv | the values of its trials, for a spreadsheet\n",
+                       run_session_show);
   add_id(*show, tree, "ID", "Id of the session");
+  show->add_flag("--csv", tree.arguments.is_csv, "Print the values of the trials as CSV: a row for each trial and measure");
   cli::explain(tree.line, *show,
                "FROM .. TO SCAN | first and last scan of the trial in its part; as SEGMENT:SCAN if a gap divides the trial\n"
                "TRUNK, DEG | trunk class, and trunk flexion in degrees\n"
@@ -160,10 +163,6 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
                            ->option_text("N")
                            ->check(whole_number_between(1, 1'000'000));
   edit->add_option("--attempt", wishes.attempt, "Its attempt. Default: the newest")
-      ->option_text("N")
-      ->check(whole_number_between(1, 1'000'000))
-      ->needs(trial);
-  edit->add_option("--part", wishes.part, "Part of its session, if a resumed session repeated the trial. Default: the newest")
       ->option_text("N")
       ->check(whole_number_between(1, 1'000'000))
       ->needs(trial);

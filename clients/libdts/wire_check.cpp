@@ -124,7 +124,8 @@ Result<void> check(const v1::TrialStatus& trial) {
   if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("the phase of a trial is unknown");
   if (!v1::TrialOutcome_IsValid(trial.last_outcome())) return damaged("the outcome of a trial is unknown");
   if (!v1::TrialFault_IsValid(trial.last_fault())) return damaged("the fault of a trial is unknown");
-  return first_failure(check_amount(trial.next_target_cm(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"),
+  return first_failure(check_amount(trial.next_target_cm(), "a trial's target"),
+                       check_amount(trial.next_target_percent(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"),
                        check_amount(trial.settle_s(), "a trial's settling time"), check_amount(trial.duration_s(), "a trial's duration"),
                        check_amount(trial.target_cm(), "a trial's target"), check_amount(trial.target_percent(), "a trial's target"),
                        check_amount(trial.undo_s(), "a trial's time to undo"));

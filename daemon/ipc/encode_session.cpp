@@ -72,6 +72,7 @@ dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   out.set_condition(view.condition);
   out.set_next_condition(view.next_condition);
   if (view.next_target_cm) out.set_next_target_cm(*view.next_target_cm);
+  if (view.next_target_percent) out.set_next_target_percent(*view.next_target_percent);
   if (view.remaining_s > 0.0) out.set_remaining_s(view.remaining_s);
   out.set_settle_s(view.settle_s);
   if (view.duration_s > 0.0) out.set_duration_s(view.duration_s);

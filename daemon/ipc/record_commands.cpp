@@ -27,7 +27,6 @@ dts::v1::Response CommandHandler::correct_session(const dts::v1::CorrectSessionR
                                                     .notes = given(request.has_notes(), request.notes()),
                                                     .trial = request.trial(),
                                                     .attempt = request.attempt(),
-                                                    .part = request.part(),
                                                     .outcome = request.outcome(),
                                                     .reason = request.reason()},
                                                    author);

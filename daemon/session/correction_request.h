@@ -20,7 +20,6 @@ struct CorrectionRequest {
   std::optional<std::string> notes{};
   std::uint32_t trial = 0;    ///< 0: no outcome is corrected.
   std::uint32_t attempt = 0;  ///< 0: the newest.
-  std::uint32_t part = 0;     ///< 0: the newest with this trial.
   std::string outcome{};      ///< "done", "redone", "rejected", "aborted"
   std::string reason{};
 };
@@ -31,7 +30,7 @@ struct CorrectionRequest {
 [[nodiscard]] core::Result<std::vector<record::Correction>> corrections_for(const record::SessionRow& session,
                                                                             const CorrectionRequest& request, const LabelRule& rule);
 
-/// Fails with InvalidArgument for an empty reason or one that is no plain text.
-[[nodiscard]] core::Status check_reason(const std::string& reason);
+/// Fails with InvalidArgument for an empty reason or one that does not follow the rule.
+[[nodiscard]] core::Status check_reason(const std::string& reason, const LabelRule& rule);
 
 }  // namespace dts::session

@@ -62,6 +62,10 @@ class Recordings {
   void enter_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->put_trial(trial); });
   }
+  /// Notes that an attempt of a trial has begun.
+  void enter_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt) {
+    enter_or_owe([=, this] { return catalogue_->begin_attempt(session_id, trial, attempt); });
+  }
   /// Removes the row of a trial that is under way again.
   void remove_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->remove_trial(trial); });

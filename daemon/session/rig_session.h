@@ -99,7 +99,7 @@ class RigSession {
   [[nodiscard]] record::SessionFacts facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
                                            const Moment& moment) const;
   core::Status begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
-                     const std::vector<std::uint32_t>& done, const Moment& moment);
+                     const std::vector<EarlierTrial>& earlier, const Moment& moment);
   void end_trials(const Moment& moment);
   void end_recording_if_judged(const Moment& moment);
   void collect(const DataPosition& at);

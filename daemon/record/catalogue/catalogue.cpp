@@ -220,6 +220,29 @@ core::Status Catalogue::end_session(const std::string& id, const std::string& st
   return implementation_->database.failure(exception);
 }
 
+core::Status Catalogue::begin_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt) try {
+  const Database& database = implementation_->database;
+  Transaction transaction(database);
+  if (!database.query("SELECT 1 FROM sessions WHERE id = ?", session_id).step()) return no_session(session_id);
+  database.run("INSERT OR REPLACE INTO begun_attempts (session_id, trial, newest) VALUES (?, ?, ?)", session_id, trial, attempt);
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<std::map<std::uint32_t, std::uint32_t>> Catalogue::newest_attempts(const std::string& session_id) const try {
+  auto rows = implementation_->database.query(
+      "SELECT trial, max(attempt) FROM (SELECT trial, attempt FROM trials WHERE session_id = ?1"
+      " UNION ALL SELECT trial, newest FROM begun_attempts WHERE session_id = ?1) GROUP BY trial",
+      session_id);
+  std::map<std::uint32_t, std::uint32_t> newest;
+  while (rows.step()) newest.emplace(rows.count32(0), rows.count32(1));
+  return newest;
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
 core::Status Catalogue::put_trial(const TrialRow& trial) try {
   if (std::ranges::find(kTrialOutcomes, trial.outcome) == kTrialOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
     return core::fail(ErrorCode::InvalidArgument,
@@ -392,7 +415,8 @@ core::Status Catalogue::erase(const std::vector<std::string>& session_ids) try {
   const Database& database = implementation_->database;
   Transaction transaction(database);
   for (const std::string& id : session_ids) {
-    for (const char* table : {"results", "corrections", "trials", "parts"}) {  // rows that refer to others are removed first
+    for (const char* table :
+         {"results", "corrections", "trials", "begun_attempts", "parts"}) {  // rows that refer to others are removed first
       database.run(std::string("DELETE FROM ") + table + " WHERE session_id = ?", id);
     }
     database.run("DELETE FROM sessions WHERE id = ?", id);

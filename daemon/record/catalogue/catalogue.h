@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -178,6 +179,8 @@ class Catalogue {
   [[nodiscard]] core::Status update_part(const PartRow& part);
   /// Ends a session. Fails with NotFound if there is no such session, and with InvalidArgument if `state` is not the state of an ended one.
   [[nodiscard]] core::Status end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
+  /// Notes that an attempt has begun: its number is not used again, however it ends. Fails with NotFound if there is no such session.
+  [[nodiscard]] core::Status begin_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt);
   /// Adds a trial, or replaces the row of the same trial and attempt. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status put_trial(const TrialRow& trial);
   /// Removes the row of this part, trial and attempt, if there is one: the trial is under way again.
@@ -212,6 +215,8 @@ class Catalogue {
   /// Returns the IDs of all sessions whose recorded subject ID, recorded label or corrections contain this text, sorted.
   [[nodiscard]] core::Result<std::vector<std::string>> sessions_with(const std::string& text) const;
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
+  /// Returns the newest attempt of each trial that has begun, in any part of the session.
+  [[nodiscard]] core::Result<std::map<std::uint32_t, std::uint32_t>> newest_attempts(const std::string& session_id) const;
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;
   [[nodiscard]] core::Result<std::vector<PartRow>> parts() const;  ///< All, sorted by session ID.

@@ -152,7 +152,19 @@ ALTER TABLE trials DROP COLUMN is_valid;
 ALTER TABLE trials ADD COLUMN is_valid INTEGER CHECK (is_valid IN (0, 1));
 )sql";
 
-constexpr std::array<const char*, 8> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6, kVersion7, kVersion8};
+/// The newest attempt of each trial that has begun: also one that is under way, or that an undo took back. Rows of `trials` are attempts
+/// that have ended.
+constexpr const char* kVersion9 = R"sql(
+CREATE TABLE begun_attempts (
+  session_id TEXT NOT NULL REFERENCES sessions (id),
+  trial INTEGER NOT NULL CHECK (trial >= 1),
+  newest INTEGER NOT NULL CHECK (newest >= 1),
+  PRIMARY KEY (session_id, trial)
+) STRICT;
+)sql";
+
+constexpr std::array<const char*, 9> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5,
+                                                 kVersion6, kVersion7, kVersion8, kVersion9};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

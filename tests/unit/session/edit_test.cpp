@@ -556,6 +556,18 @@ TEST_F(EditTest, AnErasureIsNotForgotten_UntilItIsInTheAuditTrail) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
 }
 
+TEST_F(EditTest, NotesAndReasonsFollowTheRuleOfLabels) {
+  const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
+  const record::SessionRow session{.id = "s1"};
+  const auto why = [&](const CorrectionRequest& request) {
+    return why_refused(corrections_for(session, request, rule), core::ErrorCode::InvalidArgument);
+  };
+  EXPECT_THAT(why({.notes = "Anna Schmidt fell", .reason = "note"}), HasSubstr("the text of the notes does not follow this clinic's rule"));
+  EXPECT_THAT(why({.notes = "fell", .reason = "Anna Schmidt"}), HasSubstr("the reason does not follow this clinic's rule"));
+  EXPECT_EQ(why({.notes = "fell, with a stick", .reason = "added later"}), "");
+  EXPECT_EQ(why_refused(check_reason("Anna Schmidt", rule), core::ErrorCode::InvalidArgument).find("Anna"), std::string::npos);
+}
+
 TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
   const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
   for (const std::string good : {"", "eyes closed", "Baseline 2", "T1 OP", "cough",
@@ -572,6 +584,7 @@ TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
     EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);
     EXPECT_EQ(checked.error().what.find(bad), std::string::npos) << "it may be a name";
   }
+  EXPECT_TRUE(check_label(rule, "text of the notes", std::string(1000, 'x'), 1000));
   EXPECT_THAT(why_refused(check_label(rule, "marker", "Anna Schmidt"), core::ErrorCode::InvalidArgument),
               HasSubstr("the marker does not follow this clinic's rule for labels; Use words and numbers"));
 }

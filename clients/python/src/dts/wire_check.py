@@ -134,6 +134,7 @@ def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
     if trial.last_fault not in sessions_pb2.TrialFault.values():
         raise _damaged("the fault of a trial is unknown")
     _check_amount(trial.next_target_cm, "a trial's target")
+    _check_amount(trial.next_target_percent, "a trial's target")
     _check_amount(trial.remaining_s, "a trial's time")
     _check_amount(trial.settle_s, "a trial's settling time")
     _check_amount(trial.duration_s, "a trial's duration")

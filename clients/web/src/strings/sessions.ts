@@ -25,7 +25,7 @@ export const sessions = {
     subject: 'Subject ID',
     label: 'Label',
     notes: 'Notes',
-    notesHint: 'Do not type names or birth dates',
+    notesHint: 'Do not type names or birth dates. To remove a text for good, save empty notes first',
     trial: 'Trial',
     noTrial: 'Correct no trial',
     trialName: (trial: string, attempt: string, condition: string, outcome: string) =>

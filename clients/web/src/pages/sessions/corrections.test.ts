@@ -28,7 +28,7 @@ test.each<[string, Partial<Entered>, object | undefined]>([
   ['SpacesAround', { subject: ' P018 ' }, undefined],
   ['Subject', { subject: 'P019' }, { sessionId: 's1', subject: 'P019', reason: 'why' }],
   ['LabelThatIsRemoved', { label: '' }, { sessionId: 's1', label: '', reason: 'why' }],
-  ['Outcome', { trial: first!, outcome: 'rejected' }, { sessionId: 's1', part: 1, trial: 1, attempt: 1, outcome: 'rejected', reason: 'why' }],
+  ['Outcome', { trial: first!, outcome: 'rejected' }, { sessionId: 's1', trial: 1, attempt: 1, outcome: 'rejected', reason: 'why' }],
   ['SameOutcome', { trial: second!, outcome: 'rejected' }, undefined],
   ['TrialWithoutOutcome', { trial: first! }, undefined],
 ])('requestOf.Changed %s', (_, changes, expected) => {

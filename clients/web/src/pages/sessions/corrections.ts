@@ -27,7 +27,7 @@ export const requestOf = (session: SessionRecord, entered: Entered): CorrectionR
     if (value !== session[name]) changes[name] = value;
   }
   if (trial !== undefined && entered.outcome !== '' && entered.outcome !== trial.outcome) {
-    Object.assign(changes, { part: trial.part, trial: trial.trial, attempt: trial.attempt, outcome: entered.outcome });
+    Object.assign(changes, { trial: trial.trial, attempt: trial.attempt, outcome: entered.outcome });
   }
   return Object.keys(changes).length === 0 ? undefined : { ...changes, sessionId: session.sessionId, reason: entered.reason.trim() };
 };

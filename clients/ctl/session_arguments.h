@@ -34,7 +34,10 @@ struct EditArguments {
   std::uint32_t trial = 0;
   std::uint32_t attempt = 0;  ///< 0: the newest.
   std::string outcome;
-  bool is_confirmed = false;  ///< `--yes`
+  std::uint32_t marker = 0;         ///< 0: no marker.
+  std::optional<std::string> text;  ///< Of the marker.
+  bool is_removal = false;          ///< Remove the text of the marker.
+  bool is_confirmed = false;        ///< `--yes`
 };
 
 }  // namespace dts::ctl

@@ -151,7 +151,8 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
           "dtsctl session edit 20261121T144525Z-floor-1 --subject P018 --reason \"wrong subject ID\" | the subject ID\n"
           "dtsctl session edit 20261121T144525Z-floor-1 --label \"\" --reason \"had a name\" | remove the label\n"
           "dtsctl session edit 20261121T144525Z-floor-1 --trial 3 --outcome rejected --reason \"subject talked\" | the newest attempt\n"
-          "dtsctl session edit 20261121T144525Z-floor-1 --notes \"new shoes\" --reason \"added later\" | add notes\n",
+          "dtsctl session edit 20261121T144525Z-floor-1 --notes \"new shoes\" --reason \"added later\" | add notes\n"
+          "dtsctl session edit 20261121T144525Z-floor-1 --marker 2 --remove --reason \"had a name\" | remove a marker's text\n",
           run_session_edit);
   add_id(*edit, tree, "ID", "Id of the session");
   edit->add_option("--subject", wishes.subject, "Correct subject ID, never a name; \"\" removes it")->option_text("SUBJECT-ID");
@@ -171,6 +172,12 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
                              ->check(CLI::IsMember({"done", "redone", "rejected", "aborted"}))
                              ->needs(trial);
   trial->needs(outcome);
+  CLI::Option* marker = edit->add_option("--marker", wishes.marker, "Marker whose text is corrected: its number in session show")
+                            ->option_text("N")
+                            ->check(whole_number_between(1, 1'000'000));
+  CLI::Option* text = edit->add_option("--text", wishes.text, "Correct text of the marker")->option_text("TEXT")->check(text_of(1, 200));
+  text->needs(marker);
+  edit->add_flag("--remove", wishes.is_removal, "Remove the text of the marker; its time stays")->needs(marker)->excludes(text);
   add_reason(*edit, tree, true);
   CLI::App* deleted = add(tree, session, "delete", "Hide a closed session from all lists; it can be restored",
                           "dtsctl session delete 20261121T144525Z-floor-1 --reason \"a test\" | nothing is removed from the disk\n"

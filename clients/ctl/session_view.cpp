@@ -30,6 +30,22 @@ std::string state_text(const v1::SessionRecord& session) {
   return text + (session.is_deleted() ? ", deleted" : "");
 }
 
+/// Prints the markers; the number is the one that `session edit --marker` needs.
+void print_markers(cli::Console& console, const v1::SessionRecord& session) {
+  cli::Table markers({">MARKER", ">PART", ">SEGMENT", ">SCAN", "TEXT"});
+  for (const v1::MarkerRecord& marker : session.markers()) {
+    const std::string text = marker.text().empty() ? "(removed)" : marker.text();
+    markers.add({{std::to_string(marker.number())},
+                 {std::to_string(marker.part())},
+                 {std::to_string(marker.segment())},
+                 {std::to_string(marker.scan())},
+                 {marker.recorded_text().empty() ? text : text + " (corrected; recorded: " + marker.recorded_text() + ")"}});
+  }
+  if (session.markers_size() > 0) console.out << '\n';
+  markers.may_drop({"SEGMENT", "PART"});
+  markers.print(console);
+}
+
 void print_corrections(cli::Console& console, const v1::SessionRecord& session) {
   if (session.corrections_size() > 0) console.out << "\ncorrections (the recording stays as it is):\n";
   for (const v1::Correction& correction : session.corrections()) {
@@ -259,6 +275,7 @@ void print_session(cli::Console& console, const v1::SessionRecord& session, std:
   print_parts(console, session);
   print_trials(console, session);
   print_results(console, session);
+  print_markers(console, session);
   print_corrections(console, session);
 }
 
@@ -267,6 +284,10 @@ std::string correction_text(const v1::Correction& correction) {
   if (correction.field() == "outcome") {
     what += " of trial " + std::to_string(correction.trial()) + ", attempt " + std::to_string(correction.attempt());
     if (correction.part() > 1) what += ", part " + std::to_string(correction.part());
+  }
+  if (correction.field() == "marker") {
+    what += " " + std::to_string(correction.marker());
+    if (correction.part() > 1) what += " of part " + std::to_string(correction.part());
   }
   const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
   return what + ": " + value(correction.old_value()) + " -> " + value(correction.new_value()) + ", " + utc_text(correction.utc_ns()) +

@@ -19,6 +19,7 @@ constexpr int kMaxSessions = 10'000;  ///< Sessions of the catalogue; also entri
 constexpr int kMaxParts = 1000;
 constexpr int kMaxTrials = 10'000;
 constexpr int kMaxCorrections = 10'000;
+constexpr int kMaxMarkers = 1'000'000;
 constexpr std::size_t kLongestName = 64;
 constexpr std::int64_t kMaxRateTerm = 1'000'000'000'000;
 
@@ -167,9 +168,9 @@ Result<void> check(const v1::ProtocolInfo& protocol) {
 
 Result<void> check(const v1::SessionRecord& session) {
   if (session.session_id().empty()) return damaged("a session has no ID");
-  auto valid =
-      first_failure(check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"),
-                    check_count(session.corrections_size(), kMaxCorrections, "corrections"));
+  auto valid = first_failure(
+      check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"),
+      check_count(session.corrections_size(), kMaxCorrections, "corrections"), check_count(session.markers_size(), kMaxMarkers, "markers"));
   for (const v1::SessionPart& part : session.parts()) {
     if (valid) valid = check(part);
   }

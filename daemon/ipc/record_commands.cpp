@@ -28,6 +28,8 @@ dts::v1::Response CommandHandler::correct_session(const dts::v1::CorrectSessionR
                                                     .trial = request.trial(),
                                                     .attempt = request.attempt(),
                                                     .outcome = request.outcome(),
+                                                    .marker = request.marker(),
+                                                    .marker_text = given(request.has_marker_text(), request.marker_text()),
                                                     .reason = request.reason()},
                                                    author);
   return session ? session_answer(*session) : error_response(session.error());

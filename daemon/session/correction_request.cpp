@@ -74,6 +74,30 @@ core::Status add_outcome(const record::SessionRow& session, const CorrectionRequ
   return {};
 }
 
+core::Status add_marker(const record::SessionRow& session, const CorrectionRequest& request, const LabelRule& rule,
+                        std::vector<Correction>& corrections) {
+  if (request.marker == 0 && !request.marker_text) return {};
+  if (request.marker == 0 || !request.marker_text) {
+    return core::fail(ErrorCode::InvalidArgument, "a corrected marker needs both its number and its text",
+                      "dtsctl session edit " + session.id + " --marker 2 --text TEXT --reason TEXT");
+  }
+  DTS_TRY(check_label(rule, "marker", *request.marker_text));
+  if (request.marker > session.markers.size()) {
+    return core::fail(ErrorCode::NotFound, "session " + session.id + " has no marker " + std::to_string(request.marker),
+                      "see its markers: dtsctl session show " + session.id);
+  }
+  const record::MarkerRow& marker = session.markers[request.marker - 1];
+  if (marker.text == *request.marker_text) return {};
+  corrections.push_back({.who = {},
+                         .field = CorrectedField::Marker,
+                         .part = marker.part,
+                         .marker = marker.number,
+                         .old_value = marker.text,
+                         .new_value = *request.marker_text,
+                         .reason = {}});
+  return {};
+}
+
 }  // namespace
 
 core::Status check_reason(const std::string& reason, const LabelRule& rule) {
@@ -94,6 +118,7 @@ core::Result<std::vector<Correction>> corrections_for(const record::SessionRow& 
   add_if_changed(corrections, CorrectedField::Label, session.label, request.label);
   add_if_changed(corrections, CorrectedField::Notes, session.notes, request.notes);
   DTS_TRY(add_outcome(session, request, corrections));
+  DTS_TRY(add_marker(session, request, rule, corrections));
   if (corrections.empty()) {
     return core::fail(ErrorCode::InvalidArgument, "nothing to correct: session " + session.id + " already has these values",
                       "see dtsctl session show " + session.id);

@@ -66,6 +66,9 @@ class Recordings {
   void enter_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt) {
     enter_or_owe([=, this] { return catalogue_->begin_attempt(session_id, trial, attempt); });
   }
+  void enter_marker(const record::MarkerRow& marker) {
+    enter_or_owe([this, marker] { return catalogue_->put_marker(marker); });
+  }
   /// Removes the row of a trial that is under way again.
   void remove_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->remove_trial(trial); });
@@ -95,7 +98,7 @@ class Recordings {
   [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
 
   // recordings_erase.cpp
-  /// Returns the IDs of other sessions whose corrections, recorded subject ID or recorded label have this subject ID.
+  /// Returns the IDs of other sessions whose corrections, markers, recorded subject ID or recorded label have this subject ID.
   [[nodiscard]] core::Result<std::vector<std::string>> sessions_mentioning(const std::string& subject) const;
   /// Begins to erase a subject: its sessions are in no list any more when this returns; a thread removes the files. Fails with NotFound if
   /// no session has or had this subject ID, with WrongState while one of its sessions runs or a file of its recordings is missing, while

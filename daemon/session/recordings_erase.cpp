@@ -31,7 +31,7 @@ bool is_below(const fs::path& path, const fs::path& folder) {
 bool remove_mention(record::Correction& correction, const std::string& subject) {
   using enum record::CorrectedField;
   std::vector<std::string*> texts{&correction.reason};
-  if (correction.field == Label || correction.field == Notes) texts.insert(texts.end(), {&correction.old_value, &correction.new_value});
+  if (record::is_text(correction.field)) texts.insert(texts.end(), {&correction.old_value, &correction.new_value});
   if (correction.field == Subject) {  // another subject ID may contain this one
     for (std::string* value : {&correction.old_value, &correction.new_value}) {
       if (*value == subject) texts.push_back(value);
@@ -45,6 +45,14 @@ bool remove_mention(record::Correction& correction, const std::string& subject) 
     is_changed = true;
   }
   return is_changed;
+}
+
+/// Returns the marker that was recorded with the subject ID in its text; nullptr if there is none.
+const record::MarkerRow* marker_with(const record::SessionRow& session, const std::string& subject) {
+  const auto found = std::ranges::find_if(session.markers, [&](const record::MarkerRow& marker) {
+    return record::without_mention(marker.recorded_text.empty() ? marker.text : marker.recorded_text, subject).has_value();
+  });
+  return found == session.markers.end() ? nullptr : &*found;
 }
 
 /// Returns whether a session was recorded with this subject ID, or had it.
@@ -63,7 +71,8 @@ core::Result<std::vector<std::string>> Recordings::sessions_mentioning(const std
   for (const std::string& id : candidates) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
     if (session.subject == subject) continue;
-    const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject);
+    const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject) ||
+                             marker_with(session, subject) != nullptr;
     const bool is_corrected =
         std::ranges::any_of(session.corrections, [&](record::Correction one) { return remove_mention(one, subject); });
     if (is_recorded || is_corrected) ids.push_back(id);
@@ -125,6 +134,9 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
                           " --subject ID --reason TEXT), then erase that ID");
     } else if (record::without_mention(session.recorded_label, erasure.subject)) {
       unerased_.push_back("the recordings of session " + id + " have this subject ID in their label");
+    } else if (marker_with(session, erasure.subject) != nullptr) {
+      unerased_.push_back("the recordings of session " + id + " have this subject ID in a marker: correct it (dtsctl session edit " + id +
+                          " --marker N --text TEXT --reason TEXT), so that lists and exports do not show it");
     }
     record::Corrections cleaned{.session_id = id, .all = session.corrections};
     bool is_changed = false;

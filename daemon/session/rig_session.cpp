@@ -203,6 +203,7 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   end_reason_.clear();
   utc_minus_monotonic_ns_ = facts.utc_minus_monotonic_ns;
   trials_entered_.clear();
+  markers_ = 0;
   trials_.reset();
   if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, earlier);
   prepare_results(protocol, facts);
@@ -337,6 +338,17 @@ void RigSession::publish(v1::Event event, const DataPosition& at) {
   place(event, at);
   note(event, at);
   events_.push_back(std::move(event));
+}
+
+void RigSession::mark(const std::string& text, const DataPosition& at) {
+  if (!is_recording_) return;
+  note(marker_event(text), at);
+  services_.recordings.enter_marker({.session_id = session_.view(0).id,
+                                     .part = services_.recordings.part(rig_.config().name),
+                                     .number = ++markers_,
+                                     .segment = at.segment,
+                                     .scan = at.scan.value,
+                                     .text = text});
 }
 
 void RigSession::note(v1::Event event, const DataPosition& at) {

@@ -44,7 +44,8 @@ class BidsSink : public ExportSink {
         names_(recording, subject_),
         origin_s_(origin_s),
         files_(files),
-        motions_(recording.streams().size()) {}
+        motions_(recording.streams().size()),
+        markers_(recording, corrections) {}
 
   [[nodiscard]] core::Status create_files();
   [[nodiscard]] core::Status write(const RecordedScans& scans) override;
@@ -67,6 +68,7 @@ class BidsSink : public ExportSink {
   OutputFiles& files_;
   std::vector<Motion> motions_;
   std::optional<EventRows> events_{};
+  MarkerTexts markers_;
   std::atomic<std::uint64_t> rows_ = 0;
 };
 
@@ -129,7 +131,7 @@ core::Status BidsSink::write(const RecordedScans& scans) {
 }
 
 core::Status BidsSink::write(const TimedEvent& timed) {
-  const EventCells cells = cells_of(timed);
+  const EventCells cells = cells_of(markers_.corrected(timed));
   const bool is_moment = timed.event.has_marker() || timed.event.has_trigger();
   const std::int64_t time_ns = to_ns(timed.time_s - origin_s_);
   std::array<char, kLongestNumber> onset{};

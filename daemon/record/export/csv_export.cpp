@@ -52,7 +52,8 @@ class CsvSink : public ExportSink {
         origin_s_(origin_s),
         files_(files),
         columns_(recording.streams().size()),
-        trials_(recording) {}
+        trials_(recording),
+        markers_(recording, corrections) {}
 
   [[nodiscard]] core::Status create_files();
   [[nodiscard]] core::Status write(const RecordedScans& scans) override;
@@ -73,6 +74,7 @@ class CsvSink : public ExportSink {
   std::vector<Column> columns_;
   std::optional<EventRows> events_{};
   TrialTable trials_;
+  MarkerTexts markers_;
   std::set<std::string> names_{"events", "trials"};
   std::atomic<std::uint64_t> rows_ = 0;  ///< Of all streams. Several threads count.
 };
@@ -136,7 +138,7 @@ core::Status CsvSink::write(const RecordedChange& change) {
 
 core::Status CsvSink::write(const TimedEvent& timed) {
   trials_.add(timed);
-  const EventCells cells = cells_of(timed);
+  const EventCells cells = cells_of(markers_.corrected(timed));
   const std::int64_t time_ns = to_ns(timed.time_s - origin_s_);
   std::array<char, longest_row(0)> place{};
   std::string row(place.data(), put_place(place.data(), time_ns, timed.event.segment(), timed.event.scan()));

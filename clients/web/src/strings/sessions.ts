@@ -31,6 +31,12 @@ export const sessions = {
     trialName: (trial: string, attempt: string, condition: string, outcome: string) =>
       `Trial ${trial}${attempt === '1' ? '' : `, attempt ${attempt}`}, ${condition}: ${outcome}`,
     outcome: 'Outcome of the trial',
+    marker: 'Marker',
+    noMarker: 'Correct no marker',
+    markerName: (number: string, text: string) => `Marker ${number}: ${text}`,
+    markerText: 'Text of the marker',
+    markerHint: 'Blank: removes the text. Its time stays',
+    removedText: 'removed',
     reason: 'Reason',
     reasonHint: 'required; never a name',
     reasonMissing: 'Reason is required',
@@ -47,8 +53,9 @@ export const sessions = {
     corrected: 'corrected',
     head: 'Corrections',
     heads: { when: 'When', who: 'Who', what: 'What', before: 'Before', after: 'After', reason: 'Reason' },
-    fields: { subject: 'Subject ID', label: 'Label', notes: 'Notes', outcome: 'Outcome', deleted: 'Deleted' } as Readonly<Record<string, string>>,
+    fields: { subject: 'Subject ID', label: 'Label', notes: 'Notes', outcome: 'Outcome', deleted: 'Deleted', marker: 'Marker' } as Readonly<Record<string, string>>,
     ofTrial: (trial: string, attempt: string) => `Outcome of trial ${trial}${attempt === '1' ? '' : `, attempt ${attempt}`}`,
+    ofMarker: (number: string) => `Text of marker ${number}`,
     // "recorded: rejected; corrected by local, 23/11/2026, 12:03: wrong button"
     detail: (before: string, who: string, when: string, reason: string) => `corrected, before: ${before === '' ? 'none' : before}; by ${who}, ${when}: ${reason}`,
     needsClosed: 'Available when the session is stopped',
@@ -123,6 +130,7 @@ export const sessions = {
       ellipse: '95 % ellipse area (mm²)',
     },
   },
+  markers: { head: 'Markers', heads: { marker: 'Marker', text: 'Text', part: 'Part', scan: 'Scan' } },
   resultNames: {
     axes: { AP: 'front-back', ML: 'left-right', RD: 'distance from the mean', RES: 'both axes' } as Readonly<Record<string, string>>,
     alongAxis: (what: string, axis: string) => `${what}, ${axis}`,

@@ -12,6 +12,7 @@
 namespace dts::record {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -227,6 +228,27 @@ TEST_F(CsvExportTest, ALabelThatWasRemoved_IsNotExportedAsRecorded) {
   const std::string again = exported("", "second");
   EXPECT_THAT(again, HasSubstr("\"label\": \"second\""));
   EXPECT_THAT(again, Not(HasSubstr("Jane")));
+}
+
+TEST_F(CsvExportTest, AMarkerHasItsCorrectedText_AndARemovedOneNone) {
+  recording_.items.emplace_back(TimedEvent{.time_s = 8125.0, .event = test::event_of("scan: 9 marker { text: 'cough' }")});
+  Corrections corrections{.session_id = recording_.facts->session_id};
+  const auto correct = [&](std::uint32_t marker, const std::string& from, const std::string& to) {
+    corrections.add(
+        {.who = "local", .field = CorrectedField::Marker, .part = 1, .marker = marker, .old_value = from, .new_value = to, .reason = "r"});
+  };
+  correct(1, "eyes \"closed\", now", "eyes shut");
+  correct(2, "cough", "Xavier");
+  correct(2, "Xavier", "");
+  ASSERT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
+
+  const std::string events = text("20261121T144525Z-floor-1_events.csv");
+  EXPECT_THAT(events, HasSubstr("0.02,0,2,marker,eyes shut,\n"));
+  EXPECT_THAT(events, HasSubstr("0,9,marker,,\n"));
+  const std::string document = text("20261121T144525Z-floor-1_recording.json");
+  EXPECT_EQ(nlohmann::json::parse(document)["corrections"][0]["old_value"], "eyes \"closed\", now");
+  EXPECT_EQ(nlohmann::json::parse(document)["corrections"][2]["marker"], 2);
+  EXPECT_THAT(events + document, Not(AnyOf(HasSubstr("Xavier"), HasSubstr("cough"))));
 }
 
 TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {

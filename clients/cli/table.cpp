@@ -115,6 +115,15 @@ void Table::may_drop(const std::vector<std::string>& headers) {
   }
 }
 
+std::vector<std::size_t> Table::empty_columns() const {
+  std::vector<std::size_t> empty;
+  for (std::size_t column = headers_.size(); column-- > 1;) {  // the first column names the row
+    const auto is_empty = [column](const std::vector<Cell>& row) { return row[column].text.empty() || row[column].text == "-"; };
+    if (std::ranges::all_of(rows_, is_empty)) empty.push_back(column);
+  }
+  return empty;
+}
+
 std::vector<std::size_t> Table::shown_columns(const Console& console) const {
   std::vector<std::size_t> shown(widths_.size());
   std::iota(shown.begin(), shown.end(), std::size_t{0});
@@ -123,7 +132,9 @@ std::vector<std::size_t> Table::shown_columns(const Console& console) const {
     for (const std::size_t column : shown) used += widths_[column] + (used > 0 ? kBetween.size() : 0);
     return console.is_out_terminal && used > console.columns;
   };
-  for (auto next = droppable_.begin(); next != droppable_.end() && is_too_wide(); ++next) std::erase(shown, *next);
+  std::vector<std::size_t> order = empty_columns();
+  order.insert(order.end(), droppable_.begin(), droppable_.end());
+  for (auto next = order.begin(); next != order.end() && is_too_wide(); ++next) std::erase(shown, *next);
   return shown;
 }
 

@@ -33,8 +33,9 @@ struct Cell {
   Style style = Style::Plain;
 };
 
-/// Text in columns. A header that starts with '>' makes its column right-aligned. On a terminal that is too narrow, columns that may be
-/// dropped are dropped; if this is not enough, the last columns move to separate lines below the first ones. Nothing is cut:
+/// Text in columns. A header that starts with '>' makes its column right-aligned. On a terminal that is too narrow, columns that are empty
+/// in all rows are dropped, then those that may be dropped; if this is not enough, the last columns move to separate lines below the first
+/// ones. Nothing is cut:
 ///
 ///     SESSION                   RIG    STARTED (UTC)
 ///       STATE     LABEL
@@ -51,6 +52,8 @@ class Table {
   void print(Console& console) const;
 
  private:
+  /// Returns the columns, except the first, that are empty or "-" in all rows; the last one first.
+  [[nodiscard]] std::vector<std::size_t> empty_columns() const;
   /// Returns the columns that are shown.
   [[nodiscard]] std::vector<std::size_t> shown_columns(const Console& console) const;
   /// Returns the first of the `shown` columns of each line of a row, then their number.

@@ -109,17 +109,23 @@ int run_device_test(const Arguments& arguments, cli::Console& console) {
 }
 
 int run_mark(const Arguments& arguments, cli::Console& console) {
+  v1::StatusSnapshot after;
   return ask_and_print(
       arguments, console,
       [&](ControlClient& dts) {
         auto mark = dts.mark(arguments.text, arguments.rig);
         if (!mark) return mark;
-        if (const auto status = dts.status()) warn_unrecorded(*status, *mark, console);  // after the marker, which must not be delayed
+        if (const auto status = dts.status()) {  // after the marker, which must not be delayed
+          warn_unrecorded(*status, *mark, console);
+          after = *status;
+        }
         return mark;
       },
       [&](const v1::MarkResponse& mark) {
         for (const v1::MarkResponse::At& at : mark.marks()) {
-          console.out << cli::printable(at.rig()) << ": segment " << at.segment() << ", scan " << at.scan() << '\n';
+          const bool is_unrecorded = after.rigs_size() > 0 && !has_session(after, at.rig());
+          console.out << "rig '" << cli::printable(at.rig()) << "' marked: segment " << at.segment() << ", scan " << at.scan()
+                      << (is_unrecorded ? ", not recorded: no session" : "") << '\n';
         }
       });
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -14,6 +15,7 @@
 #include "cli/try.h"
 #include "ctl/ask.h"
 #include "ctl/recording_view.h"
+#include "report/result_names.h"
 
 namespace dts::ctl {
 namespace {
@@ -81,51 +83,99 @@ cli::Json detail_of(const cli::Json& details, const std::string& key) {
   return is_plain ? *found : cli::Json();
 }
 
-/// Adds warnings about details that must be equal for comparable values.
-void warn_of_differences(const v1::SessionResult& first, const v1::SessionResult& other, std::set<std::string>& warnings) {
-  if (first.unit() != other.unit()) warnings.insert(other.name() + ": the unit differs between sessions; do not compare these values");
-  const cli::Json one = cli::Json::parse(first.details(), nullptr, false);
-  const cli::Json two = cli::Json::parse(other.details(), nullptr, false);
+/// A result and its session.
+struct Source {
+  const v1::SessionRecord* session = nullptr;
+  const v1::SessionResult* result = nullptr;
+};
+
+/// What makes values not comparable, and for which conditions: one warning each.
+using Differences = std::map<std::string, std::set<std::string>>;
+
+/// Adds details that must be equal for comparable values.
+void add_differences(const Source& first, const Source& other, Differences& differences) {
+  const std::string condition = report::parts_of(first.result->name()).group;
+  if (first.result->unit() != other.result->unit()) {
+    differences["the unit of '" + report::result_label(first.result->name()) + "' differs between sessions"].insert("");
+  }
+  const cli::Json one = cli::Json::parse(first.result->details(), nullptr, false);
+  const cli::Json two = cli::Json::parse(other.result->details(), nullptr, false);
   if (!one.is_object() || !two.is_object()) return;
-  const std::string what = first.name().substr(0, first.name().rfind('/'));
-  for (const auto& [key, words] : {std::pair{"duration_s", "have the duration (s)"}, std::pair{"profile", "have the profile"},
-                                   std::pair{"rate_hz", "have the rate (Hz)"}}) {
+  for (const auto& [key, words, unit] : {std::tuple{"duration_s", "the duration", " s"}, std::tuple{"profile", "the profile", ""},
+                                         std::tuple{"rate_hz", "the rate", " Hz"}}) {
     const cli::Json in_one = detail_of(one, key);
     const cli::Json in_two = detail_of(two, key);
-    if (in_one.is_null() != in_two.is_null() && std::string_view(key) == "duration_s") {  // a mean over unequal trials has none
-      warnings.insert(what +
-                      ": the trials have equal durations in one session and different durations in another; do not compare these values");
-    }
-    if (in_one.is_null() || in_two.is_null() || in_one == in_two) continue;
+    const bool is_duration = std::string_view(key) == "duration_s";  // a mean over unequal trials has none
+    if (in_one == in_two || ((in_one.is_null() || in_two.is_null()) && !is_duration)) continue;
     const bool is_near = in_one.is_number() && in_two.is_number() && std::abs(in_one.get<double>() - in_two.get<double>()) < 0.1;
     if (is_near) continue;
-    warnings.insert(what + ": trials " + words + " " + in_one.dump() + " in one session and " + in_two.dump() +
-                    " in another; do not compare these values");
+    const auto value = [unit = unit](const cli::Json& detail) {
+      return detail.is_null() ? "different durations" : (detail.is_string() ? detail.get<std::string>() : detail.dump()) + unit;
+    };
+    differences["the trials differ in " + std::string(words) + ": " + value(in_one) + " in session " + first.session->session_id() + ", " +
+                value(in_two) + " in session " + other.session->session_id()]
+        .insert(condition);
   }
+}
+
+/// Adds a warning if the sessions have different protocols: names each protocol with its sessions.
+void warn_of_protocols(const std::vector<v1::SessionRecord>& sessions, std::set<std::string>& warnings) {
+  std::map<std::string, std::vector<std::string>> ids;
+  for (const v1::SessionRecord& session : sessions) ids[session.protocol()].push_back(session.session_id());
+  if (ids.size() < 2) return;
+  std::vector<std::string> texts;
+  for (const auto& [protocol, of_protocol] : ids) texts.push_back("'" + protocol + "' in " + cli::join(of_protocol, " and "));
+  warnings.insert("the sessions have different protocols: " + cli::join(texts, ", ") + "; trials and instructions may differ");
+}
+
+/// Returns the name under which a result is compared. Each part of a resumed session has its own results: if only one part has this result,
+/// it is that of the session.
+std::string compared_name(const v1::SessionRecord& session, const v1::SessionResult& result) {
+  const report::ResultName name = report::parts_of(result.name());
+  const auto is_same = [&name](const v1::SessionResult& other) {
+    const report::ResultName its = report::parts_of(other.name());
+    return its.group == name.group && its.symbol == name.symbol;
+  };
+  if (std::ranges::count_if(session.results(), is_same) > 1) return result.name();
+  return (name.group.empty() ? "" : name.group + "/") + name.symbol;
 }
 
 Comparison compare(std::vector<v1::SessionRecord> sessions) {
   Comparison comparison{.sessions = std::move(sessions), .rows = {}, .warnings = {}};
   std::set<std::string> warnings;
-  std::vector<const v1::SessionResult*> firsts;
+  Differences differences;
+  std::vector<Source> firsts;
+  warn_of_protocols(comparison.sessions, warnings);
   for (std::size_t s = 0; s < comparison.sessions.size(); ++s) {
     const v1::SessionRecord& session = comparison.sessions[s];
     if (session.subject() != comparison.sessions[0].subject()) warnings.insert("the sessions are from different subjects");
     if (const std::string lost = loss_text(sum_of(session)); !lost.empty()) {
       warnings.insert("session " + session.session_id() + ": " + lost + "; the results of its trials may cover less time");
     }
+    bool has_parts = false;
     for (const v1::SessionResult& result : session.results()) {
-      const auto known = std::ranges::find(comparison.rows, result.name(), &Row::name);
+      const std::string name = compared_name(session, result);
+      has_parts = has_parts || report::parts_of(name).part > 1;
+      const auto known = std::ranges::find(comparison.rows, name, &Row::name);
       const auto index = static_cast<std::size_t>(known - comparison.rows.begin());
       if (known == comparison.rows.end()) {
         comparison.rows.push_back(
-            {.name = result.name(), .unit = result.unit(), .values = std::vector<std::optional<double>>(comparison.sessions.size())});
-        firsts.push_back(&result);
+            {.name = name, .unit = result.unit(), .values = std::vector<std::optional<double>>(comparison.sessions.size())});
+        firsts.push_back({&session, &result});
       } else {
-        warn_of_differences(*firsts[index], result, warnings);
+        add_differences(firsts[index], {&session, &result}, differences);
       }
       if (std::isfinite(result.value())) comparison.rows[index].values[s] = result.value();
     }
+    if (has_parts) {
+      warnings.insert("session " + session.session_id() +
+                      " was resumed: some of its results exist for each part, from the trials of this part only, in a row of its own");
+    }
+  }
+  for (const auto& [text, conditions] : differences) {
+    std::vector<std::string> named(conditions.begin(), conditions.end());
+    std::erase(named, "");
+    warnings.insert(text + (named.empty() ? "" : " (" + cli::join(named, ", ") + ")") + "; do not compare these values");
   }
   const auto is_common = [](const Row& row) {
     return std::ranges::count_if(row.values, [](const auto& value) { return value.has_value(); }) > 1;
@@ -171,13 +221,13 @@ std::string change_text(const Row& row, std::size_t session) {
 }
 
 void print_table(const Comparison& comparison, cli::Console& console) {
-  std::vector<std::string> headers{"FIGURE", "UNIT"};
+  std::vector<std::string> headers{"RESULT", "UNIT"};
   for (const v1::SessionRecord& session : comparison.sessions) headers.push_back(">" + utc_text(session.started_utc_ns()));
   const bool is_pair = comparison.sessions.size() == 2;
   if (is_pair) headers.push_back(">CHANGE");
   cli::Table table(headers);
   for (const Row& row : comparison.rows) {
-    std::vector<cli::Cell> cells{{row.name}, {row.unit == "1" ? "" : row.unit}};
+    std::vector<cli::Cell> cells{{report::result_label(row.name)}, {row.unit == "1" ? "" : row.unit}};
     for (const auto& value : row.values) cells.push_back({value ? cli::decimal(*value, 3) : "-"});
     if (is_pair) cells.push_back({change_text(row, 1)});
     table.add(std::move(cells));

@@ -84,8 +84,13 @@ bool is_confirmed(const v1::SubjectRecord& subject, cli::Console& console) {
 
 int run_session_edit(const Arguments& arguments, cli::Console& console) {
   const EditArguments& edit = arguments.edit;
-  if (!edit.subject && !edit.label && !edit.notes && edit.trial == 0) {
-    cli::print_error(console, "session edit: nothing to correct", "give --subject, --label, --notes, or --trial with --outcome");
+  if (!edit.subject && !edit.label && !edit.notes && edit.trial == 0 && edit.marker == 0) {
+    cli::print_error(console, "session edit: nothing to correct",
+                     "give --subject, --label, --notes, --trial with --outcome, or --marker with --text");
+    return cli::kUsage;
+  }
+  if (edit.marker > 0 && edit.text.has_value() == edit.is_removal) {
+    cli::print_error(console, "session edit: --marker needs either --text or --remove", "give the right text, or --remove");
     return cli::kUsage;
   }
   v1::CorrectSessionRequest request;
@@ -95,8 +100,9 @@ int run_session_edit(const Arguments& arguments, cli::Console& console) {
   if (edit.notes) request.set_notes(*edit.notes);
   request.set_trial(edit.trial);
   request.set_attempt(edit.attempt);
-  request.set_part(edit.part);
   request.set_outcome(edit.outcome);
+  request.set_marker(edit.marker);
+  if (edit.marker > 0) request.set_marker_text(edit.text.value_or(""));
   request.set_reason(arguments.session.reason);
   return ask_and_print(
       arguments, console, [&](ControlClient& dts) { return dts.correct_session(request); },

@@ -3,12 +3,19 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <chrono>
 #include <string_view>
 
 #include "ctl/json.h"
+#include "report/result_names.h"
 
 namespace dts::ctl {
+
+std::string shortest(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
 
 std::string counted(std::uint64_t count, const std::string& thing) { return std::to_string(count) + " " + thing + (count == 1 ? "" : "s"); }
 
@@ -81,19 +88,9 @@ std::string utc_text(std::int64_t utc_ns) {
          two(clock.seconds().count());
 }
 
-std::string fault_words(v1::TrialFault fault) {
-  switch (fault) {
-    case v1::TRIAL_FAULT_STEPPED_OFF: return "stepped off";
-    case v1::TRIAL_FAULT_FEET_MOVED: return "feet moved";
-    case v1::TRIAL_FAULT_NO_REACH: return "no reach";
-    case v1::TRIAL_FAULT_NO_VALUES: return "no values";
-    default: return "";
-  }
-}
-
 std::string outcome_words(const v1::TrialStatus& trial) {
   const std::string outcome = enumerator_word(*v1::TrialOutcome_descriptor(), trial.last_outcome());
-  const std::string fault = fault_words(trial.last_fault());
+  const std::string fault = report::fault_words(trial.last_fault());
   return fault.empty() ? outcome : outcome + ", not valid: " + fault;
 }
 
@@ -115,6 +112,7 @@ std::string trial_line(const v1::TrialStatus& trial, const std::string& rig) {
   if (!trial.condition().empty()) line += ": " + trial.condition();
   if (!trial.next_condition().empty()) line += "; next " + trial.next_condition();
   if (trial.next_target_cm() > 0.0) line += " at " + cli::decimal(trial.next_target_cm(), 1) + " cm";
+  if (trial.next_target_percent() > 0.0) line += " (" + cli::decimal(trial.next_target_percent(), 0) + " % of the arm's length)";
   return cli::printable(line);
 }
 

@@ -12,6 +12,8 @@ namespace dts::ctl {
 
 /// Texts for people about recordings, trials and the disk, one line each.
 
+/// Returns the shortest exact text of a number: a limit of 0.5 is not shown as 0.
+[[nodiscard]] std::string shortest(double value);
 /// Returns "1 scan", "12 scans".
 [[nodiscard]] std::string counted(std::uint64_t count, const std::string& thing);
 /// Returns "12.3 MB".
@@ -33,8 +35,6 @@ struct LossSum {
 [[nodiscard]] std::string losses_text(const v1::SessionPart& part);
 /// Returns "3 of 4 trials valid"; empty if no trial is planned and none is valid.
 [[nodiscard]] std::string trials_text(std::uint64_t valid, std::uint64_t planned);
-/// Returns "stepped off"; empty without a fault.
-[[nodiscard]] std::string fault_words(v1::TrialFault fault);
 /// Returns how the newest attempt that ended has ended: "rejected", "done, not valid: stepped off".
 [[nodiscard]] std::string outcome_words(const v1::TrialStatus& trial);
 /// Returns "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"; when all trials have ended, how to end the session of `rig`.

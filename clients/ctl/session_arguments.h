@@ -32,10 +32,12 @@ struct EditArguments {
   std::optional<std::string> label;
   std::optional<std::string> notes;
   std::uint32_t trial = 0;
-  std::uint32_t attempt = 0;  ///< 0: the newest, as for `part`.
-  std::uint32_t part = 0;
+  std::uint32_t attempt = 0;  ///< 0: the newest.
   std::string outcome;
-  bool is_confirmed = false;  ///< `--yes`
+  std::uint32_t marker = 0;         ///< 0: no marker.
+  std::optional<std::string> text;  ///< Of the marker.
+  bool is_removal = false;          ///< Remove the text of the marker.
+  bool is_confirmed = false;        ///< `--yes`
 };
 
 }  // namespace dts::ctl

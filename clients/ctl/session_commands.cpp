@@ -10,6 +10,7 @@
 #include "cli/try.h"
 #include "ctl/ask.h"
 #include "ctl/recording_view.h"
+#include "ctl/session_csv.h"
 #include "ctl/session_view.h"
 #include "ctl/status_view.h"
 
@@ -69,8 +70,6 @@ std::string done_words(const std::string& action, const v1::TrialStatus& trial) 
   return "";
 }
 
-}  // namespace
-
 /// Warns before a whole session is recorded: without a tare, no reach can be classified.
 void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli::Console& console) {
   for (const v1::RigStatus& rig : status.rigs()) {
@@ -89,6 +88,32 @@ void report_wait(const v1::StatusSnapshot& status, const v1::SessionInfo& sessio
                << "; the session starts with the first scan" << std::endl;
 }
 
+/// Returns the ID without what people type differently: case, '_', '.' and '-'.
+std::string folded(const std::string& subject) {
+  std::string text;
+  for (const char letter : subject) {
+    if (letter == '_' || letter == '.' || letter == '-') continue;
+    text += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+  }
+  return text;
+}
+
+/// Warns of a new subject ID that differs from a known one only by case or punctuation: perhaps it is the same person.
+void warn_similar_subject(const v1::ListSubjectsResponse& subjects, const std::string& subject, cli::Console& console) {
+  const v1::SubjectInfo* similar = nullptr;
+  for (const v1::SubjectInfo& known : subjects.subjects()) {
+    if (known.subject() == subject) return;
+    if (folded(known.subject()) == folded(subject)) similar = &known;
+  }
+  if (similar == nullptr) return;
+  const std::string known = cli::printable(similar->subject());
+  console.talk << "dtsctl: warning: subject ID '" << known << "' is known; '" << cli::printable(subject) << "' is new\n"
+               << "  try: if this is the same person, correct the ID after the session: dtsctl session edit ID --subject " << known
+               << " --reason TEXT" << std::endl;
+}
+
+}  // namespace
+
 int run_session_start(const Arguments& arguments, cli::Console& console) {
   const SessionArguments& wishes = arguments.session;
   v1::StartSessionRequest request;
@@ -104,6 +129,9 @@ int run_session_start(const Arguments& arguments, cli::Console& console) {
       [&](ControlClient& dts) {
         const auto status = dts.status();
         if (status) warn_untared(*status, arguments.rig, console);
+        if (!request.subject().empty()) {
+          if (const auto subjects = dts.list_subjects()) warn_similar_subject(*subjects, request.subject(), console);
+        }
         auto session = dts.start_session(request);
         if (status && session) report_wait(*status, *session, console);
         return session;
@@ -156,17 +184,28 @@ int run_session_list(const Arguments& arguments, cli::Console& console) {
 }
 
 int run_session_show(const Arguments& arguments, cli::Console& console) {
+  if (arguments.is_csv && arguments.is_json) {
+    cli::print_error(console, "--csv and --json exclude each other",
+                     "dtsctl session show " + cli::printable(arguments.session.id) + " --csv");
+    return cli::kUsage;
+  }
   std::optional<double> elapsed_s;
   const auto ask = [&](ControlClient& dts) {
     auto session = dts.show_session(arguments.session.id);
-    if (arguments.is_json || !session || session->state() != "running") return session;
+    if (arguments.is_json || arguments.is_csv || !session || session->state() != "running") return session;
     const auto status = dts.status();  // the catalogue does not know how long the session runs
     if (const auto rig = status ? find_rig(*status, session->rig()) : Result<v1::RigStatus>(v1::RigStatus()); rig) {
       if (rig->session().session_id() == session->session_id()) elapsed_s = rig->session().elapsed_s();
     }
     return session;
   };
-  return ask_and_print(arguments, console, ask, [&](const v1::SessionRecord& session) { print_session(console, session, elapsed_s); });
+  return ask_and_print(arguments, console, ask, [&](const v1::SessionRecord& session) {
+    if (arguments.is_csv) {
+      console.out << trials_csv(session);
+    } else {
+      print_session(console, session, elapsed_s);
+    }
+  });
 }
 
 int run_session_trial(const Arguments& arguments, cli::Console& console) {

@@ -114,8 +114,11 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   add_limit(*list, tree, "Show at most N sessions. Default: 100");
   list->add_flag("--deleted", wishes.is_deleted, "Show the deleted sessions instead");
   CLI::App* show = add(tree, session, "show", "Show a session: state, recordings, trials and results",
-                       "dtsctl session show 20261121T144525Z-floor-1 | one session\n", run_session_show);
+                       "dtsctl session show 20261121T144525Z-floor-1 | one session\n"
+                       "dtsctl session show 20261121T144525Z-floor-1 --csv > trials.csv | the values of its trials, for a spreadsheet\n",
+                       run_session_show);
   add_id(*show, tree, "ID", "Id of the session");
+  show->add_flag("--csv", tree.arguments.is_csv, "Print the values of the trials as CSV: a row for each trial and measure");
   cli::explain(tree.line, *show,
                "FROM .. TO SCAN | first and last scan of the trial in its part; as SEGMENT:SCAN if a gap divides the trial\n"
                "TRUNK, DEG | trunk class, and trunk flexion in degrees\n"
@@ -148,7 +151,8 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
           "dtsctl session edit 20261121T144525Z-floor-1 --subject P018 --reason \"wrong subject ID\" | the subject ID\n"
           "dtsctl session edit 20261121T144525Z-floor-1 --label \"\" --reason \"had a name\" | remove the label\n"
           "dtsctl session edit 20261121T144525Z-floor-1 --trial 3 --outcome rejected --reason \"subject talked\" | the newest attempt\n"
-          "dtsctl session edit 20261121T144525Z-floor-1 --notes \"new shoes\" --reason \"added later\" | add notes\n",
+          "dtsctl session edit 20261121T144525Z-floor-1 --notes \"new shoes\" --reason \"added later\" | add notes\n"
+          "dtsctl session edit 20261121T144525Z-floor-1 --marker 2 --remove --reason \"had a name\" | remove a marker's text\n",
           run_session_edit);
   add_id(*edit, tree, "ID", "Id of the session");
   edit->add_option("--subject", wishes.subject, "Correct subject ID, never a name; \"\" removes it")->option_text("SUBJECT-ID");
@@ -163,15 +167,17 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
       ->option_text("N")
       ->check(whole_number_between(1, 1'000'000))
       ->needs(trial);
-  edit->add_option("--part", wishes.part, "Part of its session, if a resumed session repeated the trial. Default: the newest")
-      ->option_text("N")
-      ->check(whole_number_between(1, 1'000'000))
-      ->needs(trial);
   CLI::Option* outcome = edit->add_option("--outcome", wishes.outcome, "Correct outcome: done, redone, rejected or aborted")
                              ->option_text("NAME")
                              ->check(CLI::IsMember({"done", "redone", "rejected", "aborted"}))
                              ->needs(trial);
   trial->needs(outcome);
+  CLI::Option* marker = edit->add_option("--marker", wishes.marker, "Marker whose text is corrected: its number in session show")
+                            ->option_text("N")
+                            ->check(whole_number_between(1, 1'000'000));
+  CLI::Option* text = edit->add_option("--text", wishes.text, "Correct text of the marker")->option_text("TEXT")->check(text_of(1, 200));
+  text->needs(marker);
+  edit->add_flag("--remove", wishes.is_removal, "Remove the text of the marker; its time stays")->needs(marker)->excludes(text);
   add_reason(*edit, tree, true);
   CLI::App* deleted = add(tree, session, "delete", "Hide a closed session from all lists; it can be restored",
                           "dtsctl session delete 20261121T144525Z-floor-1 --reason \"a test\" | nothing is removed from the disk\n"

@@ -2,8 +2,6 @@
 #include "ctl/session_view.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -14,15 +12,10 @@
 #include "ctl/reach_reading.h"
 #include "ctl/recording_view.h"
 #include "ctl/sway_reading.h"
+#include "report/result_names.h"
 
 namespace dts::ctl {
 namespace {
-
-/// Returns the shortest exact text, so that a limit of 0.5 is not shown as 0.
-std::string shortest(double value) {
-  std::array<char, 32> text{};
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
 
 std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
 
@@ -35,6 +28,22 @@ std::string state_text(const v1::SessionRecord& session) {
   const auto is_value = [](const v1::Correction& correction) { return correction.field() != "deleted"; };
   if (std::ranges::any_of(session.corrections(), is_value)) text += ", corrected";
   return text + (session.is_deleted() ? ", deleted" : "");
+}
+
+/// Prints the markers; the number is the one that `session edit --marker` needs.
+void print_markers(cli::Console& console, const v1::SessionRecord& session) {
+  cli::Table markers({">MARKER", ">PART", ">SEGMENT", ">SCAN", "TEXT"});
+  for (const v1::MarkerRecord& marker : session.markers()) {
+    const std::string text = marker.text().empty() ? "(removed)" : marker.text();
+    markers.add({{std::to_string(marker.number())},
+                 {std::to_string(marker.part())},
+                 {std::to_string(marker.segment())},
+                 {std::to_string(marker.scan())},
+                 {marker.recorded_text().empty() ? text : text + " (corrected; recorded: " + marker.recorded_text() + ")"}});
+  }
+  if (session.markers_size() > 0) console.out << '\n';
+  markers.may_drop({"SEGMENT", "PART"});
+  markers.print(console);
 }
 
 void print_corrections(cli::Console& console, const v1::SessionRecord& session) {
@@ -95,14 +104,15 @@ cli::Cell trunk_cell(const v1::TrialResult& result) {
 void print_results(cli::Console& console, const v1::SessionRecord& session) {
   cli::Table results({"RESULT", ">VALUE", "UNIT"});
   for (const v1::SessionResult& result : session.results()) {
-    results.add({{result.name()}, {cli::decimal(result.value(), 3)}, {result.unit() == "1" ? "" : result.unit()}});
+    results.add({{report::result_label(result.name())}, {cli::decimal(result.value(), 3)}, {result.unit() == "1" ? "" : result.unit()}});
   }
   if (session.results_size() > 0) console.out << '\n';
   if (session.results_size() > 0) results.print(console);
   for (const v1::SessionResult& result : session.results()) {
     const cli::Json details = cli::Json::parse(result.details(), nullptr, false);
     if (!details.is_object() || !details.contains("note") || !details.at("note").is_string()) continue;
-    console.out << cli::printable(result.name()) << ": " << cli::printable(details.at("note").get<std::string>()) << '\n';
+    console.out << cli::printable(report::result_label(result.name())) << ": " << cli::printable(details.at("note").get<std::string>())
+                << '\n';
   }
 }
 
@@ -116,7 +126,7 @@ std::string place_text(const v1::TrialRecord& trial) {
 /// Returns the outcome, and for a trial that was done but does not count, why.
 cli::Cell recorded_cell(const v1::TrialRecord& trial) {
   if (trial.outcome() != "done") return {trial.outcome(), cli::Style::Warning};
-  if (trial.fault() != v1::TRIAL_FAULT_UNSPECIFIED) return {"done, not valid: " + fault_words(trial.fault()), cli::Style::Warning};
+  if (trial.fault() != v1::TRIAL_FAULT_UNSPECIFIED) return {"done, not valid: " + report::fault_words(trial.fault()), cli::Style::Warning};
   const v1::Sway& sway = trial.sway();
   if ((sway.flags() & v1::SWAY_FLAG_CUT_AT_GAP) != 0) return {"done, cut short by a gap", cli::Style::Warning};
   return {"done", cli::Style::Good};
@@ -265,6 +275,7 @@ void print_session(cli::Console& console, const v1::SessionRecord& session, std:
   print_parts(console, session);
   print_trials(console, session);
   print_results(console, session);
+  print_markers(console, session);
   print_corrections(console, session);
 }
 
@@ -273,6 +284,10 @@ std::string correction_text(const v1::Correction& correction) {
   if (correction.field() == "outcome") {
     what += " of trial " + std::to_string(correction.trial()) + ", attempt " + std::to_string(correction.attempt());
     if (correction.part() > 1) what += ", part " + std::to_string(correction.part());
+  }
+  if (correction.field() == "marker") {
+    what += " " + std::to_string(correction.marker());
+    if (correction.part() > 1) what += " of part " + std::to_string(correction.part());
   }
   const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
   return what + ": " + value(correction.old_value()) + " -> " + value(correction.new_value()) + ", " + utc_text(correction.utc_ns()) +

@@ -19,6 +19,7 @@ constexpr int kMaxSessions = 10'000;  ///< Sessions of the catalogue; also entri
 constexpr int kMaxParts = 1000;
 constexpr int kMaxTrials = 10'000;
 constexpr int kMaxCorrections = 10'000;
+constexpr int kMaxMarkers = 1'000'000;
 constexpr std::size_t kLongestName = 64;
 constexpr std::int64_t kMaxRateTerm = 1'000'000'000'000;
 
@@ -124,7 +125,8 @@ Result<void> check(const v1::TrialStatus& trial) {
   if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("the phase of a trial is unknown");
   if (!v1::TrialOutcome_IsValid(trial.last_outcome())) return damaged("the outcome of a trial is unknown");
   if (!v1::TrialFault_IsValid(trial.last_fault())) return damaged("the fault of a trial is unknown");
-  return first_failure(check_amount(trial.next_target_cm(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"),
+  return first_failure(check_amount(trial.next_target_cm(), "a trial's target"),
+                       check_amount(trial.next_target_percent(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"),
                        check_amount(trial.settle_s(), "a trial's settling time"), check_amount(trial.duration_s(), "a trial's duration"),
                        check_amount(trial.target_cm(), "a trial's target"), check_amount(trial.target_percent(), "a trial's target"),
                        check_amount(trial.undo_s(), "a trial's time to undo"));
@@ -166,9 +168,9 @@ Result<void> check(const v1::ProtocolInfo& protocol) {
 
 Result<void> check(const v1::SessionRecord& session) {
   if (session.session_id().empty()) return damaged("a session has no ID");
-  auto valid =
-      first_failure(check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"),
-                    check_count(session.corrections_size(), kMaxCorrections, "corrections"));
+  auto valid = first_failure(
+      check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"),
+      check_count(session.corrections_size(), kMaxCorrections, "corrections"), check_count(session.markers_size(), kMaxMarkers, "markers"));
   for (const v1::SessionPart& part : session.parts()) {
     if (valid) valid = check(part);
   }

@@ -136,8 +136,10 @@ std::string short_sentence(std::string_view sentence) {
 
 }  // namespace
 
+std::string measure_name(Measure measure) { return short_sentence(info(measure).sentence); }
+
 std::string measure_label(Measure measure) {
-  std::string name = short_sentence(info(measure).sentence);
+  std::string name = measure_name(measure);
   return name.ends_with(')') ? name : name + " (" + std::string(info(measure).symbol) + ")";
 }
 

@@ -13,6 +13,8 @@ namespace dts::report {
 [[nodiscard]] Table core_measures(const TrialData& trial);
 /// Returns every measure, one family per row: planar (or of the resultant distance), AP, ML.
 [[nodiscard]] Table all_measures(const TrialData& trial);
+/// Returns the plain name of a measure: "Mean velocity".
+[[nodiscard]] std::string measure_name(posturography::Measure measure);
 /// Returns the plain name of a measure with its symbol: "Mean velocity (MVELO)".
 [[nodiscard]] std::string measure_label(posturography::Measure measure);
 /// Returns why the reference ranges on the page are doubtful for this trial; empty if there are no ranges or no doubts.

@@ -7,6 +7,8 @@
 
 #include "core/join.h"
 #include "report/number_text.h"
+#include "report/result_names.h"
+#include "session/session_events.h"
 
 namespace dts::report {
 
@@ -68,11 +70,9 @@ namespace {
 
 /// Returns why a trial that was done does not count, or is shorter than planned; empty: it is whole.
 std::string invalid_text(const TrialData& trial) {
-  namespace flag = posturography::sway_flag;
-  if (!trial.analysis) return ", not valid: no values";
-  if ((trial.analysis->flags & flag::kSteppedOff) != 0) return ", not valid: stepped off";
-  if (!trial.analysis->is_valid()) return ", not valid: feet moved";
-  return (trial.analysis->flags & flag::kCutAtGap) != 0 ? ", cut short by a gap" : "";
+  const std::string fault = fault_words(record::fault_of(session::to_event(session::SwayTrialResult{.analysis = trial.analysis}, "", "")));
+  if (!fault.empty()) return ", not valid: " + fault;
+  return (trial.analysis->flags & posturography::sway_flag::kCutAtGap) != 0 ? ", cut short by a gap" : "";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
+#include "report/result_names.h"
 
 namespace dts::report {
 namespace {
@@ -46,17 +47,6 @@ constexpr std::array kPublished = {PublishedQuotient{Measure::Mvelo, "1.11 (0.80
                                    PublishedQuotient{Measure::Pea95F, "1.24 (0.62-1.73)", "0.98 (0.57-1.77)"},
                                    PublishedQuotient{Measure::AreaSw, "1.21 (0.73-1.86)", "1.03 (0.64-1.96)"}};
 
-/// The parts of "eyes-open-two-feet/MVELO", split at the last slash.
-struct ResultName {
-  std::string group;
-  std::string symbol;
-};
-ResultName parts_of(const std::string& name) {
-  const std::size_t slash = name.rfind('/');
-  if (slash == std::string::npos) return {.group = "", .symbol = name};
-  return {.group = name.substr(0, slash), .symbol = name.substr(slash + 1)};
-}
-
 /// The published quotients are for two feet on a firm surface; a stance without a surface counts as firm.
 bool is_of_references(const std::string& stance) {
   const bool is_firm = stance.find("surface=") == std::string::npos || stance.find("surface=firm") != std::string::npos;
@@ -69,7 +59,9 @@ std::string other_duration(const SessionData& session) {
   const auto other = std::ranges::find_if(session.trials, [](const TrialData& trial) {
     return trial.counts() && trial.analysis && std::abs(trial.analysis->duration_s - kPublishedS) > 1.0;
   });
-  return other == session.trials.end() ? "" : " The duration of these trials is " + fixed(other->analysis->duration_s, 1) + " s.";
+  return other == session.trials.end() ? ""
+                                       : " The trials of this session have " + fixed(other->analysis->duration_s, 1) +
+                                             " s: do not compare them with the published values.";
 }
 
 bool is_romberg(const session::SessionFigure& result) { return result.unit == "1" && result.name.starts_with(kRomberg); }

@@ -84,6 +84,10 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
   const auto report = supervisor_.tare_report(pending.rig);
   if (!report) return error_response(report.error());
   if (report->request < pending.request || report->outcome == pipeline::TareOutcome::Running) return std::nullopt;
+  const auto rigs = supervisor_.rigs();
+  const bool is_chair = std::ranges::any_of(
+      rigs, [&](const session::Rig* rig) { return rig->config().name == pending.rig && rig->config().kind == "chair"; });
+  const std::string surface = is_chair ? "seat" : "plate";  // the chair's plate is called so
   dts::v1::Response response;
   switch (report->outcome) {
     case pipeline::TareOutcome::None:
@@ -94,11 +98,12 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
       }
       return response;
     case pipeline::TareOutcome::Loaded:
-      return error_response({ErrorCode::WrongState, "tare rejected: the plate of rig '" + pending.rig + "' is loaded",
-                             "let everybody step off, then try again"});
+      return error_response(
+          {ErrorCode::WrongState, "tare rejected: the " + surface + " of rig '" + pending.rig + "' is loaded",
+           is_chair ? "let the subject stand up, clear the seat, then try again" : "let everybody step off, then try again"});
     case pipeline::TareOutcome::Unsteady:
-      return error_response({ErrorCode::WrongState, "tare rejected: the plate of rig '" + pending.rig + "' moved while averaging",
-                             "keep still around the plate, then try again"});
+      return error_response({ErrorCode::WrongState, "tare rejected: the " + surface + " of rig '" + pending.rig + "' moved while averaging",
+                             "keep still around the " + surface + ", then try again"});
     case pipeline::TareOutcome::BadSensor:
       return error_response({ErrorCode::WrongState, "tare rejected: a sensor of rig '" + pending.rig + "' is faulty",
                              "test it: dtsctl device test " + pending.rig});

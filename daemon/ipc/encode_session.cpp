@@ -72,6 +72,7 @@ dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   out.set_condition(view.condition);
   out.set_next_condition(view.next_condition);
   if (view.next_target_cm) out.set_next_target_cm(*view.next_target_cm);
+  if (view.next_target_percent) out.set_next_target_percent(*view.next_target_percent);
   if (view.remaining_s > 0.0) out.set_remaining_s(view.remaining_s);
   out.set_settle_s(view.settle_s);
   if (view.duration_s > 0.0) out.set_duration_s(view.duration_s);
@@ -193,6 +194,7 @@ void fill(dts::v1::Correction& out, const record::Correction& correction) {
   out.set_part(correction.part);
   out.set_trial(correction.trial);
   out.set_attempt(correction.attempt);
+  out.set_marker(correction.marker);
   out.set_old_value(clean_text(correction.old_value));
   out.set_new_value(clean_text(correction.new_value));
   out.set_reason(clean_text(correction.reason));
@@ -215,6 +217,16 @@ dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32
   for (const record::PartRow& part : row.parts) fill(*out.add_parts(), part);
   for (const record::TrialRow& trial : row.trials) fill(*out.add_trials(), trial);
   for (const record::Correction& correction : row.corrections) fill(*out.add_corrections(), correction);
+  for (const record::MarkerRow& marker : row.markers) {
+    auto& described = *out.add_markers();
+    described.set_number(static_cast<std::uint32_t>(out.markers_size()));
+    described.set_part(marker.part);
+    described.set_number_in_part(marker.number);
+    described.set_segment(marker.segment);
+    described.set_scan(marker.scan);
+    described.set_text(clean_text(marker.text));
+    described.set_recorded_text(clean_text(marker.recorded_text));
+  }
   out.set_notes(clean_text(row.notes));
   out.set_is_deleted(row.is_deleted);
   return out;

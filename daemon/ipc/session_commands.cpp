@@ -59,6 +59,7 @@ dts::v1::Response CommandHandler::resume_session(const dts::v1::ResumeSessionReq
 }
 
 CommandHandler::Answer CommandHandler::stop_session(const dts::v1::StopSessionRequest& request) {
+  if (auto good = session::check_label(supervisor_.label_rule(), "reason", request.reason()); !good) return {error_response(good.error())};
   const auto stopped = supervisor_.stop_session(request.rig(), request.is_abort(), request.reason());
   if (!stopped) return {error_response(stopped.error())};
   const PendingStop pending{.rig = stopped->first, .session_id = stopped->second.id};

@@ -13,7 +13,6 @@ using core::ErrorCode;
 using record::CorrectedField;
 using record::Correction;
 
-constexpr std::size_t kLongestWhy = 200;
 constexpr std::size_t kLongestNotes = 1000;
 
 void add_if_changed(std::vector<Correction>& corrections, CorrectedField field, const std::string& before,
@@ -26,8 +25,7 @@ void add_if_changed(std::vector<Correction>& corrections, CorrectedField field, 
 core::Result<const record::TrialRow*> find_trial(const record::SessionRow& session, const CorrectionRequest& request) {
   const record::TrialRow* found = nullptr;  // the rows are sorted by part, trial and attempt: the last one is the newest
   for (const record::TrialRow& trial : session.trials) {
-    const bool is_meant = trial.trial == request.trial && (request.attempt == 0 || trial.attempt == request.attempt) &&
-                          (request.part == 0 || trial.part == request.part);
+    const bool is_meant = trial.trial == request.trial && (request.attempt == 0 || trial.attempt == request.attempt);
     if (is_meant) found = &trial;
   }
   if (found != nullptr) return found;
@@ -76,26 +74,51 @@ core::Status add_outcome(const record::SessionRow& session, const CorrectionRequ
   return {};
 }
 
+core::Status add_marker(const record::SessionRow& session, const CorrectionRequest& request, const LabelRule& rule,
+                        std::vector<Correction>& corrections) {
+  if (request.marker == 0 && !request.marker_text) return {};
+  if (request.marker == 0 || !request.marker_text) {
+    return core::fail(ErrorCode::InvalidArgument, "a corrected marker needs both its number and its text",
+                      "dtsctl session edit " + session.id + " --marker 2 --text TEXT --reason TEXT");
+  }
+  DTS_TRY(check_label(rule, "marker", *request.marker_text));
+  if (request.marker > session.markers.size()) {
+    return core::fail(ErrorCode::NotFound, "session " + session.id + " has no marker " + std::to_string(request.marker),
+                      "see its markers: dtsctl session show " + session.id);
+  }
+  const record::MarkerRow& marker = session.markers[request.marker - 1];
+  if (marker.text == *request.marker_text) return {};
+  corrections.push_back({.who = {},
+                         .field = CorrectedField::Marker,
+                         .part = marker.part,
+                         .marker = marker.number,
+                         .old_value = marker.text,
+                         .new_value = *request.marker_text,
+                         .reason = {}});
+  return {};
+}
+
 }  // namespace
 
-core::Status check_reason(const std::string& reason) {
+core::Status check_reason(const std::string& reason, const LabelRule& rule) {
   if (reason.empty()) {
     return core::fail(ErrorCode::InvalidArgument, "the reason is missing", "say why, in a few words and without names: --reason TEXT");
   }
-  return check_plain_text("reason", reason, kLongestWhy);
+  return check_label(rule, "reason", reason);
 }
 
 core::Result<std::vector<Correction>> corrections_for(const record::SessionRow& session, const CorrectionRequest& request,
                                                       const LabelRule& rule) {
-  DTS_TRY(check_reason(request.reason));
+  DTS_TRY(check_reason(request.reason, rule));
   if (request.subject) DTS_TRY(check({.subject = *request.subject, .label = {}}));
   if (request.label) DTS_TRY(check_label(rule, "label", *request.label));
-  if (request.notes) DTS_TRY(check_plain_text("text of the notes", *request.notes, kLongestNotes));
+  if (request.notes) DTS_TRY(check_label(rule, "text of the notes", *request.notes, kLongestNotes));
   std::vector<Correction> corrections;
   add_if_changed(corrections, CorrectedField::Subject, session.subject, request.subject);
   add_if_changed(corrections, CorrectedField::Label, session.label, request.label);
   add_if_changed(corrections, CorrectedField::Notes, session.notes, request.notes);
   DTS_TRY(add_outcome(session, request, corrections));
+  DTS_TRY(add_marker(session, request, rule, corrections));
   if (corrections.empty()) {
     return core::fail(ErrorCode::InvalidArgument, "nothing to correct: session " + session.id + " already has these values",
                       "see dtsctl session show " + session.id);

@@ -4,12 +4,6 @@
 #include "core/utf8.h"
 
 namespace dts::session {
-namespace {
-
-constexpr std::size_t kLongestLabel = 200;
-
-}  // namespace
-
 core::Status check_plain_text(const std::string& what, const std::string& text, std::size_t longest) {
   if (text.size() > longest) {
     return core::fail(core::ErrorCode::InvalidArgument,
@@ -21,8 +15,8 @@ core::Status check_plain_text(const std::string& what, const std::string& text, 
                     "write it on one line, without control characters");
 }
 
-core::Status check_label(const LabelRule& rule, const std::string& what, const std::string& text) {
-  DTS_TRY(check_plain_text(what, text, kLongestLabel));
+core::Status check_label(const LabelRule& rule, const std::string& what, const std::string& text, std::size_t longest) {
+  DTS_TRY(check_plain_text(what, text, longest));
   if (text.empty() || !rule.pattern || rule.pattern->matches(text)) return {};
   return core::fail(core::ErrorCode::InvalidArgument, "the " + what + " does not follow this clinic's rule for labels", rule.hint);
 }

@@ -10,7 +10,7 @@
 
 namespace dts::session {
 
-/// What a clinic allows in labels and markers. Both are free text of people, and go into recordings, reports and exports.
+/// What a clinic allows in labels, markers, notes and reasons. All are free text of people, and go into recordings, reports or exports.
 struct LabelRule {
   std::optional<core::TextPattern> pattern{};  ///< Absent: every text.
   std::string hint{};                          ///< For people who type a text: what is allowed, and why.
@@ -26,9 +26,11 @@ inline constexpr std::string_view kDefaultLabelHint =
 inline constexpr std::string_view kGeneralLabelHint =
     "Ask your engineer for the rule: label_pattern in dtsd.toml. Labels go into files: do not enter names or birth dates";
 
-/// Fails with InvalidArgument if the text does not follow the rule, has more than 200 bytes, or fails `check_plain_text`. The message does
-/// not repeat the text, which may be a name. `what`: "label", "marker".
-[[nodiscard]] core::Status check_label(const LabelRule& rule, const std::string& what, const std::string& text);
+inline constexpr std::size_t kLongestLabel = 200;
+/// Fails with InvalidArgument if the text does not follow the rule, has more than `longest` bytes, or fails `check_plain_text`. The message
+/// does not repeat the text, which may be a name. `what`: "label", "marker", "reason", "text of the notes".
+[[nodiscard]] core::Status check_label(const LabelRule& rule, const std::string& what, const std::string& text,
+                                       std::size_t longest = kLongestLabel);
 
 /// Fails with InvalidArgument if a text has more than `longest` bytes, is not UTF-8, or has control characters or characters that change
 /// the direction of text: such a text can look like another one. `what`: "reason", "notes".

@@ -69,6 +69,13 @@ class Recordings {
   void enter_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->put_trial(trial); });
   }
+  /// Notes that an attempt of a trial has begun.
+  void enter_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt) {
+    enter_or_owe([=, this] { return catalogue_->begin_attempt(session_id, trial, attempt); });
+  }
+  void enter_marker(const record::MarkerRow& marker) {
+    enter_or_owe([this, marker] { return catalogue_->put_marker(marker); });
+  }
   /// Removes the row of a trial that is under way again.
   void remove_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->remove_trial(trial); });
@@ -98,7 +105,7 @@ class Recordings {
   [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
 
   // recordings_erase.cpp
-  /// Returns the other sessions whose corrections, recorded subject ID or recorded label have this subject ID. Searches at most
+  /// Returns the other sessions whose corrections, markers, recorded subject ID or recorded label have this subject ID. Searches at most
   /// `most_searched` of the sessions that have its text somewhere.
   [[nodiscard]] core::Result<Mentions> sessions_mentioning(const std::string& subject,
                                                            std::size_t most_searched = std::numeric_limits<std::size_t>::max()) const;

@@ -16,7 +16,7 @@ bool has_outcome(const std::vector<record::Correction>& corrections) {
 /// Returns whether this hides or restores a session, or removes a text: that must be possible, whatever was corrected before.
 bool is_removal(const record::Correction& correction) {
   using enum record::CorrectedField;
-  return correction.field == Deleted || ((correction.field == Label || correction.field == Notes) && correction.new_value.empty());
+  return correction.field == Deleted || (record::is_text(correction.field) && correction.new_value.empty());
 }
 
 /// Fails if the file, which is about to be replaced, has something that the catalogue does not have.

@@ -35,7 +35,7 @@ bool is_below(const fs::path& path, const fs::path& folder) {
 bool remove_mention(record::Correction& correction, const std::string& subject) {
   using enum record::CorrectedField;
   std::vector<std::string*> texts{&correction.reason};
-  if (correction.field == Label || correction.field == Notes) texts.insert(texts.end(), {&correction.old_value, &correction.new_value});
+  if (record::is_text(correction.field)) texts.insert(texts.end(), {&correction.old_value, &correction.new_value});
   if (correction.field == Subject) {  // another subject ID may contain this one
     for (std::string* value : {&correction.old_value, &correction.new_value}) {
       if (*value == subject) texts.push_back(value);
@@ -66,6 +66,14 @@ core::Result<record::Erased> and_overwrite(core::Result<record::Erased> removed,
   return removed;
 }
 
+/// Returns the marker that was recorded with the subject ID in its text; nullptr if there is none.
+const record::MarkerRow* marker_with(const record::SessionRow& session, const std::string& subject) {
+  const auto found = std::ranges::find_if(session.markers, [&](const record::MarkerRow& marker) {
+    return record::without_mention(marker.recorded_text.empty() ? marker.text : marker.recorded_text, subject).has_value();
+  });
+  return found == session.markers.end() ? nullptr : &*found;
+}
+
 /// Returns whether a session was recorded with this subject ID, or had it.
 bool had_subject(const record::SessionRow& session, const std::string& subject) {
   return session.recorded_subject == subject || std::ranges::any_of(session.corrections, [&](const record::Correction& one) {
@@ -83,7 +91,8 @@ core::Result<Mentions> Recordings::sessions_mentioning(const std::string& subjec
   for (const std::string& id : std::span(candidates).first(searched)) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
     if (session.subject == subject) continue;
-    const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject);
+    const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject) ||
+                             marker_with(session, subject) != nullptr;
     const bool is_corrected =
         std::ranges::any_of(session.corrections, [&](record::Correction one) { return remove_mention(one, subject); });
     if (is_recorded || is_corrected) found.sessions.push_back(id);
@@ -145,6 +154,9 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
                           " --subject ID --reason TEXT), then erase that ID");
     } else if (record::without_mention(session.recorded_label, erasure.subject)) {
       unerased_.push_back("the recordings of session " + id + " have this subject ID in their label");
+    } else if (marker_with(session, erasure.subject) != nullptr) {
+      unerased_.push_back("the recordings of session " + id + " have this subject ID in a marker: correct it (dtsctl session edit " + id +
+                          " --marker N --text TEXT --reason TEXT), so that lists and exports do not show it");
     }
     record::Corrections cleaned{.session_id = id, .all = session.corrections};
     bool is_changed = false;

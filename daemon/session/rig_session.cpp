@@ -59,18 +59,20 @@ double recorded_s(const record::SessionRow& row, double settle_s) {
   return sum_s;
 }
 
-/// Returns the trials of the plan that need no repetition: done, or rejected (the plan continued).
-std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
+/// Returns the trials of the plan that have begun. Those that are done, or rejected (the plan continued), need no repetition.
+std::vector<EarlierTrial> earlier_trials(const record::SessionRow& row, const std::map<std::uint32_t, std::uint32_t>& newest_attempts) {
   std::map<std::uint32_t, const record::TrialRow*> last;
   for (const record::TrialRow& trial : row.trials) {
     const record::TrialRow*& newest = last[trial.trial];
     if (newest == nullptr || trial.part > newest->part || (trial.part == newest->part && trial.attempt > newest->attempt)) newest = &trial;
   }
-  std::vector<std::uint32_t> done;
-  for (const auto& [place, trial] : last) {
-    if (trial->outcome == "done" || trial->outcome == "rejected") done.push_back(place);
+  std::vector<EarlierTrial> earlier;
+  for (const auto& [place, attempt] : newest_attempts) {
+    const auto trial = last.find(place);
+    const bool is_done = trial != last.end() && (trial->second->outcome == "done" || trial->second->outcome == "rejected");
+    earlier.push_back({.trial = place, .newest_attempt = attempt, .is_done = is_done});
   }
-  return done;
+  return earlier;
 }
 
 }  // namespace
@@ -160,10 +162,12 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
                          .fields = earlier.fields};
   DTS_TRY(check(request));
   DTS_TRY(check_fields(*protocol, request.fields));
-  const std::vector<std::uint32_t> done = places_done(row);
+  DTS_TRY_ASSIGN(const auto attempts, services_.recordings.catalogue().newest_attempts(row.id));
+  const std::vector<EarlierTrial> begun = earlier_trials(row, attempts);
+  const auto done = static_cast<std::size_t>(std::ranges::count(begun, true, &EarlierTrial::is_done));
   const std::size_t planned = protocol->trials ? make_plan(*protocol->trials, earlier.plan_seed).size() : 0;
   // Without trials, only a message shows a session that ended early.
-  if (row.state == "complete" && done.size() >= planned && (planned > 0 || row.message.empty())) {
+  if (row.state == "complete" && done >= planned && (planned > 0 || row.message.empty())) {
     const std::string trials = planned > 0 ? "all " + std::to_string(planned) + " trials are done, " : "";
     return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: " + trials + "there is nothing to resume",
                       "start a new session: dtsctl session start --rig " + row.rig + " --protocol NAME");
@@ -180,11 +184,11 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   next.duration_s = earlier.duration_s;
   next.plan_seed = earlier.plan_seed;
   next.part = row.parts.back().part + 1;
-  return begin(next, request, *protocol, done, moment);
+  return begin(next, request, *protocol, begun, moment);
 }
 
 core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
-                               const std::vector<std::uint32_t>& done, const Moment& moment) {
+                               const std::vector<EarlierTrial>& earlier, const Moment& moment) {
   if (request.settle_s == 0.0) request.settle_s = protocol.settle_s;
   if (request.duration_s == 0.0) request.duration_s = protocol.duration_s;
   DTS_TRY(session_.check_free());
@@ -199,8 +203,9 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   end_reason_.clear();
   utc_minus_monotonic_ns_ = facts.utc_minus_monotonic_ns;
   trials_entered_.clear();
+  markers_ = 0;
   trials_.reset();
-  if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
+  if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, earlier);
   prepare_results(protocol, facts);
   rig_.windows().restart();
   auto started = session_.start(facts.session_id, request, moment.now_ns);
@@ -336,6 +341,17 @@ void RigSession::publish(v1::Event event, const DataPosition& at) {
   events_.push_back(std::move(event));
 }
 
+void RigSession::mark(const std::string& text, const DataPosition& at) {
+  if (!is_recording_) return;
+  note(marker_event(text), at);
+  services_.recordings.enter_marker({.session_id = session_.view(0).id,
+                                     .part = services_.recordings.part(rig_.config().name),
+                                     .number = ++markers_,
+                                     .segment = at.segment,
+                                     .scan = at.scan.value,
+                                     .text = text});
+}
+
 void RigSession::note(v1::Event event, const DataPosition& at) {
   if (!is_recording_) return;
   place(event, at);
@@ -378,7 +394,7 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
   EnteredTrial& entered = trials_entered_[{event.trial, event.attempt}];
   record::TrialRow& row = entered.row;
   switch (event.kind) {
-    case TrialEventKind::Ready:
+    case TrialEventKind::Ready: services_.recordings.enter_attempt(session_.view(0).id, event.trial, event.attempt); [[fallthrough]];
     case TrialEventKind::Go:
     case TrialEventKind::Measure:
       row.trial = event.trial;

@@ -77,6 +77,8 @@ class RigSession {
   void wait_for_results(const Moment& moment);
   /// Ends the session if the rig's recording ended for any reason.
   void recording_finished(const FinishedRecording& finished, const Moment& moment);
+  /// Writes a marker to the recording and the catalogue.
+  void mark(const std::string& text, const DataPosition& at);
   /// Writes an event of the rig to the recording.
   void note(v1::Event event, const DataPosition& at);
 
@@ -99,7 +101,7 @@ class RigSession {
   [[nodiscard]] record::SessionFacts facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
                                            const Moment& moment) const;
   core::Status begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
-                     const std::vector<std::uint32_t>& done, const Moment& moment);
+                     const std::vector<EarlierTrial>& earlier, const Moment& moment);
   void end_trials(const Moment& moment);
   void end_recording_if_judged(const Moment& moment);
   void collect(const DataPosition& at);
@@ -131,6 +133,7 @@ class RigSession {
     v1::TrialFault fault = v1::TRIAL_FAULT_UNSPECIFIED;
   };
   std::map<std::pair<std::uint32_t, std::uint32_t>, EnteredTrial> trials_entered_;  ///< By trial and attempt.
+  std::uint32_t markers_ = 0;                                                       ///< In the recording of this part.
   bool is_recording_ = false;
   bool is_awaiting_results_ = false;  ///< The trials have ended; the recording ends when their results are known.
   bool is_aborted_ = false;

@@ -92,7 +92,9 @@ void RigSession::enter_results(const DataPosition& at) {
   for (const auto& judge : judges_) {
     for (TrialResultEvent& result : judge->take_results()) {
       enter_result(result, at);
-      events_.push_back(std::move(result.event));
+      const auto known = trials_entered_.find({result.trial, result.attempt});
+      const bool is_void = known != trials_entered_.end() && known->second.row.outcome != name(TrialEventKind::Done);
+      if (!is_void) events_.push_back(std::move(result.event));  // live, the next attempt is shown
     }
   }
 }

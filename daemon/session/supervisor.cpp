@@ -218,7 +218,7 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {
     report_event(rig_name, at, marker_event(text));
-    find(rig_name).value()->session.note(marker_event(text), at);
+    find(rig_name).value()->session.mark(text, at);
   }
   return marks;
 }

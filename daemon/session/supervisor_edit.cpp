@@ -20,7 +20,7 @@ core::Result<record::SessionRow> Supervisor::correct_session(const CorrectionReq
 core::Result<record::SessionRow> Supervisor::delete_session(const std::string& id, const std::string& reason, bool is_restore,
                                                             const std::string& who) {
   DTS_TRY_ASSIGN(const auto session, services_.recordings.closed_session(id));
-  if (!is_restore || !reason.empty()) DTS_TRY(check_reason(reason));
+  if (!is_restore || !reason.empty()) DTS_TRY(check_reason(reason, services_.label_rule));
   if (session.is_deleted != is_restore) {
     return core::fail(core::ErrorCode::WrongState, "session " + session.id + (is_restore ? " is not deleted" : " is deleted already"),
                       is_restore ? "see dtsctl session list --deleted" : "restore it: dtsctl session restore " + session.id);

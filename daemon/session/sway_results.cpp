@@ -163,7 +163,7 @@ std::vector<SwayTrialResult> SwayResults::take_decided() {
   bool is_waiting = false;  // results are returned in order
   std::erase_if(ended_, [&](Ended& ended) {
     Attempt& attempt = attempts_.at(ended.key);
-    if (attempt.voided || is_waiting) return false;
+    if (is_waiting) return false;
     is_waiting = ended.analysis.valid() && !core::is_ready(ended.analysis);
     if (is_waiting) return false;
     attempt.state = State::Decided;

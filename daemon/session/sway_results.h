@@ -73,8 +73,9 @@ class SwayResults {
   /// Waits until the analyses of all ended trials are done.
   void wait() const;
 
-  /// Returns the trials decided since the last call, in the order of their ends. Leaves out void trials, and returns them if that is
-  /// undone. A trial that is redone or rejected later no longer counts.
+  /// Returns the trials decided since the last call, in the order of their ends. Leaves out trials that became void before all their
+  /// samples had arrived, and returns them if that is undone. Returns the others also if they became void during their analysis: whether a
+  /// trial has values must not depend on the speed of the machine. A trial that is redone or rejected no longer counts.
   [[nodiscard]] std::vector<SwayTrialResult> take_decided();
   /// Returns the trials that `take_decided` has returned and that still count.
   [[nodiscard]] std::vector<SwayTrialResult> counting() const;

@@ -134,14 +134,20 @@ std::string_view name(TrialEventKind kind) noexcept {
 }
 
 TrialRun::TrialRun(const TrialPlan& plan, std::uint64_t seed, const std::vector<std::pair<std::string, std::string>>& fields,
-                   const std::vector<std::uint32_t>& done)
-    : plan_(plan), seed_(seed), places_(make_plan(plan, seed)), is_done_before_(places_.size(), false) {
+                   const std::vector<EarlierTrial>& earlier)
+    : plan_(plan),
+      seed_(seed),
+      places_(make_plan(plan, seed)),
+      is_done_before_(places_.size(), false),
+      newest_attempts_(places_.size(), 0) {
   for (const Condition& condition : plan_.conditions) {
     targets_cm_.push_back(target_cm(condition, fields));
     targets_percent_.push_back(target_percent(condition, fields));
   }
-  for (const std::uint32_t trial : done) {
-    if (trial >= 1 && trial <= places_.size()) is_done_before_[trial - 1] = true;
+  for (const EarlierTrial& one : earlier) {
+    if (one.trial < 1 || one.trial > places_.size()) continue;
+    is_done_before_[one.trial - 1] = one.is_done;
+    newest_attempts_[one.trial - 1] = one.newest_attempt;
   }
   upcoming_ = first_open_from(0);
   if (upcoming_ == places_.size()) enter(TrialPhase::Finished, 0, std::nullopt);
@@ -155,7 +161,7 @@ core::Status TrialRun::next(std::int64_t now_ns) {
   }
   if (phase_ == TrialPhase::Waiting || phase_ == TrialPhase::Resting) {
     before_.reset();
-    start(upcoming_, 1, now_ns);
+    start(upcoming_, now_ns);
   } else if (phase_ == TrialPhase::Measuring && !phase_ends_ns_) {
     end(now_ns);
   } else {
@@ -170,7 +176,7 @@ core::Status TrialRun::redo(std::int64_t now_ns) {
   DTS_TRY(check_voidable());
   keep_for_undo(now_ns);
   report(TrialEventKind::Redone, now_ns);
-  start(*current_, newest_attempt_ + 1, now_ns);
+  start(*current_, now_ns);
   return {};
 }
 
@@ -261,6 +267,7 @@ TrialView TrialRun::view(std::int64_t now_ns) const {
   if (has_upcoming) {
     view.next_condition = plan_.conditions[places_[upcoming_].condition].name;
     view.next_target_cm = targets_cm_[places_[upcoming_].condition];
+    view.next_target_percent = targets_percent_[places_[upcoming_].condition];
   }
   if (phase_ends_ns_) view.remaining_s = std::max(0.0, static_cast<double>(*phase_ends_ns_ - now_ns) * 1e-9);
   view.settle_s = plan_.settle_s;
@@ -292,13 +299,13 @@ double TrialRun::rest_after_current_s() const noexcept {
   return places_[upcoming_].block != places_[*current_].block ? plan_.block_rest_s : plan_.rest_s;
 }
 
-void TrialRun::start(std::size_t place, std::uint32_t attempt, std::int64_t at_ns) {
+void TrialRun::start(std::size_t place, std::int64_t at_ns) {
   current_ = place;
   upcoming_ = first_open_from(place + 1);
-  attempt_ = newest_attempt_ = attempt;
+  attempt_ = ++newest_attempts_[place];
   is_void_ = false;
   report(TrialEventKind::Ready, at_ns);
-  enter(TrialPhase::Ready, at_ns, cue_delay_s(plan_, seed_, places_[place].trial, attempt));
+  enter(TrialPhase::Ready, at_ns, cue_delay_s(plan_, seed_, places_[place].trial, attempt_));
 }
 
 void TrialRun::settle(std::int64_t at_ns) {
@@ -337,7 +344,7 @@ void TrialRun::rest(double rest_s, std::int64_t at_ns) {
 void TrialRun::stop_resting(std::int64_t at_ns) {
   if (plan_.starts_by_itself) {
     before_.reset();
-    start(upcoming_, 1, at_ns);
+    start(upcoming_, at_ns);
   } else {
     enter(TrialPhase::Waiting, at_ns, std::nullopt);
   }

@@ -79,6 +79,15 @@ struct EndedAttempt {
   v1::TrialFault fault = v1::TRIAL_FAULT_UNSPECIFIED;
 };
 
+/// What earlier parts of the session did with a trial of the plan.
+struct EarlierTrial {
+  std::uint32_t trial = 1;
+  std::uint32_t newest_attempt = 1;
+  bool is_done = false;  ///< It needs no repetition.
+
+  friend bool operator==(const EarlierTrial&, const EarlierTrial&) = default;
+};
+
 /// Position of a session in its plan, for status answers.
 struct TrialView {
   TrialPhase phase = TrialPhase::Waiting;
@@ -89,7 +98,8 @@ struct TrialView {
   std::string condition{};
   std::string next_condition{};
   std::optional<double> next_target_cm;
-  double remaining_s = 0.0;  ///< Of the phase; 0: waits for a command.
+  std::optional<double> next_target_percent;  ///< The same in percent of the arm length.
+  double remaining_s = 0.0;                   ///< Of the phase; 0: waits for a command.
   double settle_s = 0.0;
   double duration_s = 0.0;                 ///< 0: until `next`.
   std::optional<double> target_cm;         ///< Of the current trial, else of the next one.
@@ -103,10 +113,10 @@ struct TrialView {
 /// depend on the last call of `tick`. Phases begin when they are due, so that delays do not add up. Thread: control.
 class TrialRun {
  public:
-  /// `fields` must have passed `check_fields`: targets depend on arm length and maximum reach. `done`: trials that earlier parts of the
-  /// session completed; the run skips them and starts with the first other trial.
+  /// `fields` must have passed `check_fields`: targets depend on arm length and maximum reach. The run skips trials that
+  /// earlier parts completed and starts with the first other one. Its attempts continue the numbers of the earlier parts.
   TrialRun(const TrialPlan& plan, std::uint64_t seed, const std::vector<std::pair<std::string, std::string>>& fields,
-           const std::vector<std::uint32_t>& done = {});
+           const std::vector<EarlierTrial>& earlier = {});
 
   /// Starts the next trial (and ends a rest early), or ends a trial that has no duration. Fails with WrongState if another trial is under
   /// way (redo or reject it instead), or if all are done.
@@ -151,7 +161,7 @@ class TrialRun {
   void end(std::int64_t at_ns);
   [[nodiscard]] std::size_t first_open_from(std::size_t place) const noexcept;
   [[nodiscard]] double rest_after_current_s() const noexcept;
-  void start(std::size_t place, std::uint32_t attempt, std::int64_t at_ns);
+  void start(std::size_t place, std::int64_t at_ns);
   void settle(std::int64_t at_ns);
   void measure(std::int64_t at_ns);
   void go_on(std::int64_t at_ns);
@@ -167,14 +177,14 @@ class TrialRun {
   std::vector<std::optional<double>> targets_cm_;       ///< Per condition.
   std::vector<std::optional<double>> targets_percent_;  ///< Per condition.
   std::vector<bool> is_done_before_;                    ///< Per trial of the plan.
+  std::vector<std::uint32_t> newest_attempts_;          ///< Per trial of the plan; 0: none. An undone redo does not free its number.
   TrialPhase phase_ = TrialPhase::Waiting;
   std::optional<std::int64_t> phase_ends_ns_;  ///< Nothing: a command ends it.
   std::optional<std::size_t> current_;         ///< Position of the current or last trial.
   std::size_t upcoming_ = 0;                   ///< Position that `next` starts; `places_.size()`: none.
   std::uint32_t attempt_ = 1;
-  std::uint32_t newest_attempt_ = 1;  ///< Higher than `attempt_` after an undone redo: numbers are not used again.
-  bool is_void_ = false;              ///< The current attempt is void.
-  std::optional<Before> before_;      ///< Of the last redo or reject; nothing: it cannot be taken back any more.
+  bool is_void_ = false;          ///< The current attempt is void.
+  std::optional<Before> before_;  ///< Of the last redo or reject; nothing: it cannot be taken back any more.
   std::optional<EndedAttempt> last_ended_;
   bool has_ended_ = false;
   std::vector<TrialEvent> events_;

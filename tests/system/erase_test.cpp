@@ -109,7 +109,7 @@ TEST_F(EraseTest, Killed_TheSubjectIsCompleteOrGone) {
 TEST_F(EraseTest, WhatIsErasedIsNowhereInTheStateFolder) {
   const std::string id = record("SUBJECTXYZ", "eyes closed");
   const std::string other = record("P018");
-  EXPECT_EQ(daemon_.ctl({"session", "edit", other, "--notes", "confused with SUBJECTXYZ", "--reason", "note"}).status, 0);
+  EXPECT_EQ(daemon_.ctl({"session", "edit", other, "--notes", "SUBJECTXYZ was meant", "--reason", "note"}).status, 0);
   EXPECT_EQ(daemon_.ctl({"subject", "erase", "SUBJECTXYZ"}).status, 2) << "nobody can be asked";
   EXPECT_EQ(listed().size(), 2U);
   const Finished erased = daemon_.ctl({"subject", "erase", "SUBJECTXYZ", "--yes"});
@@ -129,7 +129,10 @@ TEST_F(EraseTest, WhatIsErasedIsNowhereInTheStateFolder) {
 TEST_F(EraseTest, CorrectedValuesAreInListShowExportAndReport) {
   EXPECT_EQ(daemon_.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--label", "Anna Schmidt, born 1950"}).status, 2);
   const std::string id = record("P071", "Baseline 2");
-  EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--subject", "P017", "--reason", "=cmd|' /C calc'!A0"}).status, 0);
+  EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--subject", "P017", "--reason", "=cmd|' /C calc'!A0"}).status, 2) << "no words";
+  EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--subject", "P017", "--reason", "confused with Anna Schmidt"}).status, 2);
+  EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--notes", "Anna Schmidt, born 1950", "--reason", "note"}).status, 2);
+  EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--subject", "P017", "--reason", "typing error"}).status, 0);
   EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--subject", "P017", "--reason", "again"}).status, 2) << "nothing to correct";
   EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--reason", "nothing"}).status, 2);
   EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--subject", "P017"}).status, 2) << "no reason";

@@ -22,8 +22,7 @@ Result<RecordedFile> file_of(const v1::SessionRecord& session, const v1::Session
   const std::string what = "part " + std::to_string(part.part()) + " of session '" + session.session_id() + "'";
   if (part.state() == v1::PART_STATE_RECORDING) {
     return client::fail(ErrorCode::WrongState, what + " is still being recorded",
-                        "stop it first: dtsctl session stop --rig " + session.rig() +
-                            "; to use the file as it is now, give its name: dtsctl session show " + session.session_id());
+                        "stop the session first: dtsctl session stop --rig " + session.rig());
   }
   if (part.state() == v1::PART_STATE_MISSING || part.file().empty()) {
     return client::fail(ErrorCode::DataDamaged, what + " is missing: there is no file '" + part.file() + "'", "restore it from a backup");

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <utility>
 
 #include "record/catalogue/audit_trail.h"
 #include "record/catalogue/catalogue_rows.h"
@@ -76,6 +77,7 @@ class Catalogue::Implementation {
   [[nodiscard]] std::vector<TrialRow> trials_of(const std::string& id) const {
     return rows_of(database.query(std::string(kTrialColumns) + "WHERE session_id = ? ORDER BY part, trial, attempt", id), read_trial);
   }
+  [[nodiscard]] std::vector<MarkerRow> markers_of(const std::string& id, const Corrections& corrections) const;
   void apply(const Corrections& corrections) const;
   void decide_valid_trials() const;
   [[nodiscard]] std::vector<PartRow> parts_of(const std::string& id) const {
@@ -85,6 +87,17 @@ class Catalogue::Implementation {
   Database database;
   AuditTrail audit;
 };
+
+/// Returns the markers with their corrected texts.
+std::vector<MarkerRow> Catalogue::Implementation::markers_of(const std::string& id, const Corrections& corrections) const {
+  auto markers = rows_of(database.query(std::string(kMarkerColumns) + "WHERE session_id = ? ORDER BY part, number", id), read_marker);
+  for (MarkerRow& marker : markers) {
+    const std::string* const text = corrections.marker(marker.part, marker.number);
+    if (text == nullptr || *text == marker.text) continue;
+    marker.recorded_text = std::exchange(marker.text, *text);
+  }
+  return markers;
+}
 
 /// Adds the protocol and the subject, then adds the session or sets a known one to "running".
 core::Status Catalogue::Implementation::enter_session(const SessionFacts& facts) const {
@@ -134,6 +147,10 @@ void Catalogue::Implementation::apply(const Corrections& corrections) const {
   }
   if (const std::string* deleted = corrections.value(CorrectedField::Deleted)) {
     database.run("UPDATE sessions SET is_deleted = ? WHERE id = ?", *deleted == "yes" ? 1 : 0, id);
+  }
+  for (const Correction& one : corrections.all) {
+    if (one.field != CorrectedField::Marker || !corrections.has_removed_marker(one.part, one.marker)) continue;
+    database.run("UPDATE markers SET text = '' WHERE session_id = ? AND part = ? AND number = ?", id, one.part, one.marker);
   }
   for (TrialRow trial : trials_of(id)) {
     const std::string recorded = trial.recorded_outcome.empty() ? trial.outcome : trial.recorded_outcome;
@@ -219,6 +236,29 @@ core::Status Catalogue::end_session(const std::string& id, const std::string& st
   return implementation_->database.failure(exception);
 }
 
+core::Status Catalogue::begin_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt) try {
+  const Database& database = implementation_->database;
+  Transaction transaction(database);
+  if (!database.query("SELECT 1 FROM sessions WHERE id = ?", session_id).step()) return no_session(session_id);
+  database.run("INSERT OR REPLACE INTO begun_attempts (session_id, trial, newest) VALUES (?, ?, ?)", session_id, trial, attempt);
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<std::map<std::uint32_t, std::uint32_t>> Catalogue::newest_attempts(const std::string& session_id) const try {
+  auto rows = implementation_->database.query(
+      "SELECT trial, max(attempt) FROM (SELECT trial, attempt FROM trials WHERE session_id = ?1"
+      " UNION ALL SELECT trial, newest FROM begun_attempts WHERE session_id = ?1) GROUP BY trial",
+      session_id);
+  std::map<std::uint32_t, std::uint32_t> newest;
+  while (rows.step()) newest.emplace(rows.count32(0), rows.count32(1));
+  return newest;
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
 core::Status Catalogue::put_trial(const TrialRow& trial) try {
   if (std::ranges::find(kTrialOutcomes, trial.outcome) == kTrialOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
     return core::fail(ErrorCode::InvalidArgument,
@@ -231,6 +271,18 @@ core::Status Catalogue::put_trial(const TrialRow& trial) try {
       " last_segment, result, is_valid) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       trial.session_id, trial.part, trial.trial, trial.attempt, trial.block, trial.condition, trial.outcome, trial.segment,
       trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment), trial.result, is_valid(trial) ? 1 : 0);
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Status Catalogue::put_marker(const MarkerRow& marker) try {
+  const Database& database = implementation_->database;
+  Transaction transaction(database);
+  if (!implementation_->has_part(marker.session_id, marker.part)) return no_part(marker.session_id, marker.part);
+  database.run("INSERT OR REPLACE INTO markers (session_id, part, number, segment, scan, text) VALUES (?, ?, ?, ?, ?, ?)",
+               marker.session_id, marker.part, marker.number, marker.segment, marker.scan, marker.text);
   transaction.commit();
   return {};
 } catch (const SQLite::Exception& exception) {
@@ -280,7 +332,13 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
   if (!implementation_->has_part(found.facts.session_id, found.facts.part)) done = begin_part(found.facts, found.part.file);
   if (done) done = update_part(found.part);
   if (done) {
-    implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ?", found.part.session_id, found.part.part);
+    for (const char* table : {"trials", "markers"}) {
+      implementation_->database.run(std::string("DELETE FROM ") + table + " WHERE session_id = ? AND part = ?", found.part.session_id,
+                                    found.part.part);
+    }
+  }
+  for (const MarkerRow& marker : found.markers) {
+    if (done) done = put_marker(marker);
   }
   for (const TrialRow& trial : found.trials) {
     if (done) done = put_trial(trial);
@@ -325,6 +383,7 @@ core::Result<SessionRow> Catalogue::session(const std::string& id) const try {
   session.parts = implementation_->parts_of(id);
   session.trials = implementation_->trials_of(id);
   session.corrections = implementation_->corrections_of(id);
+  session.markers = implementation_->markers_of(id, {id, session.corrections});
   return session;
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
@@ -360,10 +419,10 @@ core::Status Catalogue::set_corrections(const Corrections& corrections, const st
   database.run("DELETE FROM corrections WHERE session_id = ?", id);
   for (const Correction& one : corrections.all) {
     database.run(
-        "INSERT INTO corrections (session_id, number, utc_ns, who, field, part, trial, attempt, old_value, new_value, reason)"
-        " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-        id, one.number, one.utc_ns, one.who, static_cast<int>(one.field), one.part, one.trial, one.attempt, one.old_value, one.new_value,
-        one.reason);
+        "INSERT INTO corrections (session_id, number, utc_ns, who, field, part, trial, attempt, marker, old_value, new_value, reason)"
+        " VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        id, one.number, one.utc_ns, one.who, static_cast<int>(one.field), one.part, one.trial, one.attempt, one.marker, one.old_value,
+        one.new_value, one.reason);
   }
   implementation_->apply(corrections);
   if (results) {
@@ -391,7 +450,8 @@ core::Status Catalogue::erase(const std::vector<std::string>& session_ids) try {
   const Database& database = implementation_->database;
   Transaction transaction(database);
   for (const std::string& id : session_ids) {
-    for (const char* table : {"results", "corrections", "trials", "parts"}) {  // rows that refer to others are removed first
+    for (const char* table :
+         {"results", "corrections", "trials", "markers", "begun_attempts", "parts"}) {  // rows that refer to others are removed first
       database.run(std::string("DELETE FROM ") + table + " WHERE session_id = ?", id);
     }
     database.run("DELETE FROM sessions WHERE id = ?", id);
@@ -425,7 +485,9 @@ core::Result<bool> Catalogue::overwrite_removed(const std::string& file, const s
 core::Result<std::vector<std::string>> Catalogue::sessions_with(const std::string& text) const try {
   return rows_of(implementation_->database.query(
                      "SELECT sessions.id FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id"
-                     " WHERE subjects.pseudonym = ?1 OR instr(sessions.label, ?1) > 0 OR EXISTS (SELECT 1 FROM corrections"
+                     " WHERE subjects.pseudonym = ?1 OR instr(sessions.label, ?1) > 0 OR"
+                     " EXISTS (SELECT 1 FROM markers WHERE markers.session_id = sessions.id AND instr(text, ?1) > 0) OR"
+                     " EXISTS (SELECT 1 FROM corrections"
                      " WHERE corrections.session_id = sessions.id AND"
                      " (instr(old_value, ?1) > 0 OR instr(new_value, ?1) > 0 OR instr(reason, ?1) > 0)) ORDER BY sessions.id",
                      text),

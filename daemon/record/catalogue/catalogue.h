@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,6 +74,19 @@ struct TrialRow {
 /// Returns true if the trial was done and its result, if it has one, has no fault.
 [[nodiscard]] bool is_valid(const TrialRow& trial);
 
+/// A marker of a recording.
+struct MarkerRow {
+  std::string session_id;
+  std::uint32_t part = 1;
+  std::uint32_t number = 1;  ///< In the recording of this part, from 1.
+  std::uint32_t segment = 0;
+  std::uint64_t scan = 0;
+  std::string text;             ///< Empty: a person removed it.
+  std::string recorded_text{};  ///< If `text` was corrected and not removed: as recorded. `put_marker` ignores this field.
+
+  friend bool operator==(const MarkerRow&, const MarkerRow&) = default;
+};
+
 struct SessionRow {
   std::string id;
   std::string rig;
@@ -86,7 +100,8 @@ struct SessionRow {
   std::vector<PartRow> parts{};
   std::vector<TrialRow> trials{};
   std::string protocol_definition{};
-  // `subject`, `label` and the outcomes of trials are the corrected ones.
+  std::vector<MarkerRow> markers{};  ///< By part and number.
+  // `subject`, `label`, the outcomes of trials and the texts of markers are the corrected ones.
   std::string recorded_subject{};
   std::string recorded_label{};
   std::string notes{};
@@ -117,6 +132,7 @@ struct FoundRecording {
   PartRow part{};  ///< Names the same session and part as `facts`.
   std::vector<TrialRow> trials{};
   std::vector<ResultRow> results{};
+  std::vector<MarkerRow> markers{};
   std::string session_state;  ///< State of the session if this is its newest part.
   std::int64_t ended_utc_ns = 0;
 };
@@ -180,21 +196,25 @@ class Catalogue {
   [[nodiscard]] core::Status update_part(const PartRow& part);
   /// Ends a session. Fails with NotFound if there is no such session, and with InvalidArgument if `state` is not the state of an ended one.
   [[nodiscard]] core::Status end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
+  /// Notes that an attempt has begun: its number is not used again, however it ends. Fails with NotFound if there is no such session.
+  [[nodiscard]] core::Status begin_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt);
   /// Adds a trial, or replaces the row of the same trial and attempt. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status put_trial(const TrialRow& trial);
   /// Removes the row of this part, trial and attempt, if there is one: the trial is under way again.
   [[nodiscard]] core::Status remove_trial(const TrialRow& trial);
+  /// Adds a marker, or replaces the one of the same part and number. Fails with NotFound if there is no such part.
+  [[nodiscard]] core::Status put_marker(const MarkerRow& marker);
   [[nodiscard]] core::Status put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
                                              const std::string& text);
   /// Adds a result, or replaces the result of the same name. Fails with NotFound if there is no such session, and with InvalidArgument if
   /// the value is not finite.
   [[nodiscard]] core::Status put_result(const ResultRow& result);
-  /// Adds a recording completely or not at all. If the part is known, replaces its row and its trials by those of the file. Changes the
-  /// session's state only if this part is newer than all known parts. The corrections of the session stay.
+  /// Adds a recording completely or not at all. If the part is known, replaces its row, its trials and its markers by those of the file.
+  /// Changes the session's state only if this part is newer than all known parts. The corrections of the session stay.
   [[nodiscard]] core::Status enter(const FoundRecording& found);
 
   /// Replaces all corrections of a session, sets its values accordingly and replaces its results if some are given, completely or not at
-  /// all. A label that a correction removed is not kept. Fails with NotFound if there is no such session, and like `set_results`.
+  /// all. A text that a correction removed is not kept. Fails with NotFound if there is no such session, and like `set_results`.
   [[nodiscard]] core::Status set_corrections(const Corrections& corrections,
                                              const std::optional<std::vector<ResultRow>>& results = std::nullopt);
   /// Replaces all results of a session, completely or not at all. Fails like `put_result`.
@@ -214,11 +234,13 @@ class Catalogue {
   /// Returns the sessions that have corrections.
   [[nodiscard]] core::Result<std::vector<Corrections>> corrections() const;
   [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(
-      const SessionFilter& filter) const;                                       ///< With parts and corrections, without trials.
+      const SessionFilter& filter) const;                                       ///< With parts and corrections, without trials and markers.
   [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;  ///< With all rows. Fails with NotFound.
-  /// Returns the IDs of all sessions whose recorded subject ID, recorded label or corrections contain this text, sorted.
+  /// Returns the IDs of all sessions whose recorded subject ID, recorded label, markers or corrections contain this text, sorted.
   [[nodiscard]] core::Result<std::vector<std::string>> sessions_with(const std::string& text) const;
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
+  /// Returns the newest attempt of each trial that has begun, in any part of the session.
+  [[nodiscard]] core::Result<std::map<std::uint32_t, std::uint32_t>> newest_attempts(const std::string& session_id) const;
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;
   [[nodiscard]] core::Result<std::vector<PartRow>> parts() const;  ///< All, sorted by session ID.

@@ -106,14 +106,26 @@ Correction read_correction(Statement& row) {
   correction.utc_ns = row.integer(1);
   correction.who = row.text(2);
   correction.field =
-      static_cast<CorrectedField>(row.integer_in(3, static_cast<int>(CorrectedField::Subject), static_cast<int>(CorrectedField::Deleted)));
+      static_cast<CorrectedField>(row.integer_in(3, static_cast<int>(CorrectedField::Subject), static_cast<int>(CorrectedField::Marker)));
   correction.part = row.count32(4);
   correction.trial = row.count32(5);
   correction.attempt = row.count32(6);
-  correction.old_value = row.text(7);
-  correction.new_value = row.text(8);
-  correction.reason = row.text(9);
+  correction.marker = row.count32(7);
+  correction.old_value = row.text(8);
+  correction.new_value = row.text(9);
+  correction.reason = row.text(10);
   return correction;
+}
+
+MarkerRow read_marker(Statement& row) {
+  MarkerRow marker;
+  marker.session_id = row.text(0);
+  marker.part = row.count32(1);
+  marker.number = row.count32(2);
+  marker.segment = row.count32(3);
+  marker.scan = row.count(4);
+  marker.text = row.text(5);
+  return marker;
 }
 
 SubjectRow read_subject(Statement& row) {

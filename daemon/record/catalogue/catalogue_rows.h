@@ -32,12 +32,14 @@ inline constexpr const char* kTrialColumns =
     "SELECT session_id, part, trial, attempt, block, condition, COALESCE(corrected_outcome, outcome), segment, first_scan, last_scan,"
     " last_segment, result, CASE WHEN corrected_outcome IS NULL THEN '' ELSE outcome END FROM trials ";
 inline constexpr const char* kCorrectionColumns =
-    "SELECT number, utc_ns, who, field, part, trial, attempt, old_value, new_value, reason FROM corrections ";
+    "SELECT number, utc_ns, who, field, part, trial, attempt, marker, old_value, new_value, reason FROM corrections ";
+inline constexpr const char* kMarkerColumns = "SELECT session_id, part, number, segment, scan, text FROM markers ";
 
 [[nodiscard]] SessionRow read_session(Statement& row);  ///< Reads `kSessionColumns`; leaves parts and trials empty.
 [[nodiscard]] PartRow read_part(Statement& row);
 [[nodiscard]] TrialRow read_trial(Statement& row);
 [[nodiscard]] Correction read_correction(Statement& row);
+[[nodiscard]] MarkerRow read_marker(Statement& row);
 [[nodiscard]] SubjectRow read_subject(Statement& row);  ///< subject, sessions, deleted ones, first and last start, bytes
 [[nodiscard]] ResultRow read_result(Statement& row);    ///< session_id, name, value, unit, details
 

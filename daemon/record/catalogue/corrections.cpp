@@ -20,8 +20,8 @@ using core::ErrorCode;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uintmax_t kLongestCorrections = 16U << 20U;
-constexpr std::array kCorrectedFields{CorrectedField::Subject, CorrectedField::Label, CorrectedField::Notes, CorrectedField::Outcome,
-                                      CorrectedField::Deleted};
+constexpr std::array kCorrectedFields{CorrectedField::Subject, CorrectedField::Label,   CorrectedField::Notes,
+                                      CorrectedField::Outcome, CorrectedField::Deleted, CorrectedField::Marker};
 
 tl::unexpected<core::Error> damaged_corrections(const std::string& file, const std::string& why) {
   return core::fail(ErrorCode::DataDamaged, "the corrections in '" + file + "' cannot be read: " + why,
@@ -76,6 +76,10 @@ core::Result<Correction> read_correction(const Json& object, const std::string& 
   } else {
     read.field = *known;
   }
+  if (read.field == CorrectedField::Marker) {
+    read.part = reader.count("part");
+    read.marker = reader.count("marker");
+  }
   if (read.field == CorrectedField::Outcome) {
     read.part = reader.count("part");
     read.trial = reader.count("trial");
@@ -97,6 +101,10 @@ Json json_of(const Correction& correction) {
     json["trial"] = correction.trial;
     json["attempt"] = correction.attempt;
   }
+  if (correction.field == CorrectedField::Marker) {
+    json["part"] = correction.part;
+    json["marker"] = correction.marker;
+  }
   json["old_value"] = correction.old_value;
   json["new_value"] = correction.new_value;
   json["reason"] = correction.reason;
@@ -112,8 +120,13 @@ std::string_view name(CorrectedField field) noexcept {
     case CorrectedField::Notes: return "notes";
     case CorrectedField::Outcome: return "outcome";
     case CorrectedField::Deleted: return "deleted";
+    case CorrectedField::Marker: return "marker";
   }
   return "unknown";
+}
+
+bool is_text(CorrectedField field) noexcept {
+  return field == CorrectedField::Label || field == CorrectedField::Notes || field == CorrectedField::Marker;
 }
 
 const std::string* Corrections::value(CorrectedField field) const {
@@ -128,6 +141,19 @@ const std::string* Corrections::outcome(std::uint32_t part, std::uint32_t trial,
   return newest == all.rend() ? nullptr : &newest->new_value;
 }
 
+const std::string* Corrections::marker(std::uint32_t part, std::uint32_t number) const {
+  const auto newest = std::find_if(all.rbegin(), all.rend(), [&](const Correction& one) {
+    return one.field == CorrectedField::Marker && one.part == part && one.marker == number;
+  });
+  return newest == all.rend() ? nullptr : &newest->new_value;
+}
+
+bool Corrections::has_removed_marker(std::uint32_t part, std::uint32_t number) const {
+  return std::ranges::any_of(all, [&](const Correction& one) {
+    return one.field == CorrectedField::Marker && one.part == part && one.marker == number && one.new_value.empty();
+  });
+}
+
 bool Corrections::has_removed(CorrectedField field) const {
   return std::ranges::any_of(all, [field](const Correction& one) { return one.field == field && one.new_value.empty(); });
 }
@@ -136,10 +162,9 @@ void Corrections::add(Correction correction) {
   correction.number = static_cast<std::uint32_t>(all.size() + 1);
   all.push_back(std::move(correction));
   const Correction& added = all.back();
-  const bool is_text = added.field == CorrectedField::Label || added.field == CorrectedField::Notes;
-  if (!is_text || !added.new_value.empty()) return;
+  if (!is_text(added.field) || !added.new_value.empty()) return;
   for (Correction& one : all) {
-    if (one.field != added.field) continue;
+    if (one.field != added.field || one.part != added.part || one.marker != added.marker) continue;
     for (std::string* value : {&one.old_value, &one.new_value}) {
       if (!value->empty()) *value = kRemovedText;
     }

@@ -13,14 +13,17 @@
 namespace dts::record {
 
 /// What a correction changes. `Deleted` has the values "no" and "yes".
-enum class CorrectedField : std::uint8_t { Subject = 1, Label, Notes, Outcome, Deleted };
-/// Returns "subject", "label", "notes", "outcome" or "deleted".
+enum class CorrectedField : std::uint8_t { Subject = 1, Label, Notes, Outcome, Deleted, Marker };
+/// Returns "subject", "label", "notes", "outcome", "deleted" or "marker".
 [[nodiscard]] std::string_view name(CorrectedField field) noexcept;
+
+/// Returns true for a free text of people.
+[[nodiscard]] bool is_text(CorrectedField field) noexcept;
 
 /// How an attempt of a trial can have ended.
 inline constexpr std::array<std::string_view, 4> kTrialOutcomes{"done", "redone", "rejected", "aborted"};
 
-/// Stands for a label or notes that a person has removed: perhaps they had a name. Only the recording still has such a label.
+/// Stands for a text that a person has removed: perhaps it had a name. Only the recording still has such a label or marker.
 inline constexpr std::string_view kRemovedText = "[removed]";
 
 /// Stands for an erased subject ID.
@@ -32,9 +35,10 @@ struct Correction {
   std::int64_t utc_ns = 0;
   std::string who;  ///< As in an audit entry.
   CorrectedField field = CorrectedField::Subject;
-  std::uint32_t part = 0;  ///< Of an outcome, as the next two; else 0.
-  std::uint32_t trial = 0;
+  std::uint32_t part = 0;   ///< Of an outcome or a marker; else 0.
+  std::uint32_t trial = 0;  ///< Of an outcome, as the next one; else 0.
   std::uint32_t attempt = 0;
+  std::uint32_t marker = 0;  ///< Number of the marker in the recording of this part, from 1; else 0.
   std::string old_value;
   std::string new_value;
   std::string reason;
@@ -57,10 +61,15 @@ struct Corrections {
   /// Returns the newest outcome of an attempt; nullptr if it was not corrected.
   [[nodiscard]] const std::string* outcome(std::uint32_t part, std::uint32_t trial, std::uint32_t attempt) const;
 
+  /// Returns the newest text of a marker; nullptr if it was not corrected.
+  [[nodiscard]] const std::string* marker(std::uint32_t part, std::uint32_t number) const;
+  /// Returns whether a person has removed the text of a marker.
+  [[nodiscard]] bool has_removed_marker(std::uint32_t part, std::uint32_t number) const;
+
   /// Returns whether a person has removed this text, which then must not be repeated. Another text may have followed.
   [[nodiscard]] bool has_removed(CorrectedField field) const;
 
-  /// Adds a correction with the next number. If it removes a label or notes, their earlier values become `kRemovedText`.
+  /// Adds a correction with the next number. If it removes a text, its earlier values become `kRemovedText`.
   void add(Correction correction);
 
   friend bool operator==(const Corrections&, const Corrections&) = default;

@@ -127,6 +127,11 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
     trial.session_id = facts.session_id;
     trial.part = facts.part;
   }
+  found.markers = trials.markers();
+  for (MarkerRow& marker : found.markers) {
+    marker.session_id = facts.session_id;
+    marker.part = facts.part;
+  }
   found.results = trials.session_results();
   for (ResultRow& result : found.results) result.session_id = facts.session_id;
   found.session_state = session_state(found.part.state, is_aborted);

@@ -152,7 +152,52 @@ ALTER TABLE trials DROP COLUMN is_valid;
 ALTER TABLE trials ADD COLUMN is_valid INTEGER CHECK (is_valid IN (0, 1));
 )sql";
 
-constexpr std::array<const char*, 8> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6, kVersion7, kVersion8};
+/// The newest attempt of each trial that has begun: also one that is under way, or that an undo took back. Rows of `trials` are attempts
+/// that have ended. Markers, and their corrections.
+constexpr const char* kVersion9 = R"sql(
+CREATE TABLE begun_attempts (
+  session_id TEXT NOT NULL REFERENCES sessions (id),
+  trial INTEGER NOT NULL CHECK (trial >= 1),
+  newest INTEGER NOT NULL CHECK (newest >= 1),
+  PRIMARY KEY (session_id, trial)
+) STRICT;
+
+-- Markers as recorded; a text that a person removed is empty.
+CREATE TABLE markers (
+  session_id TEXT NOT NULL,
+  part INTEGER NOT NULL,
+  number INTEGER NOT NULL CHECK (number >= 1),  -- in the recording of this part
+  segment INTEGER NOT NULL CHECK (segment >= 0),
+  scan INTEGER NOT NULL CHECK (scan >= 0),
+  text TEXT NOT NULL,
+  PRIMARY KEY (session_id, part, number),
+  FOREIGN KEY (session_id, part) REFERENCES parts (session_id, part)
+) STRICT;
+
+-- SQLite cannot change a CHECK: the table is made again.
+ALTER TABLE corrections RENAME TO corrections_before;
+CREATE TABLE corrections (
+  session_id TEXT NOT NULL REFERENCES sessions (id),
+  number INTEGER NOT NULL CHECK (number >= 1),
+  utc_ns INTEGER NOT NULL,
+  who TEXT NOT NULL,
+  field INTEGER NOT NULL CHECK (field BETWEEN 1 AND 6),  -- CorrectedField
+  part INTEGER NOT NULL CHECK (part >= 0),
+  trial INTEGER NOT NULL CHECK (trial >= 0),
+  attempt INTEGER NOT NULL CHECK (attempt >= 0),
+  marker INTEGER NOT NULL CHECK (marker >= 0),
+  old_value TEXT NOT NULL,
+  new_value TEXT NOT NULL,
+  reason TEXT NOT NULL,
+  PRIMARY KEY (session_id, number)
+) STRICT;
+INSERT INTO corrections SELECT session_id, number, utc_ns, who, field, part, trial, attempt, 0, old_value, new_value, reason
+  FROM corrections_before;
+DROP TABLE corrections_before;
+)sql";
+
+constexpr std::array<const char*, 9> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5,
+                                                 kVersion6, kVersion7, kVersion8, kVersion9};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

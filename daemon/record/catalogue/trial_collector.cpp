@@ -7,6 +7,7 @@
 #include <limits>
 #include <variant>
 
+#include "core/utf8.h"
 #include "dts/wire/event_json.h"
 #include "dts/wire/options.h"
 
@@ -16,6 +17,8 @@ namespace {
 constexpr std::size_t kMostTrials = 100'000;
 constexpr std::uint32_t kLargestTrialNumber = 1'000'000;
 constexpr std::size_t kMostResults = 10'000;
+constexpr std::size_t kMostMarkers = 10'000;
+constexpr std::size_t kLongestMarker = 200;  // of dtsd; another program may write more
 constexpr std::size_t kLongestCondition = 64;
 
 bool is_number(std::uint32_t number) { return number >= 1 && number <= kLargestTrialNumber; }
@@ -62,6 +65,13 @@ void TrialCollector::add(const RecordedItem& item) {
 }
 
 void TrialCollector::add(const v1::Event& event) {
+  if (event.has_marker() && markers_.size() < kMostMarkers) {
+    markers_.push_back({.session_id = {},
+                        .number = static_cast<std::uint32_t>(markers_.size() + 1),
+                        .segment = event.segment(),
+                        .scan = event.scan(),
+                        .text = core::printable(event.marker().text().substr(0, kLongestMarker))});
+  }
   if (event.has_trial()) add_step(event);
   if (event.has_trial_result()) add_result(event, event.trial_result().trial(), event.trial_result().attempt());
   if (event.has_sway() && !event.sway().is_preliminary()) add_result(event, event.sway().trial(), event.sway().attempt());

@@ -14,7 +14,7 @@
 
 namespace dts::record {
 
-/// Makes trial rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the
+/// Makes trial and marker rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the
 /// steps of trials, their results and the results of the session. Skips invalid events. If the recording ends during a trial, the trial
 /// counts as aborted there.
 class TrialCollector {
@@ -25,6 +25,8 @@ class TrialCollector {
   void add(const RecordedItem& item);
   /// Returns the rows, sorted by trial and attempt. The caller sets `session_id` and `part`.
   [[nodiscard]] std::vector<TrialRow> rows() const;
+  /// Returns the markers in the order of the recording. The caller sets `session_id` and `part`.
+  [[nodiscard]] std::vector<MarkerRow> markers() const { return markers_; }
   /// Returns the results of the whole session. The caller sets `session_id`.
   [[nodiscard]] std::vector<ResultRow> session_results() const;
 
@@ -41,6 +43,7 @@ class TrialCollector {
   std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt. Empty outcome: the trial has not ended.
   std::set<std::pair<std::uint32_t, std::uint32_t>> done_;            ///< Trial and attempt, also if they were redone or rejected later.
   std::map<std::string, ResultRow> session_results_;
+  std::vector<MarkerRow> markers_;
 };
 
 }  // namespace dts::record

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "core/utc_text.h"
 #include "record/export/bids_documents.h"
 #include "record/export/bids_names.h"
+#include "record/export/event_rows.h"
 #include "record/export/export.h"
 #include "record/export/output_files.h"
 #include "record/export/recording_document.h"
@@ -42,7 +44,8 @@ class BidsSink : public ExportSink {
         names_(recording, subject_),
         origin_s_(origin_s),
         files_(files),
-        motions_(recording.streams().size()) {}
+        motions_(recording.streams().size()),
+        markers_(recording, corrections) {}
 
   [[nodiscard]] core::Status create_files();
   [[nodiscard]] core::Status write(const RecordedScans& scans) override;
@@ -64,7 +67,8 @@ class BidsSink : public ExportSink {
   double origin_s_;
   OutputFiles& files_;
   std::vector<Motion> motions_;
-  OutputFile* events_ = nullptr;
+  std::optional<EventRows> events_{};
+  MarkerTexts markers_;
   std::atomic<std::uint64_t> rows_ = 0;
 };
 
@@ -98,8 +102,9 @@ core::Status BidsSink::create_events() {
   if (owner == nullptr) {
     return core::fail(core::ErrorCode::InvalidArgument, "the recording has no scans: BIDS needs scans", "export it as CSV");
   }
-  DTS_TRY_ASSIGN(events_, files_.create(names_.path(owner->facts.tracking_system, "events.tsv")));
-  events_->append("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails\n");
+  DTS_TRY_ASSIGN(auto events, files_.create(names_.path(owner->facts.tracking_system, "events.tsv")));
+  events_.emplace(*events);
+  events->append("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails\n");
   return files_.put(names_.path(owner->facts.tracking_system, "events.json"), events_description());
 }
 
@@ -126,15 +131,17 @@ core::Status BidsSink::write(const RecordedScans& scans) {
 }
 
 core::Status BidsSink::write(const TimedEvent& timed) {
-  const EventCells cells = cells_of(timed);
+  const EventCells cells = cells_of(markers_.corrected(timed));
   const bool is_moment = timed.event.has_marker() || timed.event.has_trigger();
-  events_->advance(put_microseconds(events_->reserve(kLongestNumber), to_ns(timed.time_s - origin_s_)));
-  std::string row = is_moment ? "\t0" : "\tn/a";
+  const std::int64_t time_ns = to_ns(timed.time_s - origin_s_);
+  std::array<char, kLongestNumber> onset{};
+  std::string row(onset.data(), put_microseconds(onset.data(), time_ns));
+  row += is_moment ? "\t0" : "\tn/a";
   for (const std::string& cell : {cells.kind, cells.text, cells.condition, std::to_string(timed.event.segment()),
                                   std::to_string(timed.event.scan()), cells.details}) {
     row += "\t" + tsv_cell(cell);
   }
-  events_->append(row + "\n");
+  events_->add(time_ns, row + "\n");
   ++rows_;
   return events_->status();
 }
@@ -187,6 +194,8 @@ core::Status BidsSink::add_scans() {
 }
 
 core::Status BidsSink::write_documents() {
+  events_->finish();
+  DTS_TRY(events_->status());
   for (const Motion& motion : motions_) {
     if (motion.file == nullptr) continue;
     const StreamInfo& info = recording_.streams()[motion.stream];

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <atomic>
 #include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "record/export/event_rows.h"
 #include "record/export/export.h"
 #include "record/export/output_files.h"
 #include "record/export/recording_document.h"
@@ -23,7 +25,7 @@ struct Column {
 };
 
 /// Returns the longest row in bytes: t_s, segment, scan and one value per channel.
-std::size_t longest_row(std::size_t channels) { return (channels + 3) * (kLongestNumber + 1) + 1; }
+constexpr std::size_t longest_row(std::size_t channels) { return (channels + 3) * (kLongestNumber + 1) + 1; }
 
 char* put_values(char* at, const double* values, const Column& column) noexcept {
   for (std::size_t channel = 0; channel < column.channels; ++channel) {
@@ -50,7 +52,8 @@ class CsvSink : public ExportSink {
         origin_s_(origin_s),
         files_(files),
         columns_(recording.streams().size()),
-        trials_(recording) {}
+        trials_(recording),
+        markers_(recording, corrections) {}
 
   [[nodiscard]] core::Status create_files();
   [[nodiscard]] core::Status write(const RecordedScans& scans) override;
@@ -69,8 +72,9 @@ class CsvSink : public ExportSink {
   double origin_s_;
   OutputFiles& files_;
   std::vector<Column> columns_;
-  OutputFile* events_ = nullptr;
+  std::optional<EventRows> events_{};
   TrialTable trials_;
+  MarkerTexts markers_;
   std::set<std::string> names_{"events", "trials"};
   std::atomic<std::uint64_t> rows_ = 0;  ///< Of all streams. Several threads count.
 };
@@ -80,8 +84,9 @@ core::Status CsvSink::create_files() {
     if (recording_.streams()[stream].value_type == ValueType::Text || recording_.sample_count(stream) == 0) continue;
     DTS_TRY(create_file(stream));
   }
-  DTS_TRY_ASSIGN(events_, files_.create(file_stem(recording_) + "_events.csv"));
-  events_->append("t_s,segment,scan,event,text,details\n");
+  DTS_TRY_ASSIGN(auto events, files_.create(file_stem(recording_) + "_events.csv"));
+  events_.emplace(*events);
+  events->append("t_s,segment,scan,event,text,details\n");
   return {};
 }
 
@@ -133,15 +138,19 @@ core::Status CsvSink::write(const RecordedChange& change) {
 
 core::Status CsvSink::write(const TimedEvent& timed) {
   trials_.add(timed);
-  const EventCells cells = cells_of(timed);
-  char* at = events_->reserve(longest_row(0));
-  events_->advance(put_place(at, to_ns(timed.time_s - origin_s_), timed.event.segment(), timed.event.scan()));
-  events_->append("," + csv_cell(cells.kind) + "," + csv_cell(cells.text) + "," + csv_cell(cells.details) + "\n");
+  const EventCells cells = cells_of(markers_.corrected(timed));
+  const std::int64_t time_ns = to_ns(timed.time_s - origin_s_);
+  std::array<char, longest_row(0)> place{};
+  std::string row(place.data(), put_place(place.data(), time_ns, timed.event.segment(), timed.event.scan()));
+  row += "," + csv_cell(cells.kind) + "," + csv_cell(cells.text) + "," + csv_cell(cells.details) + "\n";
+  events_->add(time_ns, std::move(row));
   ++rows_;
   return events_->status();
 }
 
 core::Status CsvSink::write_documents() {
+  events_->finish();
+  DTS_TRY(events_->status());
   const std::string stem = file_stem(recording_);
   const std::string trials = trials_.text(corrections_);
   if (auto put = files_.put(stem + "_recording.json", recording_document(recording_, corrections_, true)); !put || trials.empty())

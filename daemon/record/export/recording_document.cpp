@@ -24,8 +24,11 @@ Json correction_json(const Correction& correction, bool has_texts) {
     json["trial"] = correction.trial;
     json["attempt"] = correction.attempt;
   }
-  const bool is_text = correction.field == CorrectedField::Label || correction.field == CorrectedField::Notes;
-  if (has_texts || !is_text) {
+  if (correction.field == CorrectedField::Marker) {
+    json["part"] = correction.part;
+    json["marker"] = correction.marker;
+  }
+  if (has_texts || !is_text(correction.field)) {
     json["old_value"] = correction.old_value;
     json["new_value"] = correction.new_value;
   }

@@ -119,6 +119,12 @@ EventCells cells_of(const TimedEvent& timed) {
   return cells;
 }
 
+TimedEvent MarkerTexts::corrected(TimedEvent timed) {
+  if (!timed.event.has_marker()) return timed;
+  if (const std::string* const text = corrections_->marker(part_, ++count_)) timed.event.mutable_marker()->set_text(*text);
+  return timed;
+}
+
 std::int64_t to_ns(double seconds) noexcept {
   constexpr double kLargest = 9.2e9;  // seconds that fit into 64 bits of nanoseconds
   if (std::isnan(seconds)) return 0;

@@ -11,6 +11,7 @@
 
 #include "core/cell_text.h"
 #include "core/rate.h"
+#include "record/catalogue/corrections.h"
 #include "record/old_event.h"
 #include "record/recording.h"
 #include "record/stream_info.h"
@@ -38,6 +39,21 @@ using core::csv_cell;
 /// Returns the cells of an event; `details` is the JSON of the rest of its message. An event that dtsd 0.1 recorded gets the cells that
 /// dtsd 0.1 wrote.
 [[nodiscard]] EventCells cells_of(const TimedEvent& timed);
+
+/// Gives markers their corrected texts. Call it with all events of a recording, in order: it counts the markers.
+class MarkerTexts {
+ public:
+  MarkerTexts(const Recording& recording, const Corrections& corrections)
+      : corrections_(&corrections), part_(recording.session() ? recording.session()->part : 1) {}
+
+  /// Returns the event; a marker with its corrected text, which is empty if a person removed it.
+  [[nodiscard]] TimedEvent corrected(TimedEvent timed);
+
+ private:
+  const Corrections* corrections_;
+  std::uint32_t part_;
+  std::uint32_t count_ = 0;
+};
 
 /// Converts seconds to whole nanoseconds. Limits values outside the range of 64 bits to the nearest one inside.
 [[nodiscard]] std::int64_t to_ns(double seconds) noexcept;

@@ -66,6 +66,25 @@ TEST_F(TableTest, NarrowTerminal_LastColumnsStandBelow) {
             "longer  12345\n");
 }
 
+TEST_F(TableTest, NarrowTerminal_DropsColumnsThatAreEmptyInAllRowsFirst) {
+  Table table({"ID", "STARTED", "SUBJECT", "LABEL"});
+  table.add({{"floor-1"}, {"2026-11-21"}, {"-"}, {""}});
+  table.add({{"floor-2"}, {"2026-11-22"}, {""}, {""}});
+  table.may_drop({"STARTED", "LABEL"});
+  console_.is_out_terminal = true;
+  const auto printed = [&](std::size_t columns) {
+    out_.str({});
+    console_.columns = columns;
+    table.print(console_);
+    return out_.str();
+  };
+
+  EXPECT_EQ(printed(60), "ID       STARTED     SUBJECT  LABEL\nfloor-1  2026-11-21  -\nfloor-2  2026-11-22\n");
+  EXPECT_EQ(printed(30), "ID       STARTED     SUBJECT\nfloor-1  2026-11-21  -\nfloor-2  2026-11-22\n");
+  EXPECT_EQ(printed(20), "ID       STARTED\nfloor-1  2026-11-21\nfloor-2  2026-11-22\n");
+  EXPECT_EQ(printed(10), "ID\nfloor-1\nfloor-2\n");
+}
+
 TEST_F(TableTest, NarrowTerminal_DropsTheLeastImportantColumnsAndCutsNothing) {
   Table table({"ID", ">COUNT", "NOTE", "STATE"});
   table.add({{"20261121T144525Z-floor-1"}, {"1"}, {"the first"}, {"complete"}});

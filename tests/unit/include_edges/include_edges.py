@@ -69,7 +69,7 @@ HOUSE = [
     ("clients/cli",              ["core"],                                                ["CLI/", "nlohmann/"]),
     ("clients/report",           ["core", "posturography", "record", "session"],          ["kainjow/", "pugixml.hpp"]),
     ("clients/report/recorded_definitions", ["files"],                                    []),
-    ("clients/ctl",              ["cli", "libdts", "proto"],                              ["CLI/", "google/protobuf/"]),
+    ("clients/ctl",              ["cli", "libdts", "proto", "report"],                    ["CLI/", "google/protobuf/"]),
     ("clients/ctl/system_facts", ["core"],                                                []),
     ("clients/ctl/calibrate",    ["core", "physics", "files"],                            []),
     ("clients/ctl/sessions",     ["core", "record", "report"],                            []),

@@ -297,6 +297,20 @@ TEST_F(CommandsTest, Tare_IsAnsweredOnceItsOwnReportIsThere) {
   EXPECT_EQ(handler_->finish(PendingStop{.rig = "chair", .session_id = "s1"})->error().code(), v1::ERROR_CODE_NOT_FOUND);
 }
 
+TEST_F(CommandsTest, TareOfAChair_NamesItsSeat) {
+  config_.kind = "chair";
+  open();
+  make_handler();
+  using pipeline::TareOutcome;
+  const auto answer = [&](TareOutcome outcome) {
+    supervisor_->rigs().front()->tare().report({.request = 2, .outcome = outcome});
+    return text(*handler_->finish(PendingTare{.rig = "floor", .request = 2}));
+  };
+  const std::string refused = error("WRONG_STATE") + " what: \"tare rejected: the seat of rig \\'floor\\' ";
+  EXPECT_EQ(answer(TareOutcome::Loaded), refused + "is loaded\" hint: \"let the subject stand up, clear the seat, then try again\" }");
+  EXPECT_EQ(answer(TareOutcome::Unsteady), refused + "moved while averaging\" hint: \"keep still around the seat, then try again\" }");
+}
+
 TEST_F(CommandsTest, Status_CountsAndWarns) {
   open();
   make_handler();

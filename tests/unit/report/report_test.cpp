@@ -222,7 +222,7 @@ TEST_F(ReportTest, SessionPage_HasMeansQuotientsAndWhatWasLeftOut) {
   const std::string text = page(report_of(write(made)), "session.html");
 
   EXPECT_THAT(text, AllOf(HasSubstr("Romberg quotient"), HasSubstr("1.11 (0.80-1.32)"), HasSubstr("below 1 is common and not an error"),
-                          HasSubstr("The duration of these trials is 20.0 s.")));
+                          HasSubstr("The trials of this session have 20.0 s: do not compare them with the published values.")));
   EXPECT_THAT(text, AllOf(HasSubstr("Trial 3: rejected: not valid."), HasSubstr("Trial 4: redone: not valid.")));
   EXPECT_THAT(text, AllOf(HasSubstr("eyes-open (n = 1)"), HasSubstr(">feet two</th>")));
   EXPECT_THAT(text, HasSubstr("href=\"trial-03.html\""));

@@ -158,6 +158,59 @@ TEST_F(EditTest, ACorrectionsFileThatIsMissingIsWrittenAgain_AndABadOneIsKept) {
   EXPECT_EQ(text, "damaged");
 }
 
+TEST_F(EditTest, AMarkerIsCorrectedAndRemoved_AlsoAfterTheLossOfTheCatalogue) {
+  start({Protocol{}, standing()});
+  ASSERT_TRUE(supervisor_->mark("", "before the session"));
+  const std::string id = record(kBlock, {.subject = "P071"});
+  for (const char* text : {"cough", "Anna fell"}) ASSERT_TRUE(supervisor_->mark("", text));
+  ASSERT_TRUE(stop(true));
+  ASSERT_TRUE(supervisor_->resume_session(id));
+  ASSERT_TRUE(is_in(SessionState::Running));
+  ASSERT_TRUE(supervisor_->mark("", "stumbled"));
+  ASSERT_TRUE(stop());
+  const auto markers = [&] {
+    std::string text;
+    const record::SessionRow session = row(id);
+    for (const record::MarkerRow& one : session.markers) {
+      text += std::to_string(one.part) + "." + std::to_string(one.number) + " " + one.text + " (" + one.recorded_text + "), ";
+    }
+    return text;
+  };
+  EXPECT_EQ(markers(), "1.1 cough (), 1.2 Anna fell (), 2.1 stumbled (), ");
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .marker = 2, .marker_text = "", .reason = "had a name"}, kAnna));
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .marker = 3, .marker_text = "fell", .reason = "seen later"}, kAnna));
+  const std::string corrected = "1.1 cough (), 1.2  (), 2.1 fell (stumbled), ";
+  EXPECT_EQ(markers(), corrected);
+  const auto why = [&](CorrectionRequest request, core::ErrorCode code) {
+    request.session_id = id;
+    request.reason = "r";
+    return why_refused(supervisor_->correct_session(request, kAnna), code);
+  };
+  EXPECT_THAT(why({.marker = 4, .marker_text = "x"}, core::ErrorCode::NotFound), HasSubstr("has no marker 4"));
+  EXPECT_THAT(why({.marker = 1}, core::ErrorCode::InvalidArgument), HasSubstr("both its number and its text"));
+  EXPECT_THAT(why({.marker_text = "x"}, core::ErrorCode::InvalidArgument), HasSubstr("both its number and its text"));
+  EXPECT_THAT(why({.marker = 1, .marker_text = "cough"}, core::ErrorCode::InvalidArgument), HasSubstr("nothing to correct"));
+  EXPECT_THAT(why({.marker = 1, .marker_text = std::string(201, 'x')}, core::ErrorCode::InvalidArgument), HasSubstr("more than 200"));
+  end();
+  for (const char* name : {"catalogue.sqlite", "catalogue.sqlite-wal", "catalogue.sqlite-shm", "catalogue.sqlite.audit"})
+    std::filesystem::remove(folder_ / name);
+  start({Protocol{}, standing()});
+  EXPECT_EQ(markers(), corrected);
+}
+
+TEST_F(EditTest, AnErasureReportsMarkersOfOtherSessionsWithTheSubject) {
+  start({Protocol{}, standing()});
+  static_cast<void>(brief("P071"));
+  const std::string other = record(kBlock, {.subject = "P018"});
+  ASSERT_TRUE(supervisor_->mark("", "P071 came in"));
+  ASSERT_TRUE(stop());
+  EXPECT_THAT(recordings_->sessions_mentioning("P071").value(), testing::ElementsAre(other));
+  ASSERT_TRUE(supervisor_->erase_subject("P071", kAnna));
+  const auto removed = erased();
+  ASSERT_TRUE(removed);
+  EXPECT_THAT(removed->left, testing::Contains(HasSubstr("session " + other + " have this subject ID in a marker")));
+}
+
 TEST_F(EditTest, ValuesThatAreNotAllowed_AreRejected) {
   start({Protocol{}, standing()});
   const std::string id = stand();
@@ -562,6 +615,18 @@ TEST_F(EditTest, AnErasureIsNotForgotten_UntilItIsInTheAuditTrail) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
 }
 
+TEST_F(EditTest, NotesAndReasonsFollowTheRuleOfLabels) {
+  const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
+  const record::SessionRow session{.id = "s1"};
+  const auto why = [&](const CorrectionRequest& request) {
+    return why_refused(corrections_for(session, request, rule), core::ErrorCode::InvalidArgument);
+  };
+  EXPECT_THAT(why({.notes = "Anna Schmidt fell", .reason = "note"}), HasSubstr("the text of the notes does not follow this clinic's rule"));
+  EXPECT_THAT(why({.notes = "fell", .reason = "Anna Schmidt"}), HasSubstr("the reason does not follow this clinic's rule"));
+  EXPECT_EQ(why({.notes = "fell, with a stick", .reason = "added later"}), "");
+  EXPECT_EQ(why_refused(check_reason("Anna Schmidt", rule), core::ErrorCode::InvalidArgument).find("Anna"), std::string::npos);
+}
+
 TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
   const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
   for (const std::string good :
@@ -581,6 +646,7 @@ TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
     EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);
     EXPECT_EQ(checked.error().what.find(bad), std::string::npos) << "it may be a name";
   }
+  EXPECT_TRUE(check_label(rule, "text of the notes", std::string(1000, 'x'), 1000));
   EXPECT_THAT(why_refused(check_label(rule, "marker", "Anna Schmidt"), core::ErrorCode::InvalidArgument),
               HasSubstr("the marker does not follow this clinic's rule for labels; Use words and numbers"));
 }

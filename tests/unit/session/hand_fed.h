@@ -64,6 +64,7 @@ class HandFedDevice final : public device::TestDevice {
   std::atomic<bool> is_absent = false;
   device::DeviceReport found{.serial = "", .nodes = {}, .firmware = "1.2", .checks = {}};
   std::atomic<std::size_t> stuck_channel = 99;
+  std::atomic<bool> is_empty = false;  ///< Nobody is on the plate.
   core::Status sync_answer{};
   std::vector<bool> sync_outputs{};
   std::vector<device::Cue> cues{};
@@ -85,7 +86,9 @@ class HandFedDevice final : public device::TestDevice {
     block.first_scan = {index_};
     block.host_time_ns = given.host_ns;
     for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
-      for (std::size_t i = 0; i < given.scans; ++i) block.column(channel)[i] = volts(channel, channel == stuck_channel ? 0 : index_ + i);
+      for (std::size_t i = 0; i < given.scans; ++i) {
+        block.column(channel)[i] = is_empty ? empty_volts(index_ + i) : volts(channel, channel == stuck_channel ? 0 : index_ + i);
+      }
     }
     index_ += given.scans;
     return {.outcome = given.outcome, .gap = {}};
@@ -95,6 +98,8 @@ class HandFedDevice final : public device::TestDevice {
     sync_outputs.push_back(is_high);
     return sync_answer;
   }
+  /// The unloaded gap of 12 mm, with noise: a sensor that shows always the same counts as stuck.
+  static double empty_volts(std::uint64_t scan) { return 0.9 + 0.001 * static_cast<double>(scan % 7); }
   /// Somebody sways: no two sensors show the same, and none is still.
   static double volts(std::size_t channel, std::uint64_t scan) {
     const double phase = static_cast<double>(scan % 1000) / 1000.0 + 0.2 * static_cast<double>(channel);

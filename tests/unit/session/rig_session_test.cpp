@@ -9,6 +9,7 @@
 #include <future>
 #include <set>
 
+#include "record/old_event.h"
 #include "record/recording.h"
 #include "record/sha256.h"
 #include "session/recorded_sway.h"
@@ -273,6 +274,28 @@ TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEn
   EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));
 }
 
+TEST_F(RigSessionTest, TrialInWhichTheSubjectSteppedOff_IsDoneAndNotValid) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(6.0);
+  device_->is_empty = true;
+  pass(2.0);
+  device_->is_empty = false;
+  pass(5.0);
+  ASSERT_TRUE(eventually([&] { return taken_events(v1::Event::kSway).size() == 1; }));
+
+  const EndedAttempt ended = now().trial->last_ended.value();
+  EXPECT_EQ(ended.outcome, TrialEventKind::Done);
+  EXPECT_EQ(ended.trial, 1U);
+  EXPECT_EQ(ended.fault, v1::TRIAL_FAULT_STEPPED_OFF);
+  ASSERT_TRUE(stop());
+  EXPECT_EQ(row(id).parts.at(0).valid_trials, 0U);
+  EXPECT_EQ(row(id).trials.at(0).outcome, "done");
+  EXPECT_EQ(record::fault_of(*record::event_of_text(row(id).trials.at(0).result)), v1::TRIAL_FAULT_STEPPED_OFF);
+  EXPECT_THAT(recordings_->catalogue().results(id).value(), testing::IsEmpty());
+}
+
 TEST_F(RigSessionTest, ResumedTrials_GoOnBehindThoseThatAreDone) {
   start({standing()});
   const std::string id = record(kBlock, {.protocol = "standing"});
@@ -291,10 +314,33 @@ TEST_F(RigSessionTest, ResumedTrials_GoOnBehindThoseThatAreDone) {
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
   pass(13.0);
   ASSERT_TRUE(stop());
-  EXPECT_EQ(row(id).trials.back().outcome, "done");
+  const std::vector<record::TrialRow> trials = row(id).trials;
+  EXPECT_EQ(trials.back().outcome, "done");
+  EXPECT_EQ(trials.back().attempt, 2U) << "attempts continue through the parts";
+  EXPECT_EQ(record::read_recording(row(id).parts.at(1).file)->trials.back().attempt, 2U);
   const auto results = recordings_->catalogue().results(id).value();
   EXPECT_TRUE(std::ranges::any_of(results, [](const record::ResultRow& each) { return each.name == "closed/MVELO_part_2"; }));
   EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));
+}
+
+TEST_F(RigSessionTest, AttemptThatACrashInterrupted_KeepsItsNumber) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(2.0);
+  leave();
+  start({standing()});
+  ASSERT_TRUE(supervisor_->resume_session(id));
+  ASSERT_TRUE(is_in(SessionState::Running));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(13.0);
+  ASSERT_TRUE(stop());
+  ASSERT_TRUE(eventually([&] { return row(id).parts.at(0).state == record::PartState::Recovered; }));
+  std::string trials;
+  for (const record::TrialRow& trial : row(id).trials) {
+    trials += std::to_string(trial.part) + ":" + std::to_string(trial.trial) + "." + std::to_string(trial.attempt) + trial.outcome + " ";
+  }
+  EXPECT_EQ(trials, "1:1.1aborted 2:1.2done ");
 }
 
 TEST_F(RigSessionTest, CompleteSessionThatWasStoppedWithAReason_IsNotResumed) {

@@ -92,11 +92,11 @@ struct Script {
   TrialPlan plan;
   std::string commands;
   std::string told;
-  std::vector<std::uint32_t> done{};  ///< In earlier parts.
+  std::vector<EarlierTrial> earlier{};  ///< In earlier parts.
 };
 
 TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
-  for (const auto& [why, plan, commands, expected, done] : std::vector<Script>{
+  for (const auto& [why, plan, commands, expected, earlier] : std::vector<Script>{
            {"waits for the first command", timed(), "tick@100", " | waiting 0.1 of 4 block 1, next a, 0 s"},
            {"all phases", timed(), "next@0 tick@1.999999999 tick@2 tick@7 tick@27 tick@37",
             " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next b at 105 cm, 0 s"},
@@ -152,16 +152,27 @@ TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
             timed(),
             "!redo@0",
             " | waiting 0.1 of 4 block 1, next b at 105 cm, 0 s",
-            {1, 3, 0, 99, 4'000'000'000U}},
+            {{1, 1, true}, {3, 2, true}, {0, 1, true}, {99, 1, true}, {4'000'000'000U, 1, true}}},
            {"earlier parts: passed over",
             timed(),
             "next@0 tick@27 next@30 tick@100",
             " ready 2.1b@0(105cm) go 2.1b@2 measure 2.1b@7 done 2.1b@27 rest 2.1b@27(60s) ready 4.1b@30(105cm) go 4.1b@32 measure 4.1b@37 "
             "done 4.1b@57 finished@57 | finished 4.1b of 4 block 2, 0 s, finished",
-            {1, 3}},
-           {"all in earlier parts", untimed(), "!next@0", " finished@0 | finished 0.1 of 2 block 1, 0 s, finished", {2, 1}},
+            {{1, 1, true}, {3, 1, true}}},
+           {"earlier parts: attempts continue their numbers",
+            timed(),
+            "next@0 redo@1 undo@2 redo@2.5",
+            " ready 2.4b@0(105cm) redone 2.4b@1 ready 2.5b@1(105cm) undone 2.4b@2 redone 2.4b@2.5 ready 2.6b@2.5(105cm) | ready 2.6b of 4 "
+            "block "
+            "1, next a, 2 s",
+            {{1, 1, true}, {2, 3, false}}},
+           {"all in earlier parts",
+            untimed(),
+            "!next@0",
+            " finished@0 | finished 0.1 of 2 block 1, 0 s, finished",
+            {{2, 1, true}, {1, 5, true}}},
        }) {
-    TrialRun run(plan, 1, kArm, done);
+    TrialRun run(plan, 1, kArm, earlier);
     EXPECT_EQ(told(run, commands), expected) << why;
   }
 }
@@ -170,7 +181,7 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
   const std::string to_measuring = " ready 1.1a@0 go 1.1a@2 measure 1.1a@7";
   const std::string to_rest = to_measuring + " done 1.1a@27 rest 1.1a@27(10s)";
   const std::string next_b = " of 4 block 1, next b at 105 cm, ";
-  for (const auto& [why, plan, commands, expected, done] : std::vector<Script>{
+  for (const auto& [why, plan, commands, expected, earlier] : std::vector<Script>{
            {"nothing to take back", timed(), "!undo@0 next@0 !undo@1", " ready 1.1a@0 | ready 1.1a" + next_b + "1 s"},
            {"measuring continues", timed(), "next@0 reject@10 undo@12 tick@27",
             to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) undone 1.1a@12 done 1.1a@27 rest 1.1a@27(10s) | resting 1.1a" + next_b +
@@ -215,7 +226,7 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
                 " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 rest 1.1a@27.5(5s) undone 1.1a@30 rest 1.1a@30(0.5s) | resting 1.1a" +
                 next_b + "0.5 s"},
        }) {
-    TrialRun run(plan, 1, kArm, done);
+    TrialRun run(plan, 1, kArm, earlier);
     EXPECT_EQ(told(run, commands), expected) << why;
   }
 }
@@ -254,12 +265,17 @@ TEST(TrialRun, View_HasTimesAndTargetOfTheCurrentTrial) {
   EXPECT_EQ(before.settle_s, 5.0);
   EXPECT_EQ(before.duration_s, 20.0);
   EXPECT_FALSE(before.target_cm) << "of the first trial";
+  EXPECT_FALSE(before.next_target_percent);
   (void)told(run, "next@0 next@30");
   const TrialView second = run.view(30 * kNanosecondsPerSecond);
   EXPECT_EQ(second.condition, "b");
   EXPECT_EQ(second.target_cm.value_or(0), 105.0);
   EXPECT_EQ(second.target_percent.value_or(0), 150.0);
   EXPECT_FALSE(second.next_target_cm);
+  (void)told(run, "tick@57");
+  EXPECT_FALSE(run.view(57 * kNanosecondsPerSecond).next_target_percent) << "the next condition has no target";
+  (void)told(run, "next@120");
+  EXPECT_EQ(run.view(120 * kNanosecondsPerSecond).next_target_percent.value_or(0), 150.0);
 }
 
 TEST(TrialPlanLength, IsTheSumOfAllTimesOrUnknown) {

@@ -252,11 +252,14 @@ class Daemon:
         trial: int = 0,
         attempt: int = 0,
         outcome: Outcome | None = None,
+        marker: int = 0,
+        marker_text: str | None = None,
     ) -> sessions_pb2.SessionRecord:
         """Corrects a closed session and returns it. The recording stays as it is; `.corrections` of the session has both values.
 
         None leaves a value as it is, "" removes it. `trial` and `outcome` correct the outcome of a trial: of its newest attempt, or of
-        `attempt`. `reason` has 1 to 200 bytes and no name. Raises `NotFound` for an unknown session or trial, `InvalidArgument` for a value
+        `attempt`. `marker` (its number in `.markers`) and `marker_text` correct the text of a marker. `reason` has 1 to 200 bytes and no
+        name. Raises `NotFound` for an unknown session, trial or marker, `InvalidArgument` for a value
         that is not allowed or if nothing would change, and `WrongState` while the session runs.
         """
         wanted = sessions_pb2.CorrectSessionRequest(
@@ -267,6 +270,8 @@ class Daemon:
             trial=trial,
             attempt=attempt,
             outcome=outcome or "",
+            marker=marker,
+            marker_text=marker_text,
             reason=reason,
         )
         return self._control.call(control_pb2.Request(correct_session=wanted)).session_record

@@ -22,6 +22,7 @@ _MAX_SESSIONS = 10_000
 _MAX_PARTS = 1000
 _MAX_TRIALS = 10_000
 _MAX_CORRECTIONS = 10_000
+_MAX_MARKERS = 1_000_000
 _LONGEST_NAME = 64
 _MAX_RATE_TERM = 10**12
 _MAX_SCAN = 2**62  # scan indices are signed 64 bits in NumPy
@@ -134,6 +135,7 @@ def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
     if trial.last_fault not in sessions_pb2.TrialFault.values():
         raise _damaged("the fault of a trial is unknown")
     _check_amount(trial.next_target_cm, "a trial's target")
+    _check_amount(trial.next_target_percent, "a trial's target")
     _check_amount(trial.remaining_s, "a trial's time")
     _check_amount(trial.settle_s, "a trial's settling time")
     _check_amount(trial.duration_s, "a trial's duration")
@@ -156,6 +158,7 @@ def _check_record(session: sessions_pb2.SessionRecord) -> None:
     _check_count(session.parts, _MAX_PARTS, "parts")
     _check_count(session.trials, _MAX_TRIALS, "trials")
     _check_count(session.corrections, _MAX_CORRECTIONS, "corrections")
+    _check_count(session.markers, _MAX_MARKERS, "markers")
     for part in session.parts:
         _check_part(part)
 

@@ -12,6 +12,7 @@ import { useKeys } from './keys';
 import { isLabel, labelRule, protocolName, protocols } from './names';
 import { duration, fixed, whole } from './numbers';
 import type { StartForm } from './start_form';
+import { askSubjects, similarSubject } from './subject_ids';
 
 const words = strings.common.start;
 
@@ -139,6 +140,7 @@ export const StartTaken = ({ form, protocol }: { form: StartForm; protocol: stri
 export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Element => {
   const typed = useSignal<string | undefined>(undefined);
   const lastUsed = useSignal('');
+  const subjects = useSignal<readonly string[]>([]);
   const values = useSignal<Values>({});
   const wrong = useSignal<Values>({});
   const first = useRef<HTMLSelectElement>(null);
@@ -150,6 +152,7 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
   useLayoutEffect(() => first.current?.focus(), []);
   useEffect(() => {
     void askLastProtocol(link, rig).then((name) => (lastUsed.value = name));
+    void askSubjects(link).then((known) => (subjects.value = known));
   }, [link, rig]);
   useKeys({ Escape: form.close });
 
@@ -158,6 +161,7 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
     values.value = { ...values.value, [name]: value };
     wrong.value = { ...wrong.value, [name]: '' };
   };
+  const similar = similarSubject(subjects.value, valueOf('subject').trim());
   const labelOf = (name: string): string =>
     ownInputs.has(name) ? words[name as 'protocol' | 'subject' | 'label' | 'duration'] : (fields.find((one) => one.name === name)?.label ?? name);
   const unitOf = (name: string): string => fields.find((one) => one.name === name)?.unit ?? '';
@@ -227,7 +231,13 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
             </select>
           )}
         </Field>
-        <TextInput name="subject" hint={words.subjectHint} value={valueOf('subject')} error={wrong.value['subject']} onInput={set('subject')} />
+        <TextInput
+          name="subject"
+          hint={similar === '' ? words.subjectHint : words.similarSubject(similar, valueOf('subject').trim())}
+          value={valueOf('subject')}
+          error={wrong.value['subject']}
+          onInput={set('subject')}
+        />
         <div class="form-grid">{fields.filter(({ isRequired }) => isRequired).map(input)}</div>
         <CommandNotice commands={commands} testId="start-error" />
         <button type="submit" class="button button-main" data-testid="start-submit" disabled={commands.isBusy.value}>

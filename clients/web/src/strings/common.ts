@@ -112,6 +112,7 @@ export const common = {
     chooseProtocol: 'Choose a protocol',
     subject: 'Subject ID',
     subjectHint: 'A code such as P017, never a name',
+    similarSubject: (known: string, entered: string) => `${known} is known; ${entered} is new. The same person? Then enter ${known}`,
     label: 'Label',
     labelHint: 'Do not type names or birth dates: labels go into files',
     duration: 'Duration (s)',

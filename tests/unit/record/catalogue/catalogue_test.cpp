@@ -183,6 +183,24 @@ TEST_F(CatalogueSessions, Trial_IsReplacedByItsLaterOutcome) {
   EXPECT_EQ(trials[1], trial);
 }
 
+TEST_F(CatalogueSessions, NewestAttempts_AreThoseThatHaveBegun_InAnyPart) {
+  using testing::Pair;
+  ASSERT_TRUE(catalogue().begin_part(facts("s1"), "/data/a.xdf"));
+  ASSERT_TRUE(catalogue().begin_part(facts("s1", 2), "/data/b.xdf"));
+  ASSERT_TRUE(catalogue().begin_part(facts("s2"), "/data/c.xdf"));
+  EXPECT_THAT(catalogue().newest_attempts("s1").value(), testing::IsEmpty());
+  ASSERT_TRUE(catalogue().begin_attempt("s1", 1, 1));
+  ASSERT_TRUE(catalogue().begin_attempt("s1", 1, 2)) << "under way: it has no row of its own";
+  ASSERT_TRUE(catalogue().put_trial({.session_id = "s1", .part = 1, .trial = 2, .attempt = 3, .condition = "a", .outcome = "redone"}));
+  ASSERT_TRUE(catalogue().put_trial({.session_id = "s1", .part = 2, .trial = 2, .attempt = 4, .condition = "a", .outcome = "done"}));
+  ASSERT_TRUE(catalogue().begin_attempt("s1", 2, 4));
+  EXPECT_THAT(catalogue().newest_attempts("s1").value(), ElementsAre(Pair(1, 2), Pair(2, 4)));
+  EXPECT_THAT(catalogue().newest_attempts("s2").value(), testing::IsEmpty());
+  EXPECT_EQ(code(catalogue().begin_attempt("s3", 1, 1)), ErrorCode::NotFound);
+  ASSERT_TRUE(catalogue().erase({"s1"}));
+  EXPECT_THAT(catalogue().newest_attempts("s1").value(), testing::IsEmpty());
+}
+
 TEST_F(CatalogueSessions, ValidTrials_AreThoseDoneWhoseResultCounts) {
   ASSERT_TRUE(catalogue().begin_part(facts(), "f"));
   ASSERT_TRUE(catalogue().begin_part(facts("s1", 2), "g"));

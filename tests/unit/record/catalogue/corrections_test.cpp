@@ -91,6 +91,44 @@ TEST_F(CorrectionsTest, TextsThatAreRemovedAreNotRepeated) {
   EXPECT_EQ(*all.value(CorrectedField::Notes), "n");
 }
 
+/// Of marker `number` in part 1.
+Correction marker(std::uint32_t number, const std::string& from, const std::string& to) {
+  Correction made = correction(CorrectedField::Marker, from, to);
+  made.part = 1;
+  made.marker = number;
+  return made;
+}
+
+TEST_F(CorrectionsTest, AMarkerIsCorrectedOrRemoved_WithoutTheOthers) {
+  const Corrections all = corrections({marker(1, "cough", "sneeze"), marker(2, "Anna fell", "Anna"), marker(2, "Anna", "")});
+  EXPECT_EQ(*all.marker(1, 1), "sneeze");
+  EXPECT_EQ(*all.marker(1, 2), "");
+  EXPECT_EQ(all.marker(2, 1), nullptr);
+  EXPECT_EQ(all.all[0].old_value, "cough");
+  EXPECT_EQ(all.all[1].old_value + all.all[1].new_value + all.all[2].old_value, "[removed][removed][removed]");
+  const std::string file = corrections_file(path("s1.xdf"), "s1");
+  ASSERT_TRUE(write_corrections(file, all));
+  EXPECT_EQ(*read_corrections(file), all);
+
+  add_session();
+  std::uint32_t number = 0;
+  for (const char* text : {"cough", "Anna fell", "stumbled"}) {
+    ASSERT_TRUE(catalogue().put_marker({.session_id = "s1", .number = ++number, .segment = 2, .scan = 345, .text = text}));
+  }
+  EXPECT_EQ(catalogue().sessions_with("Anna").value(), std::vector<std::string>{"s1"});
+  ASSERT_TRUE(catalogue().set_corrections(all));
+  std::string shown;
+  const SessionRow session = catalogue().session("s1").value();
+  for (const MarkerRow& one : session.markers) shown += one.text + " (" + one.recorded_text + "), ";
+  EXPECT_EQ(shown, "sneeze (cough),  (), stumbled (), ");
+  EXPECT_EQ(session.markers[1].segment, 2U);
+  EXPECT_EQ(session.markers[1].scan, 345U);
+  EXPECT_EQ(session.corrections, all.all);
+  EXPECT_TRUE(catalogue().sessions_with("Anna").value().empty()) << "the removed text is in no row";
+  EXPECT_EQ(code(catalogue().put_marker({.session_id = "s1", .part = 9})), core::ErrorCode::NotFound);
+  ASSERT_TRUE(catalogue().erase({"s1"}));
+}
+
 TEST_F(CorrectionsTest, BadFilesAreRejectedWithTheirName) {
   const std::string head = "{\"session_id\": \"s1\", \"corrections\": ";
   const std::string one =

@@ -163,7 +163,9 @@ TEST_F(CatalogueRebuild, PartsOfAnOlderCatalogue_AreReadAgainForWhatTheyLack) {
   close();
   ASSERT_TRUE(
       meddle("UPDATE parts SET losses = '{}', duration_s = 3.0; PRAGMA user_version = 4;"  // as version 2 became version 3
-             "DROP TABLE corrections; ALTER TABLE trials DROP COLUMN corrected_outcome; ALTER TABLE sessions DROP COLUMN notes;"
+             "DROP TABLE begun_attempts; DROP TABLE markers; DROP TABLE corrections; ALTER TABLE trials DROP COLUMN corrected_outcome; "
+             "ALTER TABLE sessions "
+             "DROP COLUMN notes;"
              "ALTER TABLE sessions DROP COLUMN corrected_subject; ALTER TABLE sessions DROP COLUMN corrected_label;"
              "ALTER TABLE sessions DROP COLUMN is_deleted"));
 

@@ -99,9 +99,9 @@ TEST_F(BidsExportTest, Events_HaveOnsetDurationAndType) {
   EXPECT_THAT(lines(kStem + "floorcop_events.tsv"),
               ElementsAre("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails",
                           "0.000000\tn/a\tsegment\tn/a\tn/a\t0\t0\t{\"host_time_ns\":\"8123251000000\"}",
+                          "0.010000\tn/a\ttrial\tgo\t120 %\t0\t1\t{\"condition\":\"120\\t%\"}",
                           "0.020000\t0\tmarker\teyes \"closed\", now\tn/a\t0\t2\tn/a",
-                          "1.050000\tn/a\tsegment\tunplugged\tn/a\t1\t0\t{\"missing_scans\":\"100\"}",
-                          "0.010000\tn/a\ttrial\tgo\t120 %\t0\t1\t{\"condition\":\"120\\t%\"}"));
+                          "1.050000\tn/a\tsegment\tunplugged\tn/a\t1\t0\t{\"missing_scans\":\"100\"}"));
 }
 
 TEST_F(BidsExportTest, Scans_SayWhenTheRecordingBegan) {

@@ -7,10 +7,12 @@
 #include <nlohmann/json.hpp>
 
 #include "export_fixture.h"
+#include "record/export/event_rows.h"
 
 namespace dts::record {
 namespace {
 
+using ::testing::AnyOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -85,6 +87,45 @@ TEST_F(CsvExportTest, Session_OneFilePerStreamAndTheEvents) {
             "0.02,0,2,marker,\"eyes \"\"closed\"\", now\",\n"
             "1.05,1,0,segment,unplugged,\"{\"\"missing_scans\"\":\"\"100\"\"}\"\n")
       << "text and details are quoted as CSV asks for";
+}
+
+TEST_F(CsvExportTest, Events_AreSortedByTime_AlsoAfterAnUndo) {
+  const auto step = [](double time_s, const std::string& position, const std::string& step_of_trial) {
+    return TimedEvent{.time_s = time_s,
+                      .event = test::event_of(position + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial + " trial: 1 attempt: 1 }")};
+  };
+  for (const TimedEvent& event : {step(8123.251, "scan: 0", "MEASURE"), step(8123.281, "scan: 3", "REJECTED"),
+                                  step(8124.311, "segment: 1 scan: 1", "UNDONE"), step(8123.291, "scan: 4", "DONE")})
+    recording_.items.emplace_back(event);
+  ASSERT_TRUE(run().has_value());
+
+  std::vector<std::string> order;
+  for (const std::string& row : lines("20261121T144525Z-floor-1_events.csv")) {
+    const auto columns = cells(row, ',');
+    order.push_back(columns[0] + " " + columns[3] + " " + columns[4]);
+  }
+  order.erase(order.begin());
+  EXPECT_EQ(order[0], "0 segment ") << "rows of the same time stay as recorded";
+  EXPECT_THAT(order, ElementsAre("0 segment ", "0 trial measure", "0.02 marker \"eyes \"\"closed\"\"", "0.03 trial rejected",
+                                 "0.04 trial done", "1.05 segment unplugged", "1.06 trial undone"));
+}
+
+TEST_F(CsvExportTest, MoreEventsThanAreSorted_AreAllThere) {
+  constexpr std::size_t kEvents = EventRows::kMostWaiting + 100;
+  for (std::size_t n = 0; n < kEvents; ++n) {
+    const double time_s = 8200.0 + static_cast<double>(n % 2 == 0 ? n + 1 : n - 1);
+    recording_.items.emplace_back(TimedEvent{.time_s = time_s, .event = test::event_of("marker { text: 'x' }")});
+  }
+  ASSERT_TRUE(run().has_value());
+
+  const auto rows = lines("20261121T144525Z-floor-1_events.csv");
+  ASSERT_EQ(rows.size(), 1 + 3 + kEvents);
+  double newest_s = -1.0;
+  for (std::size_t row = 1; row < rows.size(); ++row) {
+    const double time_s = std::stod(rows[row]);
+    EXPECT_GE(time_s, newest_s);
+    newest_s = time_s;
+  }
 }
 
 TEST_F(CsvExportTest, RecordingDocument_SaysWhatIsMissingAndWhatWasAskedAboutTheSubject) {
@@ -187,6 +228,27 @@ TEST_F(CsvExportTest, ALabelThatWasRemoved_IsNotExportedAsRecorded) {
   const std::string again = exported("", "second");
   EXPECT_THAT(again, HasSubstr("\"label\": \"second\""));
   EXPECT_THAT(again, Not(HasSubstr("Jane")));
+}
+
+TEST_F(CsvExportTest, AMarkerHasItsCorrectedText_AndARemovedOneNone) {
+  recording_.items.emplace_back(TimedEvent{.time_s = 8125.0, .event = test::event_of("scan: 9 marker { text: 'cough' }")});
+  Corrections corrections{.session_id = recording_.facts->session_id};
+  const auto correct = [&](std::uint32_t marker, const std::string& from, const std::string& to) {
+    corrections.add(
+        {.who = "local", .field = CorrectedField::Marker, .part = 1, .marker = marker, .old_value = from, .new_value = to, .reason = "r"});
+  };
+  correct(1, "eyes \"closed\", now", "eyes shut");
+  correct(2, "cough", "Xavier");
+  correct(2, "Xavier", "");
+  ASSERT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
+
+  const std::string events = text("20261121T144525Z-floor-1_events.csv");
+  EXPECT_THAT(events, HasSubstr("0.02,0,2,marker,eyes shut,\n"));
+  EXPECT_THAT(events, HasSubstr("0,9,marker,,\n"));
+  const std::string document = text("20261121T144525Z-floor-1_recording.json");
+  EXPECT_EQ(nlohmann::json::parse(document)["corrections"][0]["old_value"], "eyes \"closed\", now");
+  EXPECT_EQ(nlohmann::json::parse(document)["corrections"][2]["marker"], 2);
+  EXPECT_THAT(events + document, Not(AnyOf(HasSubstr("Xavier"), HasSubstr("cough"))));
 }
 
 TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {

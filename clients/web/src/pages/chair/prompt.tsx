@@ -25,7 +25,7 @@ const targetOf = (examination: Examination, present: TrialStatus | undefined): T
   const isNext = examination.step === 'waiting' || examination.step === 'resting';
   if (isNext && examination.nextCondition !== '') {
     const { nextCondition: condition, nextTargetCm: cm } = examination;
-    return { condition, cm, percent: targetPercent(examination, cm) };
+    return { condition, cm, percent: (present?.nextTargetCm === cm ? present.nextTargetPercent : undefined) ?? targetPercent(examination, cm) };
   }
   const { condition, targetCm: cm } = examination;
   const isPresent = present?.trial === examination.trial && present.attempt === examination.attempt;

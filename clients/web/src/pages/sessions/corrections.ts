@@ -2,7 +2,7 @@
 // What a person changed in a closed session. The newest correction of a value counts; the oldest knows what was recorded.
 import type { MessageInitShape } from '@bufbuild/protobuf';
 
-import type { CorrectSessionRequestSchema, Correction, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { CorrectSessionRequestSchema, Correction, MarkerRecord, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { dateTime } from '../../parts/numbers';
 import { strings } from '../../strings';
 
@@ -15,19 +15,24 @@ export interface Entered {
   readonly notes: string;
   readonly trial: TrialRecord | undefined;
   readonly outcome: string;
+  readonly marker: MarkerRecord | undefined;
+  readonly markerText: string;
   readonly reason: string;
 }
 
 /** Returns a request with the changed values only, or nothing if none changed. */
 export const requestOf = (session: SessionRecord, entered: Entered): CorrectionRequest | undefined => {
-  const { trial } = entered;
+  const { trial, marker } = entered;
   const changes: CorrectionRequest = {};
   for (const name of ['subject', 'label', 'notes'] as const) {
     const value = entered[name].trim();
     if (value !== session[name]) changes[name] = value;
   }
   if (trial !== undefined && entered.outcome !== '' && entered.outcome !== trial.outcome) {
-    Object.assign(changes, { part: trial.part, trial: trial.trial, attempt: trial.attempt, outcome: entered.outcome });
+    Object.assign(changes, { trial: trial.trial, attempt: trial.attempt, outcome: entered.outcome });
+  }
+  if (marker !== undefined && entered.markerText.trim() !== marker.text) {
+    Object.assign(changes, { marker: marker.number, markerText: entered.markerText.trim() });
   }
   return Object.keys(changes).length === 0 ? undefined : { ...changes, sessionId: session.sessionId, reason: entered.reason.trim() };
 };
@@ -46,3 +51,13 @@ export const outcomeCorrection = (session: SessionRecord, { part, trial, attempt
   const newest = session.corrections.filter(isIt).at(-1);
   return newest === undefined ? '' : detail(newest);
 };
+
+/** The same for the text of a marker. */
+export const markerCorrection = (session: SessionRecord, { part, numberInPart }: MarkerRecord): string => {
+  const newest = session.corrections.filter((one) => one.field === 'marker' && one.part === part && one.marker === numberInPart).at(-1);
+  return newest === undefined ? '' : detail(newest);
+};
+
+/** Returns the number within the session of the marker that a correction is about. */
+export const markerNumber = (session: SessionRecord, { part, marker }: Correction): number =>
+  session.markers.find((one) => one.part === part && one.numberInPart === marker)?.number ?? marker;

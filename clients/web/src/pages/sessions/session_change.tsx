@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
 import { useLayoutEffect, useRef } from 'preact/hooks';
 
-import type { SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { Correction, MarkerRecord, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Field, Notice, Panel, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
@@ -12,7 +12,7 @@ import { conditionName, labelRule } from '../../parts/names';
 import { dateTime, whole } from '../../parts/numbers';
 import { outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
-import { requestOf } from './corrections';
+import { markerNumber, requestOf } from './corrections';
 
 const words = strings.sessions.change;
 const outcomes = ['done', 'rejected', 'redone', 'aborted'] as const;
@@ -78,15 +78,16 @@ interface ChangeProps {
 
 const Correct = ({ link, session, onChanged, onClose }: ChangeProps): JSX.Element => {
   const commands = useCommands(link);
-  const entered = useSignal({ subject: session.subject, label: session.label, notes: session.notes, trial: '', outcome: '', reason: '' });
+  const entered = useSignal({ subject: session.subject, label: session.label, notes: session.notes, trial: '', outcome: '', marker: '', markerText: '', reason: '' });
   const wrong = useSignal<{ readonly reason?: string; readonly all?: string }>({});
   const set = (change: Partial<typeof entered.value>): void => {
     entered.value = { ...entered.value, ...change };
     wrong.value = {};
   };
-  const { subject, label, notes, trial, outcome, reason } = entered.value;
+  const { subject, label, notes, trial, outcome, marker, markerText, reason } = entered.value;
+  const markerOf = (number: string): MarkerRecord | undefined => session.markers.find((one) => String(one.number) === number);
   const save = async (): Promise<void> => {
-    const request = requestOf(session, { ...entered.value, trial: session.trials.find((one) => trialKey(one) === trial) });
+    const request = requestOf(session, { ...entered.value, trial: session.trials.find((one) => trialKey(one) === trial), marker: markerOf(marker) });
     if (request === undefined) wrong.value = { all: words.nothing };
     else if (reason.trim() === '') wrong.value = { reason: words.reasonMissing };
     else if ((await commands.run({ case: 'correctSession', value: request })) !== undefined) onChanged();
@@ -140,6 +141,34 @@ const Correct = ({ link, session, onChanged, onClose }: ChangeProps): JSX.Elemen
             </select>
           )}
         </Field>
+      )}
+      {session.markers.length > 0 && (
+        <Field label={words.marker}>
+          {(links) => (
+            <select
+              {...links}
+              data-testid="correct-marker"
+              value={marker}
+              onChange={(event) => set({ marker: event.currentTarget.value, markerText: markerOf(event.currentTarget.value)?.text ?? '' })}
+            >
+              <option value="">{words.noMarker}</option>
+              {session.markers.map((one) => (
+                <option key={one.number} value={String(one.number)}>
+                  {words.markerName(whole(one.number), one.text || words.removedText)}
+                </option>
+              ))}
+            </select>
+          )}
+        </Field>
+      )}
+      {marker !== '' && (
+        <Line
+          label={words.markerText}
+          hint={words.markerHint}
+          value={markerText}
+          testId="correct-marker-text"
+          onInput={(value) => set({ markerText: value })}
+        />
       )}
       <Line
         label={words.reason}
@@ -231,7 +260,11 @@ export const SessionChange = ({ link, session, onChanged }: Omit<ChangeProps, 'o
 
 /** All corrections, the newest first. */
 export const CorrectionTable = ({ session }: { session: SessionRecord }): JSX.Element => {
-  const { heads, fields, ofTrial } = words;
+  const { heads, fields, ofTrial, ofMarker } = words;
+  const what = (one: Correction): string => {
+    if (one.field === 'outcome') return ofTrial(whole(one.trial), whole(one.attempt));
+    return one.field === 'marker' ? ofMarker(whole(markerNumber(session, one))) : (fields[one.field] ?? one.field);
+  };
   return (
     <table class="stack" data-testid="correction-table">
       <thead>
@@ -246,7 +279,7 @@ export const CorrectionTable = ({ session }: { session: SessionRecord }): JSX.El
           <tr key={one.number}>
             <td data-label={heads.when}>{dateTime(one.utcNs)}</td>
             <td data-label={heads.who}>{one.who}</td>
-            <td data-label={heads.what}>{one.field === 'outcome' ? ofTrial(whole(one.trial), whole(one.attempt)) : (fields[one.field] ?? one.field)}</td>
+            <td data-label={heads.what}>{what(one)}</td>
             <td data-label={heads.before}>{one.oldValue || strings.common.undefinedValue}</td>
             <td data-label={heads.after}>{one.newValue || strings.common.undefinedValue}</td>
             <td data-label={heads.reason}>{one.reason}</td>

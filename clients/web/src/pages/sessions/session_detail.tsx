@@ -14,7 +14,7 @@ import { Exports } from './exports';
 import { durationS } from './filters';
 import { Report } from './report';
 import { CorrectionTable, SessionChange } from './session_change';
-import { PartTable, ResultTable, TrialsOfSession } from './session_tables';
+import { MarkerTable, PartTable, ResultTable, TrialsOfSession } from './session_tables';
 import { LostScans, StateMark } from './state_mark';
 
 export const askSession = async (link: Link, sessionId: string): Promise<SessionRecord> => {
@@ -72,7 +72,7 @@ const Finished = ({ session }: { session: SessionRecord }): JSX.Element => (
 );
 
 export const SessionDetail = ({ link, sessionId }: { link: Link; sessionId: string }): JSX.Element => {
-  const { back, results, trials, parts, stillRuns, subject, change } = strings.sessions;
+  const { back, results, trials, markers, parts, stillRuns, subject, change } = strings.sessions;
   const changes = useSignal(0);
   const key = detailKey(link, sessionId);
   const asked = useAsked(key === '' ? '' : `${key} ${changes.value}`, () => askSession(link, sessionId)).value;
@@ -117,6 +117,11 @@ export const SessionDetail = ({ link, sessionId }: { link: Link; sessionId: stri
           <Panel title={results.head} testId="results-panel">
             <ResultTable results={session.results} />
           </Panel>
+          {session.markers.length > 0 && (
+            <Panel title={markers.head} testId="markers-panel">
+              <MarkerTable session={session} />
+            </Panel>
+          )}
           {session.corrections.length > 0 && (
             <Panel title={change.head} testId="corrections-panel">
               <CorrectionTable session={session} />

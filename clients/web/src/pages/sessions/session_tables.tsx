@@ -10,7 +10,7 @@ import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { OutcomeMark, outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
-import { outcomeCorrection } from './corrections';
+import { markerCorrection, outcomeCorrection } from './corrections';
 import { lossLine } from './losses';
 import { resultName, resultValue, unitText } from './result_names';
 
@@ -174,6 +174,47 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
             <td data-label={heads.unit} class="unit-cell">{unitText(result.unit)}</td>
           </tr>
         ))}
+      </tbody>
+    </table>
+  );
+};
+
+/** All markers; a corrected one says so. */
+export const MarkerTable = ({ session }: { session: SessionRecord }): JSX.Element => {
+  const { heads } = strings.sessions.markers;
+  return (
+    <table class="stack" data-testid="marker-table">
+      <thead>
+        <tr>
+          <th class="number">{heads.marker}</th>
+          <th>{heads.text}</th>
+          <th class="number">{heads.part}</th>
+          <th class="number">{heads.scan}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {session.markers.map((marker) => {
+          const correction = markerCorrection(session, marker);
+          return (
+            <tr key={marker.number}>
+              <td data-label={heads.marker} class="number">
+                {whole(marker.number)}
+              </td>
+              <td data-label={heads.text}>
+                <div>
+                  {marker.text || strings.sessions.change.removedText}
+                  {correction !== '' && <div class="corrected">{correction}</div>}
+                </div>
+              </td>
+              <td data-label={heads.part} class="number">
+                {whole(marker.part)}
+              </td>
+              <td data-label={heads.scan} class="number">
+                {whole(Number(marker.scan))}
+              </td>
+            </tr>
+          );
+        })}
       </tbody>
     </table>
   );

@@ -102,6 +102,7 @@ HOUSE = [
     ("clients/fleet/wire",       ["core", "proto"],                                       ["google/protobuf/"]),
     ("clients/fleet/wire/nkey.cpp", [],                                                   ["sodium.h"]),
     ("clients/fleet/link",       ["core", "fleet/wire"],                                  ["nats/"]),
+    ("clients/fleet/database",   ["core"],                                                ["libpq-fe.h"]),
     ("clients/fleet/forward",    ["cli", "core", "files", "libdts", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),
     ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],

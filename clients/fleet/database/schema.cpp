@@ -87,6 +87,7 @@ CREATE TABLE session (
 CREATE INDEX session_started ON session (started DESC);
 CREATE INDEX session_clinic_started ON session (clinic, started DESC);
 CREATE INDEX session_protocol_started ON session (protocol, started DESC);
+CREATE INDEX session_rig_started ON session (rig, started DESC);
 CREATE INDEX session_subject ON session (subject, started DESC) WHERE subject IS NOT NULL;
 
 -- A part may arrive before its session, and the facts of a part before its recording: store_key is set once the recording is stored.
@@ -130,10 +131,29 @@ CREATE TABLE result (
   value double precision NOT NULL,
   unit text NOT NULL,
   details jsonb,
+  -- Of the session, kept by triggers: the trend of a measure needs only its index, neither this table nor a join. Null: the session is hidden.
+  started timestamptz,
+  protocol text,
   PRIMARY KEY (clinic, session, name, analysis),
   FOREIGN KEY (clinic, session) REFERENCES session ON DELETE CASCADE
 );
-CREATE INDEX result_name ON result (name, analysis) INCLUDE (value);
+CREATE INDEX result_trend ON result (name, analysis, clinic, started) INCLUDE (value, protocol) WHERE started IS NOT NULL;
+CREATE FUNCTION place_result() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  SELECT CASE WHEN NOT s.is_deleted THEN s.started END, s.protocol INTO NEW.started, NEW.protocol
+    FROM session s WHERE s.clinic = NEW.clinic AND s.id = NEW.session;
+  RETURN NEW;
+END $$;
+CREATE TRIGGER place_result BEFORE INSERT ON result FOR EACH ROW EXECUTE FUNCTION place_result();
+CREATE FUNCTION place_results_again() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  UPDATE result SET started = CASE WHEN NOT NEW.is_deleted THEN NEW.started END, protocol = NEW.protocol
+    WHERE clinic = NEW.clinic AND session = NEW.id;
+  RETURN NULL;
+END $$;
+CREATE TRIGGER place_results_again AFTER UPDATE ON session FOR EACH ROW
+  WHEN ((OLD.is_deleted, OLD.started, OLD.protocol) IS DISTINCT FROM (NEW.is_deleted, NEW.started, NEW.protocol))
+  EXECUTE FUNCTION place_results_again();
 
 CREATE TABLE receipt (
   clinic text,
@@ -148,6 +168,7 @@ CREATE TABLE receipt (
 );
 CREATE INDEX receipt_session ON receipt (clinic, session);
 CREATE INDEX receipt_stored ON receipt (stored_utc DESC);
+CREATE INDEX receipt_clinic_stored ON receipt (clinic, stored_utc DESC);
 
 -- Sessions that their clinic has erased, which must not appear again, and files of them that are not removed yet.
 CREATE TABLE erased (

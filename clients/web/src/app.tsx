@@ -3,6 +3,7 @@ import type { JSX } from 'preact';
 
 import type { Link } from './link/types';
 import { ChairPage } from './pages/chair/chair_page';
+import { FleetPages } from './pages/fleet/fleet_pages';
 import { FloorPage } from './pages/floor/floor_page';
 import { HealthPage } from './pages/health/health_page';
 import { SessionsPage } from './pages/sessions/sessions_page';
@@ -12,6 +13,7 @@ import { Shell } from './shell/shell';
 
 const Page = ({ link }: { link: Link }): JSX.Element => {
   if (link.state.value === 'login') return <LoginPage link={link} />;
+  if (link.state.value === 'fleet') return <FleetPages link={link} path={path.value} />;
   switch (path.value[0]) {
     case 'chair':
       return <ChairPage link={link} />;

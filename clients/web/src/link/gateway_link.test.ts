@@ -61,7 +61,10 @@ const makeLink = (): GatewayLink =>
     fetch: async () => ({ ok: true, status: 200, json: async () => ({ user: 'local', role, can_log_in: true }) }) as unknown as Response,
     requestFrame: (callback) => void frames.push(callback),
     isHidden: () => isHidden,
-    onVisibility: (handler) => (reportVisibility = handler),
+    onVisibility: (handler) => {
+      reportVisibility = handler;
+      return () => undefined;
+    },
   });
 
 const paint = (): void => frames.splice(0).forEach((frame) => frame());

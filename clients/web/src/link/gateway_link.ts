@@ -30,11 +30,14 @@ import { CommandError } from './types';
 
 /** What the link needs of the browser; tests replace it. */
 export interface Surroundings {
+  /** The clinic to watch, at a centre. Without one, a link to a centre opens no socket. */
+  readonly clinic?: string | undefined;
   openSocket(): WebSocket;
   fetch: typeof fetch;
   requestFrame(callback: () => void): void;
   isHidden(): boolean;
-  onVisibility(handler: () => void): void;
+  /** Returns a function that stops it. */
+  onVisibility(handler: () => void): () => void;
 }
 
 const tickMs = 250;
@@ -87,13 +90,18 @@ export class GatewayLink implements Link {
   #isStatusAsked = false;
   #newestFrame = 0n;
   #paintedFrame = 0n;
+  readonly #release: () => void;
 
   constructor(around: Surroundings, observer?: PaintObserver) {
     this.#around = around;
     this.#observer = observer;
     this.#painter = new Painter(around.requestFrame, (startedMs) => this.#painted(startedMs));
-    around.onVisibility(() => this.#visibilityChanged());
-    setInterval(() => this.#tick(), tickMs);
+    const stopVisibility = around.onVisibility(() => this.#visibilityChanged());
+    const timer = setInterval(() => this.#tick(), tickMs);
+    this.#release = () => {
+      stopVisibility();
+      clearInterval(timer);
+    };
     void this.#connect();
   }
 
@@ -144,6 +152,16 @@ export class GatewayLink implements Link {
     await this.#connect();
   }
 
+  checkLogin(): void {
+    void this.#connect();
+  }
+
+  /** Ends the link for good. */
+  close(): void {
+    this.#drop();
+    this.#release();
+  }
+
   // The connection.
 
   async #connect(): Promise<void> {
@@ -159,6 +177,7 @@ export class GatewayLink implements Link {
     if (attempt !== this.#attempt) return;
     this.me.value = me;
     if (me.role < Role.VIEWER) this.#enter('login');
+    else if (me.isFleet && this.#around.clinic === undefined) this.#enter('fleet');
     else this.#openSocket(attempt);
   }
 

@@ -37,12 +37,15 @@ export interface LiveEvent {
   readonly event: Event;
 }
 
-export type LinkState = 'connecting' | 'login' | 'up' | 'no-daemon' | 'no-gateway';
+/** 'fleet': the gateway serves a centre, and this link is to no clinic; there are no live data. */
+export type LinkState = 'connecting' | 'login' | 'fleet' | 'up' | 'no-daemon' | 'no-gateway';
 
 export interface Me {
   readonly user: string;
   readonly role: Role;
   readonly canLogIn: boolean;
+  /** The gateway serves a centre, which can only look. */
+  readonly isFleet: boolean;
 }
 
 /** What was dropped because the tab was too slow, since it connected. */
@@ -94,6 +97,8 @@ export interface Link {
   send(command: Command): Promise<Answer>;
   logIn(user: string, password: string): Promise<void>; // fails with CommandError
   logOut(): Promise<void>;
+  /** Asks again who the user is: the login may have ended. */
+  checkLogin(): void;
 }
 
 export const rigOf = (status: StatusSnapshot | undefined, kind: string): RigStatus | undefined =>

@@ -27,6 +27,7 @@ std::string without_line_end(std::string text) {
 
 core::ErrorCode code_of(std::string_view state) {
   if (state.starts_with("23")) return core::ErrorCode::WrongState;
+  if (state.starts_with("22")) return core::ErrorCode::InvalidArgument;
   if (state == "42501") return core::ErrorCode::NotAllowed;
   if (state == "57014") return core::ErrorCode::Timeout;
   return core::ErrorCode::Failed;

@@ -84,7 +84,8 @@ struct DatabaseOptions {
 /// One connection to PostgreSQL. Connects at the first statement, and again after a failure, at most once a second. Every statement that
 /// fails within a transaction ends it. Thread: one at a time.
 ///
-/// Errors: Unreachable without a connection, Timeout, NotAllowed, WrongState for a row that breaks a key or a check, else Failed.
+/// Errors: Unreachable without a connection, Timeout, NotAllowed, WrongState for a row that breaks a key or a check, InvalidArgument for a
+/// value that its column does not take, else Failed.
 class Database {
  public:
   explicit Database(DatabaseOptions options);

@@ -193,6 +193,8 @@ CREATE TABLE audit (
   hash text NOT NULL
 );
 
+-- One analysis of one recording. A worker has a running job until lease_until, which it renews; then another takes the job. A waiting job
+-- is not taken before lease_until. Each take increases `tries`: worker and tries name one take.
 CREATE TABLE job (
   id bigint GENERATED ALWAYS AS IDENTITY PRIMARY KEY,
   kind text NOT NULL,
@@ -221,6 +223,7 @@ DO $$
 BEGIN
   IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'reader') THEN CREATE ROLE reader NOLOGIN; END IF;
   IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'subject_reader') THEN CREATE ROLE subject_reader NOLOGIN; END IF;
+  IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'worker') THEN CREATE ROLE worker NOLOGIN; END IF;
 END $$;
 
 ALTER TABLE clinic ENABLE ROW LEVEL SECURITY;
@@ -254,6 +257,13 @@ GRANT SELECT (clinic, id, rig, protocol, state, started, ended, planned_trials, 
 GRANT SELECT (clinic, session, part, bytes, state, scans, duration_s, lost_scans, is_loss_unknown, valid_trials, stored_utc) ON part TO reader;
 GRANT SELECT ON trial, result TO reader;
 GRANT SELECT (subject, fields) ON session TO subject_reader;
+
+-- dts-worker: jobs, where recordings are, and results, but never those of a clinic.
+CREATE POLICY all_parts ON part FOR SELECT TO worker USING (true);
+CREATE POLICY own_analyses ON result TO worker USING (analysis <> 'clinic') WITH CHECK (analysis <> 'clinic');
+GRANT SELECT, UPDATE (state, lease_until, worker, tries, message) ON job TO worker;
+GRANT SELECT (clinic, session, part, sha256, store_key) ON part TO worker;
+GRANT SELECT, INSERT, UPDATE ON result TO worker;
 
 CREATE SCHEMA study;
 GRANT USAGE ON SCHEMA study TO reader;

@@ -105,6 +105,8 @@ HOUSE = [
     ("clients/fleet/database",   ["core"],                                                ["libpq-fe.h"]),
     ("clients/fleet/forward",    ["cli", "core", "files", "libdts", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),
+    ("clients/fleet/worker",     ["cli", "core", "files", "session", "fleet/database"],   ["CLI/", "nlohmann/", "systemd/"]),
+    ("clients/fleet/worker/stored_recording", [],                                         ["sodium.h"]),
     ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),
 ]

@@ -165,9 +165,8 @@ GatewayCounts Gateway::counts() const {
 ServerHooks Gateway::hooks() {
   return {.handle = [this](HttpRequest request, Respond respond) { routes_->handle(std::move(request), std::move(respond)); },
           .admit = [this](const HttpRequest& request) { return admit(request); },
-          .open_tab = [this](const Identity& identity, const Query& /*query*/, TabConnection& connection) {
-            return hub_.open_tab(identity, connection);
-          }};
+          .open_tab = [this](const Identity& identity, const Query& /*query*/,
+                             TabConnection& connection) { return hub_.open_tab(identity, connection); }};
 }
 
 /// Returns the folder for exports: the user's choice, systemd's, or a temporary folder that is removed when the gateway ends.

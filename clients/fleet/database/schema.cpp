@@ -138,7 +138,8 @@ CREATE TABLE result (
   FOREIGN KEY (clinic, session) REFERENCES session ON DELETE CASCADE
 );
 CREATE INDEX result_trend ON result (name, analysis, clinic, started) INCLUDE (value, protocol) WHERE started IS NOT NULL;
-CREATE FUNCTION place_result() RETURNS trigger LANGUAGE plpgsql AS $$
+-- With the rights of the tables' owner: a worker may add results, and may not read sessions.
+CREATE FUNCTION place_result() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER SET search_path = public, pg_temp AS $$
 BEGIN
   SELECT CASE WHEN NOT s.is_deleted THEN s.started END, s.protocol INTO NEW.started, NEW.protocol
     FROM session s WHERE s.clinic = NEW.clinic AND s.id = NEW.session;

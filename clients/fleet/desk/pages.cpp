@@ -115,10 +115,10 @@ FROM page s CROSS JOIN LATERAL (
   SELECT sum(duration_s) AS duration_s, sum(valid_trials) AS valid_trials, sum(lost_scans) AS lost_scans, count(*) AS parts,
     count(store_key) AS stored_parts FROM part WHERE part.clinic = s.clinic AND part.session = s.id) p)sql";
   const auto& before = filter.before;
-  return only_cell(database.run(
-      kSql, {filter.clinic, filter.rig, filter.protocol, filter.subject, filter.since_ms,
-             before ? std::optional(before->started_us) : std::nullopt, before ? std::optional(before->clinic) : std::nullopt,
-             before ? std::optional(before->id) : std::nullopt, filter.limit}));
+  return only_cell(
+      database.run(kSql, {filter.clinic, filter.rig, filter.protocol, filter.subject, filter.since_ms,
+                          before ? std::optional(before->started_us) : std::nullopt, before ? std::optional(before->clinic) : std::nullopt,
+                          before ? std::optional(before->id) : std::nullopt, filter.limit}));
 }
 
 core::Result<std::string> measures_page(Database& database) {

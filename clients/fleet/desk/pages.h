@@ -35,8 +35,8 @@ struct SessionFilter {
 };
 
 struct TrendFilter {
-  std::string measure;             ///< "eyes-open/MVELO"
-  std::string analysis = "clinic"; ///< "clinic", or an analysis of the centre: "sway 0.3.1"
+  std::string measure;              ///< "eyes-open/MVELO"
+  std::string analysis = "clinic";  ///< "clinic", or an analysis of the centre: "sway 0.3.1"
   std::string protocol{};
   std::string clinic{};
   std::optional<std::int64_t> since_ms{};

@@ -9,12 +9,13 @@ namespace dts::fleet::desk {
 namespace {
 
 void add_serve(cli::CommandLine& line, Options& options) {
-  CLI::App* serve_command = cli::add_command(
-      line, line.app, "serve", "Serve the dashboard of the centre to browsers until Ctrl-C",
-      "dts-fleet-gateway serve --config hub.toml | on this machine only, without a login: http://127.0.0.1:8080/\n"
-      "dts-fleet-gateway serve --config hub.toml --listen 192.168.1.20:8443 --tls-certificate centre.pem --tls-key centre.key --users users "
-      "| to other machines, with a login\n",
-      [&options](cli::Console& console) { return serve(options, console); });
+  CLI::App* serve_command =
+      cli::add_command(line, line.app, "serve", "Serve the dashboard of the centre to browsers until Ctrl-C",
+                       "dts-fleet-gateway serve --config hub.toml | on this machine only, without a login: http://127.0.0.1:8080/\n"
+                       "dts-fleet-gateway serve --config hub.toml --listen 192.168.1.20:8443 --tls-certificate centre.pem --tls-key "
+                       "centre.key --users users "
+                       "| to other machines, with a login\n",
+                       [&options](cli::Console& console) { return serve(options, console); });
   serve_command->add_option("--config", options.config, "Configuration of the hub: nats-server and PostgreSQL")
       ->option_text("FILE")
       ->required();
@@ -23,8 +24,9 @@ void add_serve(cli::CommandLine& line, Options& options) {
 
 cli::Manual make_manual() {
   return {.summary = "browser dashboard of a fleet",
-          .description = "Serves the dashboard of the centre: the clinics of a fleet, their sessions, and live data of their rigs.\nIt reads "
-                         "PostgreSQL and nats-server as\n.BR dts-hub (8)\ndoes, and changes nothing.",
+          .description =
+              "Serves the dashboard of the centre: the clinics of a fleet, their sessions, and live data of their rigs.\nIt reads "
+              "PostgreSQL and nats-server as\n.BR dts-hub (8)\ndoes, and changes nothing.",
           .environment = {},
           .exit_statuses = {0, 1, 2, 130},
           .further_sections = {},

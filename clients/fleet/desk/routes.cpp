@@ -24,7 +24,8 @@ core::Result<std::string> text_of(const Query& query, const std::string& name) {
   const auto found = query.find(name);
   if (found == query.end()) return std::string();
   if (found->second.size() <= kLongestValue) return found->second;
-  return core::fail(core::ErrorCode::InvalidArgument, "'" + name + "' is too long", "shorten it to " + std::to_string(kLongestValue) + " bytes");
+  return core::fail(core::ErrorCode::InvalidArgument, "'" + name + "' is too long",
+                    "shorten it to " + std::to_string(kLongestValue) + " bytes");
 }
 
 core::Result<std::string> clinic_of(const Query& query) {

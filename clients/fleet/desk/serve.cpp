@@ -84,10 +84,10 @@ std::optional<gateway::Identity> Centre::admit(const gateway::HttpRequest& reque
 }
 
 gateway::ServerHooks Centre::hooks() {
-  return {.handle = [this](gateway::HttpRequest request,
-                           gateway::Respond respond) { routes_->handle(std::move(request), std::move(respond)); },
-          .admit = [this](const gateway::HttpRequest& request) { return admit(request); },
-          .open_tab = [](const gateway::Identity&, const gateway::Query&, gateway::TabConnection&) { return nullptr; }};
+  return {
+      .handle = [this](gateway::HttpRequest request, gateway::Respond respond) { routes_->handle(std::move(request), std::move(respond)); },
+      .admit = [this](const gateway::HttpRequest& request) { return admit(request); },
+      .open_tab = [](const gateway::Identity&, const gateway::Query&, gateway::TabConnection&) { return nullptr; }};
 }
 
 void Centre::report_logins() {

@@ -29,8 +29,10 @@ Settings load_settings(const std::string& file, files::Problems& problems) {
   loaded.key_file = path_of(nats, "key");
   if (const std::string ca_file = path_of(nats, "ca"); !ca_file.empty()) {
     auto text = files::read_whole_file(ca_file, kMostCaBytes);
-    if (text) loaded.ca_pem = std::move(*text);
-    else nats.report("ca", "cannot read '" + ca_file + "': " + text.error().what);
+    if (text)
+      loaded.ca_pem = std::move(*text);
+    else
+      nats.report("ca", "cannot read '" + ca_file + "': " + text.error().what);
   }
   files::TomlReader database = top.table("database");
   database.require("connection");

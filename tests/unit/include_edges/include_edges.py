@@ -109,6 +109,8 @@ HOUSE = [
     ("clients/fleet/worker/stored_recording", [],                                         ["sodium.h"]),
     ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),
+    ("clients/fleet/desk",       ["cli", "core", "files", "gateway", "proto", "fleet/wire", "fleet/link", "fleet/database"],
+                                                                                          ["boost/", "CLI/", "google/protobuf/", "systemd/"]),
 ]
 
 # What the system offers, allowed everywhere. C headers that have a C++ name (stdint.h) are missing on purpose.

@@ -47,18 +47,20 @@ const hostNs = (): bigint => BigInt(Math.round((performance.now() + 1e6) * 1e6))
 let sockets: FakeSocket[];
 let answersProbes: boolean;
 let role: string;
+let isFleet: boolean;
 let isHidden: boolean;
 let reportVisibility: () => void;
 let frames: (() => void)[];
 
-const makeLink = (): GatewayLink =>
+const makeLink = (clinic?: string): GatewayLink =>
   new GatewayLink({
+    clinic,
     openSocket: () => {
       const socket = new FakeSocket();
       sockets.push(socket);
       return socket as unknown as WebSocket;
     },
-    fetch: async () => ({ ok: true, status: 200, json: async () => ({ user: 'local', role, can_log_in: true }) }) as unknown as Response,
+    fetch: async () => ({ ok: true, status: 200, json: async () => ({ user: 'local', role, can_log_in: true, fleet: isFleet }) }) as unknown as Response,
     requestFrame: (callback) => void frames.push(callback),
     isHidden: () => isHidden,
     onVisibility: (handler) => {
@@ -101,11 +103,34 @@ beforeEach(() => {
   vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout', 'setInterval', 'clearInterval', 'performance', 'Date'] });
   vi.stubGlobal('WebSocket', { OPEN: 1 });
   vi.stubGlobal('reportError', () => undefined);
-  [sockets, frames, answersProbes, role, isHidden] = [[], [], true, 'operator', false];
+  [sockets, frames, answersProbes, role, isHidden, isFleet] = [[], [], true, 'operator', false, false];
 });
 afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
+});
+
+test('GatewayLink.Centre has no socket without a clinic', async () => {
+  isFleet = true;
+  const link = makeLink();
+  await settle();
+
+  expect(link.state.value).toBe('fleet');
+  expect(sockets).toHaveLength(0);
+});
+
+test('GatewayLink.Centre with a clinic is live, until it is closed', async () => {
+  isFleet = true;
+  const link = makeLink('kent');
+  await settle();
+  sockets.at(-1)!.open();
+  await settle();
+
+  expect(link.state.value).toBe('up');
+  link.close();
+  expect(sockets.at(-1)!.readyState).toBe(3);
+  await vi.advanceTimersByTimeAsync(10_000);
+  expect(sockets).toHaveLength(1); // it does not connect again
 });
 
 test('GatewayLink.WithoutRole asks for a login and opens no socket', async () => {

@@ -266,7 +266,8 @@ TEST_F(AccessControlTest, WithoutAUsersFile_NobodyCanLogIn) {
   open();
 
   EXPECT_EQ(log_in(login("anna", kPassword)).status, 403U);
-  EXPECT_EQ(json_of(describe_user(request("GET", "/api/me"))), (nlohmann::json{{"user", ""}, {"role", "none"}, {"can_log_in", false}, {"fleet", false}}));
+  EXPECT_EQ(json_of(describe_user(request("GET", "/api/me"))),
+            (nlohmann::json{{"user", ""}, {"role", "none"}, {"can_log_in", false}, {"fleet", false}}));
 }
 
 TEST_F(AccessControlTest, UsersFileThatIsNone_IsRefusedWithItsLine) {

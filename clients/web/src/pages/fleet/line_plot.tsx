@@ -28,7 +28,7 @@ const styles: readonly (readonly [keyof Colours, readonly number[]])[] = [
 export const mostLines = styles.length;
 
 const optionsOf = (present: Colours, lines: number, unit: string): PlotOptions => ({
-  padding: [10, 12, 0, 0],
+  padding: [10, 44, 0, 0],
   scales: { x: { time: true }, y: { auto: false } },
   axes: [
     axis(present, { space: 90, values: (_plot, ticks) => ticks.map((seconds) => day(BigInt(Math.round(seconds)) * 1_000_000_000n)) }),

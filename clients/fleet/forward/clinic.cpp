@@ -7,7 +7,7 @@
 namespace dts::fleet::forward {
 namespace {
 
-constexpr std::chrono::milliseconds kTimeout{1500};  // the program ends within 2 s
+constexpr std::chrono::milliseconds kDaemonTimeout{1500};  // the program ends within 2 s
 
 template <class Value>
 core::Result<Value> converted(client::Result<Value> answer) {
@@ -39,7 +39,7 @@ core::Error error_of(const client::Error& error) {
 }
 
 core::Result<std::unique_ptr<Clinic>> open_clinic(const std::string& endpoint) {
-  auto client = client::ControlClient::open({.endpoint = endpoint, .timeout = kTimeout, .tries = 1});
+  auto client = client::ControlClient::open({.endpoint = endpoint, .timeout = kDaemonTimeout, .tries = 1});
   if (!client) return tl::make_unexpected(error_of(client.error()));
   return std::unique_ptr<Clinic>(std::make_unique<LocalClinic>(std::move(*client)));
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/forward/desk.h"
 
-#include <sodium.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -12,9 +10,7 @@
 namespace dts::fleet::forward {
 namespace {
 
-constexpr std::chrono::milliseconds kTimeout{5000};
-
-std::uint64_t random_seed() { return (static_cast<std::uint64_t>(randombytes_random()) << 32U) | randombytes_random(); }
+constexpr std::chrono::milliseconds kAnswerTimeout{5000};
 
 }  // namespace
 
@@ -59,7 +55,7 @@ bool Desk::wait(const v1::Later& later) {
 
 bool Desk::send_facts(const v1::FleetSession& facts, const std::stop_token& stop) {
   const auto answered =
-      ask(uplink_, wire::to_text({.clinic = clinic_, .matter = wire::Matter::Facts}), facts.SerializeAsString(), kTimeout, stop);
+      ask(uplink_, wire::to_text({.clinic = clinic_, .matter = wire::Matter::Facts}), facts.SerializeAsString(), kAnswerTimeout, stop);
   if (!answered) return fail(answered.error().what);
   const auto answer = wire::decode_facts_answer(*answered);
   if (!answer) return fail(core::to_string(answer.error()));
@@ -75,7 +71,7 @@ bool Desk::send_erasure(const std::string& session, const std::stop_token& stop)
   v1::EraseSession request;
   request.set_session_id(session);
   const auto answered =
-      ask(uplink_, wire::to_text({.clinic = clinic_, .matter = wire::Matter::Erase}), request.SerializeAsString(), kTimeout, stop);
+      ask(uplink_, wire::to_text({.clinic = clinic_, .matter = wire::Matter::Erase}), request.SerializeAsString(), kAnswerTimeout, stop);
   if (!answered) return fail(answered.error().what);
   const auto answer = wire::decode_erase_answer(*answered);
   if (!answer) return fail(core::to_string(answer.error()));

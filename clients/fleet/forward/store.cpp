@@ -149,6 +149,15 @@ core::Status Store::set_rules(const wire::SendRules& rules) {
   });
 }
 
+core::Status Store::retry_held() {
+  return guarded([this] {
+    database_.run("UPDATE file SET state = ?, sent = '', why_not = '' WHERE state = ?", static_cast<int>(FileState::Waiting),
+                  static_cast<int>(FileState::Held));
+    database_.run("UPDATE file SET not_before = 0");
+    database_.run("UPDATE session SET why_not = '', listed = '' WHERE why_not != ''");
+  });
+}
+
 core::Result<bool> Store::is_changed(const v1::SessionRecord& listed) const {
   return guarded([this, &listed] {
     return !database_.query("SELECT 1 FROM session WHERE id = ? AND listed = ?", listed.session_id(), digest_of(listed)).step();

@@ -52,6 +52,9 @@ class Store {
   /// If the rules have changed, all sessions are looked at again, and the files without a receipt are read again.
   [[nodiscard]] core::Status set_rules(const wire::SendRules& rules);
 
+  /// What was held or refused is tried again: somebody may have corrected the reason.
+  [[nodiscard]] core::Status retry_held();
+
   /// Returns true if the session was listed differently, or not at all, when `put_session` stored it.
   [[nodiscard]] core::Result<bool> is_changed(const v1::SessionRecord& listed) const;
   /// Stores the facts of a session and its closed recordings. `listed`: as in the list, `shown`: with trials. `utc_ns`: now.

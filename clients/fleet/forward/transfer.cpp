@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/forward/transfer.h"
 
+#include <sodium.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -27,6 +29,8 @@ std::chrono::milliseconds Backoff::next() noexcept {
   state_ = core::split_mix(state_);
   return whole - milliseconds(static_cast<std::int64_t>(state_ % static_cast<std::uint64_t>(whole.count() / 2 + 1)));
 }
+
+std::uint64_t random_seed() { return (static_cast<std::uint64_t>(randombytes_random()) << 32U) | randombytes_random(); }
 
 Transfer::Transfer(std::string clinic, std::string sha256, std::uint64_t bytes, std::uint64_t seed)
     : clinic_(std::move(clinic)), sha256_(std::move(sha256)), bytes_(bytes), backoff_(seed), chunk_(wire::kLargestChunk) {}

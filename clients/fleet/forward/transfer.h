@@ -24,6 +24,9 @@ class Backoff {
   int failures_ = 0;
 };
 
+/// Returns another number at each call.
+[[nodiscard]] std::uint64_t random_seed();
+
 /// Decides what one upload sends next. Has no clock, no file and no connection: the caller passes times and answers, and does what `next`
 /// returns.
 ///

@@ -2,6 +2,7 @@
 #include "fleet/forward/uplink.h"
 
 #include <algorithm>
+#include <mutex>
 #include <utility>
 
 namespace dts::fleet::forward {
@@ -11,39 +12,76 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLookForEnd{100};
 
+constexpr std::chrono::minutes kTryRejected{1};
+
 class LinkMailbox : public Mailbox {
  public:
-  LinkMailbox(std::string address, std::unique_ptr<link::Subscription> letters) : address_(std::move(address)), letters_(std::move(letters)) {}
+  LinkMailbox(std::shared_ptr<link::Link> link, std::string address, std::unique_ptr<link::Subscription> letters)
+      : link_(std::move(link)), address_(std::move(address)), letters_(std::move(letters)) {}
 
   const std::string& address() const override { return address_; }
   std::optional<link::Letter> next(milliseconds timeout) override { return letters_->next(timeout); }
 
  private:
+  std::shared_ptr<link::Link> link_;  ///< Outlives the subscription.
   std::string address_;
   std::unique_ptr<link::Subscription> letters_;
 };
 
 class LinkUplink : public Uplink {
  public:
-  explicit LinkUplink(link::Link& link) : link_(link) {}
+  LinkUplink(link::LinkOptions options, core::Log log, std::shared_ptr<link::Link> link)
+      : options_(std::move(options)), log_(std::move(log)), link_(std::move(link)) {}
 
-  bool is_connected() const override { return link_.is_connected(); }
-  std::uint64_t connections() const override { return link_.connections(); }
-  std::string problem() const override { return link_.problem(); }
-  core::Status publish(const link::Letter& letter) override { return link_.publish(letter); }
-  core::Result<std::unique_ptr<Mailbox>> open_mailbox() override {
-    std::string address = link_.new_inbox();
-    DTS_TRY_ASSIGN(auto letters, link_.subscribe(address));
-    return std::unique_ptr<Mailbox>(std::make_unique<LinkMailbox>(std::move(address), std::move(letters)));
+  bool is_connected() const override { return current()->is_connected(); }
+  std::uint64_t connections() const override {
+    const auto link = current();
+    const std::lock_guard lock(mutex_);
+    return earlier_connections_ + link->connections();
   }
+  std::string problem() const override { return current()->problem(); }
+  core::Status publish(const link::Letter& letter) override { return current()->publish(letter); }
+  core::Result<std::unique_ptr<Mailbox>> open_mailbox() override {
+    auto link = current();
+    std::string address = link->new_inbox();
+    return open_at(std::move(link), std::move(address));
+  }
+  core::Result<std::unique_ptr<Mailbox>> listen(const std::string& subject) override { return open_at(current(), subject); }
 
  private:
-  link::Link& link_;
+  static core::Result<std::unique_ptr<Mailbox>> open_at(std::shared_ptr<link::Link> link, std::string address) {
+    DTS_TRY_ASSIGN(auto letters, link->subscribe(address));
+    return std::unique_ptr<Mailbox>(std::make_unique<LinkMailbox>(std::move(link), std::move(address), std::move(letters)));
+  }
+  /// Returns the connection; a rejected one is replaced when its time has come.
+  std::shared_ptr<link::Link> current() const {
+    const std::lock_guard lock(mutex_);
+    if (!link_->is_rejected()) return link_;
+    const auto now = std::chrono::steady_clock::now();
+    if (rejected_at_ == std::chrono::steady_clock::time_point()) rejected_at_ = now;
+    if (now - rejected_at_ < kTryRejected) return link_;
+    rejected_at_ = {};
+    if (auto opened = link::Link::open(options_, log_)) {
+      earlier_connections_ += link_->connections();
+      link_ = std::move(*opened);
+    }
+    return link_;
+  }
+
+  link::LinkOptions options_;
+  core::Log log_;
+  mutable std::mutex mutex_;
+  mutable std::shared_ptr<link::Link> link_;
+  mutable std::uint64_t earlier_connections_ = 0;
+  mutable std::chrono::steady_clock::time_point rejected_at_{};
 };
 
 }  // namespace
 
-std::unique_ptr<Uplink> uplink_of(link::Link& link) { return std::make_unique<LinkUplink>(link); }
+core::Result<std::unique_ptr<Uplink>> open_uplink(const link::LinkOptions& options, const core::Log& log) {
+  DTS_TRY_ASSIGN(auto link, link::Link::open(options, log));
+  return std::unique_ptr<Uplink>(std::make_unique<LinkUplink>(options, log, std::move(link)));
+}
 
 core::Result<std::string> ask(Uplink& uplink, const std::string& subject, std::string_view data, milliseconds timeout,
                               const std::stop_token& stop) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/log.h"
 #include "core/result.h"
 #include "fleet/link/link.h"
 
@@ -42,11 +43,15 @@ class Uplink {
   /// Why there is no connection; empty: there is one.
   [[nodiscard]] virtual std::string problem() const = 0;
   [[nodiscard]] virtual core::Status publish(const link::Letter& letter) = 0;
+  /// For answers.
   [[nodiscard]] virtual core::Result<std::unique_ptr<Mailbox>> open_mailbox() = 0;
+  /// For what the centre sends to a subject. It receives nothing more after a connection was rejected: see `connections`.
+  [[nodiscard]] virtual core::Result<std::unique_ptr<Mailbox>> listen(const std::string& subject) = 0;
 };
 
-/// The connection itself, which must outlive the uplink.
-[[nodiscard]] std::unique_ptr<Uplink> uplink_of(link::Link& link);
+/// Opens a connection to the centre. If the server rejects its key, tries again once a minute: the clinic may be enrolled again. Fails with
+/// InvalidArgument for wrong options.
+[[nodiscard]] core::Result<std::unique_ptr<Uplink>> open_uplink(const link::LinkOptions& options, const core::Log& log);
 
 /// Sends a request and waits for its answer. Fails with Unreachable while there is no connection or no hub, with Timeout, and with Failed
 /// within 0.1 s after a stop is requested.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/forward/uploader.h"
 
-#include <sodium.h>
-
 #include <algorithm>
 #include <ctime>
 #include <utility>
@@ -16,12 +14,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds kTurn{50};  // longest wait for an answer before the limits and the end are looked at
+constexpr milliseconds kUploadTurn{50};  // longest wait for an answer before the limits and the end are looked at
 constexpr std::int64_t kReadAgainNs = 600 * core::kNanosecondsPerSecond;
 constexpr std::chrono::seconds kMeasure{3};
 constexpr std::chrono::milliseconds kBurst{100};
-
-std::uint64_t random_seed() { return (static_cast<std::uint64_t>(randombytes_random()) << 32U) | randombytes_random(); }
 
 std::chrono::minutes time_of_day(std::int64_t utc_ns) {
   const std::time_t seconds = utc_ns / core::kNanosecondsPerSecond;
@@ -201,7 +197,7 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
       break;
     }
     const bool is_busy = step.kind == Transfer::Step::Kind::Chunk;
-    auto letter = (*mailbox)->next(is_busy ? milliseconds(0) : kTurn);
+    auto letter = (*mailbox)->next(is_busy ? milliseconds(0) : kUploadTurn);
     for (; letter; letter = (*mailbox)->next(milliseconds(0))) {
       if (letter->data.empty()) continue;  // nobody listens: the silence decides
       if (const auto answer = wire::decode_upload_answer(letter->data)) transfer.handle(*answer, steady_clock::now());

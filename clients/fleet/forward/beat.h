@@ -9,7 +9,8 @@
 
 namespace dts::fleet::forward {
 
-/// Returns what the centre is told every 10 s. `status`: dtsd's newest; nullptr: dtsd does not answer. It holds no text that a person typed.
+/// Returns what is sent to the centre every 10 s. `status`: dtsd's newest; nullptr: dtsd does not answer. It holds no text that a person
+/// typed.
 [[nodiscard]] v1::Beat beat_of(const v1::StatusSnapshot* status, const v1::Backlog& backlog, const std::string& version,
                                std::int64_t utc_ns);
 

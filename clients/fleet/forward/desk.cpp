@@ -60,10 +60,11 @@ bool Desk::send_facts(const v1::FleetSession& facts, const std::stop_token& stop
   const auto answer = wire::decode_facts_answer(*answered);
   if (!answer) return fail(core::to_string(answer.error()));
   if (answer->has_later()) return wait(answer->later());
-  if (answer->has_refusal()) log_.warning("the centre refused the facts of session " + facts.session_id() + ": " + answer->refusal().reason());
+  if (answer->has_refusal())
+    log_.warning("the centre rejected the facts of session " + facts.session_id() + ": " + answer->refusal().reason());
   if (!answer->has_refusal() && answer->revision() < facts.revision()) return fail("the centre has not stored the facts");
-  const auto noted = answer->has_refusal() ? store_.facts_refused(facts, answer->refusal().reason())
-                                           : store_.facts_answered(facts, answer->revision());
+  const auto noted =
+      answer->has_refusal() ? store_.facts_rejected(facts, answer->refusal().reason()) : store_.facts_answered(facts, answer->revision());
   return noted ? true : fail(core::to_string(noted.error()));
 }
 
@@ -77,8 +78,8 @@ bool Desk::send_erasure(const std::string& session, const std::stop_token& stop)
   if (!answer) return fail(core::to_string(answer.error()));
   if (answer->has_later()) return wait(answer->later());
   if (answer->has_refusal()) {  // sent again: an erasure must not be forgotten
-    log_.error("the centre refused to erase session " + session + ": " + answer->refusal().reason() + ". Ask the centre to erase it");
-    return fail("the centre refused to erase session " + session);
+    log_.error("the centre rejected the erasure of session " + session + ": " + answer->refusal().reason() + ". Ask the centre to erase it");
+    return fail("the centre rejected the erasure of session " + session);
   }
   log_.info("the centre has erased session " + session + " (" + std::to_string(answer->files()) + " files)");
   const auto forgotten = store_.forget(session);

@@ -16,17 +16,31 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
 /// Texts that programs make, or that a protocol defines. What a person types (labels, markers, reasons of an abort) is not here.
-constexpr std::array<std::string_view, 21> kSentTexts{
-    "dts.v1.Trigger.channel",       "dts.v1.DeviceChange.uri",      "dts.v1.SessionChange.session_id", "dts.v1.SessionChange.protocol",
-    "dts.v1.SessionChange.subject", "dts.v1.TrialChange.session_id", "dts.v1.TrialChange.condition",    "dts.v1.TrialChange.labels",
-    "dts.v1.TrialResult.session_id", "dts.v1.TrialResult.condition", "dts.v1.Sway.session_id",          "dts.v1.Sway.condition",
-    "dts.v1.Sway.labels",           "dts.v1.Sway.profile",          "dts.v1.Sway.software",            "dts.v1.Sway.problem",
-    "dts.v1.SwayMeasure.symbol",    "dts.v1.SwayMeasure.unit",      "dts.v1.SessionResult.name",       "dts.v1.SessionResult.unit",
-    "dts.v1.SessionResult.details"};
+constexpr std::array<std::string_view, 21> kSentTexts{"dts.v1.Trigger.channel",
+                                                      "dts.v1.DeviceChange.uri",
+                                                      "dts.v1.SessionChange.session_id",
+                                                      "dts.v1.SessionChange.protocol",
+                                                      "dts.v1.SessionChange.subject",
+                                                      "dts.v1.TrialChange.session_id",
+                                                      "dts.v1.TrialChange.condition",
+                                                      "dts.v1.TrialChange.labels",
+                                                      "dts.v1.TrialResult.session_id",
+                                                      "dts.v1.TrialResult.condition",
+                                                      "dts.v1.Sway.session_id",
+                                                      "dts.v1.Sway.condition",
+                                                      "dts.v1.Sway.labels",
+                                                      "dts.v1.Sway.profile",
+                                                      "dts.v1.Sway.software",
+                                                      "dts.v1.Sway.problem",
+                                                      "dts.v1.SwayMeasure.symbol",
+                                                      "dts.v1.SwayMeasure.unit",
+                                                      "dts.v1.SessionResult.name",
+                                                      "dts.v1.SessionResult.unit",
+                                                      "dts.v1.SessionResult.details"};
 constexpr std::array<std::string_view, 2> kLabelTexts{"dts.v1.Marker.text", "dts.v1.SessionChange.label"};
 /// Keys of the events of dtsd 0.1 whose texts are made by programs.
-constexpr std::array<std::string_view, 14> kOldKeys{"event",     "condition", "phase",    "state",  "edge",  "reason",  "step",
-                                                    "channel",   "unit",      "name",     "profile", "software", "details", "problem"};
+constexpr std::array<std::string_view, 14> kOldKeys{"event",   "condition", "phase", "state",   "edge",     "reason",  "step",
+                                                    "channel", "unit",      "name",  "profile", "software", "details", "problem"};
 constexpr std::size_t kLongestWord = 64;
 constexpr std::size_t kDeepest = 16;
 
@@ -39,8 +53,8 @@ bool is_sent(const FieldDescriptor& field, const wire::SendRules& rules) {
 /// Returns true for the text of a number or of an enumerator: "1250", "NaN", "SESSION_STATE_IDLE".
 bool is_word(std::string_view text) {
   return text.size() <= kLongestWord && std::ranges::all_of(text, [](char letter) {
-           return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || (letter >= '0' && letter <= '9') || letter == '_' ||
-                  letter == '+' || letter == '-' || letter == '.';
+           return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || (letter >= '0' && letter <= '9') ||
+                  letter == '_' || letter == '+' || letter == '-' || letter == '.';
          });
 }
 

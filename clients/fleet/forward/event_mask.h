@@ -12,8 +12,8 @@ namespace dts::fleet::forward {
 inline constexpr char kMask = '#';
 
 /// Masks the texts of a recorded event that must stay in the clinic: every byte of such a text becomes '#', so that the length of the
-/// recording stays the same. An allow-list of fields decides; a new field of Event stays in the clinic until it is added there. `json` is an
-/// event as dtsd records it now or as dtsd 0.1 did. Any other text is masked completely. Thread: any.
+/// recording stays the same. An allow-list of fields decides; a new field of Event stays in the clinic until it is added there. `json` is
+/// an event as dtsd records it now or as dtsd 0.1 did. Any other text is masked completely. Thread: any.
 void mask_event(std::span<char> json, const wire::SendRules& rules);
 
 /// Removes the same texts from an event that is sent live.

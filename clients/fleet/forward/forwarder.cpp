@@ -57,7 +57,7 @@ constexpr std::chrono::seconds kWords{2};
 constexpr std::chrono::seconds kPauseAfterBug{10};
 constexpr milliseconds kReceive{20};
 
-/// What the threads tell each other.
+/// What the threads pass to each other.
 class Board {
  public:
   /// dtsd's newest status, if it is fresh.
@@ -159,14 +159,15 @@ class Forwarder {
   std::unique_ptr<Uplink> talk_;
   Uploader uploader_;
   Board board_;
-  std::uint64_t erasures_ = 0;   ///< Thread: watch, as the next.
+  std::uint64_t erasures_ = 0;  ///< Thread: watch, as the next.
   std::uint64_t instance_ = 0;
 };
 
 /// Lets everything else on the machine come first.
 void become_idle(const core::Log& log) {
   const sched_param parameters{};
-  if (::sched_setscheduler(0, SCHED_IDLE, &parameters) != 0) log.warning("the upload cannot run with SCHED_IDLE: it may slow down other work");
+  if (::sched_setscheduler(0, SCHED_IDLE, &parameters) != 0)
+    log.warning("the upload cannot run with SCHED_IDLE: it may slow down other work");
   if (::syscall(SYS_ioprio_set, IOPRIO_WHO_PROCESS, 0, IOPRIO_PRIO_VALUE(IOPRIO_CLASS_IDLE, 0)) != 0) {
     log.warning("the upload cannot read with the lowest I/O priority: it may slow down other work");
   }
@@ -310,7 +311,7 @@ void Forwarder::send_live(const client::Message& message) {
     return;
   }
   const std::string subject = wire::to_text({.clinic = settings_.clinic, .matter = wire::Matter::Live, .topic = topic});
-  (void)talk_->publish({.subject = subject, .data = std::move(data)});  // what is lost is told by the block's sequence
+  (void)talk_->publish({.subject = subject, .data = std::move(data)});  // the block's sequence shows a loss
 }
 
 void Forwarder::serve_viewers(Viewers& viewers, Mailbox& requests, milliseconds timeout) {

@@ -9,8 +9,8 @@
 
 namespace dts::fleet::forward {
 
-/// Runs until SIGTERM or SIGINT, which the caller has blocked. Fails if the key or the state folder cannot be used, or if the options of the
-/// connection are wrong. A centre or a daemon that does not answer is no failure.
+/// Runs until SIGTERM or SIGINT, which the caller has blocked. Fails if the key or the state folder cannot be used, or if the options of
+/// the connection are wrong. A centre or a daemon that does not answer is no failure.
 ///
 ///     watch   receives dtsd's status and session events; sends the beat
 ///     desk    asks dtsd what is new; sends facts and erasures

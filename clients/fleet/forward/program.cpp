@@ -56,9 +56,9 @@ int status_command(const Arguments& arguments, cli::Console& console) {
   if (!problems.empty()) return print_problems(problems, console);
   struct stat found {};
   if (::stat((settings.state_folder + "/sent.sqlite").c_str(), &found) != 0) {
-    return cli::fail_with(console, core::Error{core::ErrorCode::NotFound, "dts-forward has not run yet: " + settings.state_folder +
-                                                                               " has no sent.sqlite",
-                                               "systemctl start dts-forward"});
+    return cli::fail_with(
+        console, core::Error{core::ErrorCode::NotFound, "dts-forward has not run yet: " + settings.state_folder + " has no sent.sqlite",
+                             "systemctl start dts-forward"});
   }
   const auto store = Store::open(settings.state_folder);
   if (!store) return cli::fail_with(console, store.error());
@@ -69,8 +69,9 @@ int status_command(const Arguments& arguments, cli::Console& console) {
 
 cli::Manual make_manual() {
   return {.summary = "sends what a clinic records to one centre",
-          .description = "Sends the recordings of\n.BR dtsd (8)\nto a centre, with what the clinic allows of each session, until the centre "
-                         "has a receipt for each. It changes nothing in the clinic: without a centre, everything works as before.",
+          .description =
+              "Sends the recordings of\n.BR dtsd (8)\nto a centre, with what the clinic allows of each session, until the centre "
+              "has a receipt for each. It changes nothing in the clinic: without a centre, everything works as before.",
           .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
                           {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."}},
           .exit_statuses = {0, 1, 2, 4, 5, 6, 7},

@@ -17,16 +17,16 @@ using record::ChunkTag;
 
 /// Facts of headers and footers that leave the clinic. All others are masked.
 constexpr std::array<std::string_view, 24> kSentFacts{
-    "format_version", "session_id",     "rig",           "kind",          "protocol",       "subject",
-    "boot_id",        "software",       "device_uri",    "device_model",  "device_serial",  "firmware",
-    "calibration_id", "rig_definition", "part",          "plan_seed",     "model_sha256",   "protocol_definition",
-    "started_utc_ns", "duration_s",     "settle_s",      "stage_state",   "lost_s_at_most", "recovered"};
+    "format_version", "session_id",     "rig",        "kind",         "protocol",       "subject",
+    "boot_id",        "software",       "device_uri", "device_model", "device_serial",  "firmware",
+    "calibration_id", "rig_definition", "part",       "plan_seed",    "model_sha256",   "protocol_definition",
+    "started_utc_ns", "duration_s",     "settle_s",   "stage_state",  "lost_s_at_most", "recovered"};
 /// Elements that dtsd writes. Another one may hold anything.
 constexpr std::array<std::string_view, 35> kElements{
-    "?xml",      "info",         "version",         "desc",           "dts",          "fact",          "name",       "type",    "channel_count",
-    "source_id", "created_at",   "nominal_srate",   "channel_format", "uid",          "session_id",    "hostname",   "unit",    "channels",
-    "channel",   "label",        "device_channel",  "minimum",        "maximum",      "resolution",    "is_sensor",  "rate",    "is_marker",
-    "delay_ns",  "sample_count", "first_timestamp", "last_timestamp", "clock_offsets", "offset",       "time",       "value"};
+    "?xml",      "info",         "version",         "desc",           "dts",           "fact",       "name",      "type", "channel_count",
+    "source_id", "created_at",   "nominal_srate",   "channel_format", "uid",           "session_id", "hostname",  "unit", "channels",
+    "channel",   "label",        "device_channel",  "minimum",        "maximum",       "resolution", "is_sensor", "rate", "is_marker",
+    "delay_ns",  "sample_count", "first_timestamp", "last_timestamp", "clock_offsets", "offset",     "time",      "value"};
 constexpr std::string_view kField = "field.";
 constexpr std::string_view kStage = "stage";  // "stages", "stage.1"
 constexpr std::string_view kFactBegin = "<fact name=\"";
@@ -42,7 +42,8 @@ core::Status check_elements(std::string_view xml) {
     const std::string_view rest = xml.substr(at + 1);
     const std::string_view name = rest.substr(0, rest.find_first_of(" />"));
     const bool is_end = rest.starts_with('/');
-    if (!is_end && std::ranges::find(kElements, name) == kElements.end()) return unknown("a header with <" + std::string(name.substr(0, 40)) + ">");
+    if (!is_end && std::ranges::find(kElements, name) == kElements.end())
+      return unknown("a header with <" + std::string(name.substr(0, 40)) + ">");
   }
   return {};
 }
@@ -68,7 +69,8 @@ core::Status RecordingMask::mask_header(std::string& bytes, std::size_t begin) c
     if (at >= bytes.size() || bytes[at] != '>') return unknown("a fact with more than a name");
     const std::size_t end = bytes.find('<', ++at);
     if (end == std::string::npos || bytes.compare(end, kFactEnd.size(), kFactEnd) != 0) return unknown("a fact with more than a text");
-    if (!is_sent(bytes.substr(name, name_end - name))) std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(end), kMask);
+    if (!is_sent(bytes.substr(name, name_end - name)))
+      std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.begin() + static_cast<std::ptrdiff_t>(end), kMask);
     at = end;
   }
   return {};
@@ -107,7 +109,8 @@ core::Status RecordingMask::append(const record::RawChunk& chunk, std::string& o
       (is_text ? text_streams_ : number_streams_).insert(stream);
       return mask_header(out, begin + sizeof(stream));
     }
-    case ChunkTag::StreamFooter: return cursor.read(stream) ? mask_header(out, begin + sizeof(stream)) : unknown("a footer without a number");
+    case ChunkTag::StreamFooter:
+      return cursor.read(stream) ? mask_header(out, begin + sizeof(stream)) : unknown("a footer without a number");
     case ChunkTag::Samples:
       if (cursor.read(stream) && text_streams_.contains(stream)) return mask_texts(out, begin + sizeof(stream));
       return number_streams_.contains(stream) ? core::Status() : unknown("samples without a header");

@@ -18,8 +18,8 @@ class RecordingMask {
  public:
   explicit RecordingMask(wire::SendRules rules) : rules_(std::move(rules)) {}
 
-  /// Appends the chunk, masked, to `out`. Chunks must arrive in the order of the file. Fails with DataDamaged for a chunk that dtsd does not
-  /// write, because nobody knows which texts it holds.
+  /// Appends the chunk, masked, to `out`. Chunks must arrive in the order of the file. Fails with DataDamaged for a chunk that dtsd does
+  /// not write, because nobody knows which texts it holds.
   [[nodiscard]] core::Status append(const record::RawChunk& chunk, std::string& out);
 
  private:

@@ -13,15 +13,15 @@
 
 namespace dts::fleet::forward {
 
-/// The bytes of a recording that leave the clinic, see RecordingMask: as many as the file has. Reads the file only, chunk by chunk; holds one
-/// chunk in memory (0.2 s of data). Thread: one.
+/// The bytes of a recording that leave the clinic, see RecordingMask: as many as the file has. Reads the file only, chunk by chunk; holds
+/// one chunk in memory (0.2 s of data). Thread: one.
 class SentBytes {
  public:
   /// Fails as ChunkStream::open does.
   [[nodiscard]] static core::Result<SentBytes> open(const std::string& file, const wire::SendRules& rules);
 
-  /// Returns `count` bytes from `offset`, fewer at the end of the file. Reading forwards is cheap; a smaller offset than the end of the last
-  /// call reads the file from its start again. Fails if the file cannot be read or is not whole.
+  /// Returns `count` bytes from `offset`, fewer at the end of the file. Reading forwards is cheap; a smaller offset than the end of the
+  /// last call reads the file from its start again. Fails if the file cannot be read or is not whole.
   [[nodiscard]] core::Result<std::string> read(std::uint64_t offset, std::size_t count);
   [[nodiscard]] std::uint64_t size() const noexcept { return stream_->size(); }
 

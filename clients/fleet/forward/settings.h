@@ -40,8 +40,8 @@ struct Settings {
   bool is_live_allowed = true;
 };
 
-/// Reads the file and its enrolment file. Adds each error with its place to `problems`. `is_enrolled` false: reads only what is known before
-/// the centre has sent the enrolment file: key and state folder.
+/// Reads the file and its enrolment file. Adds each error with its place to `problems`. `is_enrolled` false: reads only what is known
+/// before the centre has sent the enrolment file: key and state folder.
 [[nodiscard]] Settings load_settings(const std::string& file, bool is_enrolled, files::Problems& problems);
 
 /// Returns bytes/s of "4 Mbit/s", "500 kbit/s"; nothing for anything else, and for less than 8 kbit/s.

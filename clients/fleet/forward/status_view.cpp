@@ -60,7 +60,7 @@ struct Facts {
   v1::Backlog backlog;
   Words words;
   std::vector<FileRow> held;
-  std::vector<std::pair<std::string, std::string>> refused;
+  std::vector<std::pair<std::string, std::string>> rejected;
   bool is_running = false;
   std::optional<double> seconds_to_go{};
   std::string problem{};
@@ -80,7 +80,7 @@ core::Result<Facts> facts_of(const Store& store, std::int64_t utc_ns) {
   DTS_TRY_ASSIGN(facts.backlog, store.backlog());
   DTS_TRY_ASSIGN(facts.words, store.words());
   DTS_TRY_ASSIGN(facts.held, store.held());
-  DTS_TRY_ASSIGN(facts.refused, store.refused_facts());
+  DTS_TRY_ASSIGN(facts.rejected, store.rejected_facts());
   facts.is_running = std::llabs(utc_ns - number<std::int64_t>(facts.words, words::kUpdated)) < kLongestSilenceNs;
   const auto rate = number<double>(facts.words, words::kUploadRate);
   const std::uint64_t have = number<std::uint64_t>(facts.words, words::kUploadHave);
@@ -91,7 +91,7 @@ core::Result<Facts> facts_of(const Store& store, std::int64_t utc_ns) {
 }
 
 cli::Json json_of(const FileRow& file) {
-  cli::Json out = {{"session", file.session},      {"part", file.part},   {"state", name(file.state)}, {"bytes", file.bytes},
+  cli::Json out = {{"session", file.session},        {"part", file.part},  {"state", name(file.state)}, {"bytes", file.bytes},
                    {"sha256", file.recorded_sha256}, {"tries", file.tries}};
   if (!file.sent_sha256.empty()) out["sent_sha256"] = file.sent_sha256;
   if (file.receipt_utc_ns != 0) out["receipt_utc"] = core::utc_text(file.receipt_utc_ns);
@@ -126,8 +126,8 @@ cli::Json json_of(const Facts& facts, const std::string& clinic) {
   if (facts.is_running) out["viewers"] = word(facts.words, words::kViewers);
   out["files_with_reason"] = cli::Json::array();
   for (const FileRow& file : facts.held) out["files_with_reason"].push_back(json_of(file));
-  out["refused_sessions"] = cli::Json::array();
-  for (const auto& [session, why_not] : facts.refused) out["refused_sessions"].push_back({{"session", session}, {"why_not", why_not}});
+  out["rejected_sessions"] = cli::Json::array();
+  for (const auto& [session, why_not] : facts.rejected) out["rejected_sessions"].push_back({{"session", session}, {"why_not", why_not}});
   return out;
 }
 
@@ -161,8 +161,9 @@ void print_text(const Facts& facts, const std::string& clinic, std::int64_t utc_
   if (const std::string viewers = word(facts.words, words::kViewers); facts.is_running && !viewers.empty())
     print_line(console, "watching now", viewers);
   cli::Table table({"SESSION", ">PART", "STATE", "WHY NOT SENT"});
-  for (const FileRow& file : facts.held) table.add({{file.session}, {std::to_string(file.part)}, {std::string(name(file.state))}, {file.why_not}});
-  for (const auto& [session, why_not] : facts.refused) table.add({{session}, {"-"}, {"refused"}, {why_not}});
+  for (const FileRow& file : facts.held)
+    table.add({{file.session}, {std::to_string(file.part)}, {std::string(name(file.state))}, {file.why_not}});
+  for (const auto& [session, why_not] : facts.rejected) table.add({{session}, {"-"}, {"rejected"}, {why_not}});
   table.print(console);
 }
 
@@ -197,10 +198,10 @@ int print_file(const Store& store, const std::string& sha256, bool is_json, cli:
   }
   if (file.state == FileState::Stored) return cli::kOk;
   const std::string reason = file.why_not.empty() ? std::string("it waits to be sent") : file.why_not;
-  return cli::fail_with(console, core::Error{core::ErrorCode::WrongState,
-                                             "there is no receipt for part " + std::to_string(file.part) + " of session " + file.session +
-                                                 ": " + reason,
-                                             "keep the recording"});
+  return cli::fail_with(
+      console, core::Error{core::ErrorCode::WrongState,
+                           "there is no receipt for part " + std::to_string(file.part) + " of session " + file.session + ": " + reason,
+                           "keep the recording"});
 }
 
 }  // namespace dts::fleet::forward

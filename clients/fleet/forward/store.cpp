@@ -70,8 +70,8 @@ std::string bytes_of(const google::protobuf::Message& message) {
 std::string digest_of(const google::protobuf::Message& message) { return record::sha256_of(bytes_of(message)); }
 
 bool is_closed(const v1::SessionPart& part) {
-  const bool has_end = part.state() == v1::PART_STATE_COMPLETE || part.state() == v1::PART_STATE_INCOMPLETE ||
-                       part.state() == v1::PART_STATE_RECOVERED;
+  const bool has_end =
+      part.state() == v1::PART_STATE_COMPLETE || part.state() == v1::PART_STATE_INCOMPLETE || part.state() == v1::PART_STATE_RECOVERED;
   return has_end && part.sha256().size() == kHexDigits;
 }
 
@@ -88,8 +88,8 @@ std::optional<v1::FleetSession> facts_of_text(const std::string& text) {
   std::string bytes(text.size() / 2, '\0');
   std::size_t count = 0;
   v1::FleetSession facts;
-  const bool is_read = sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), text.data(), text.size(), nullptr, &count,
-                                      nullptr) == 0 &&
+  const bool is_read = sodium_hex2bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), text.data(), text.size(), nullptr,
+                                      &count, nullptr) == 0 &&
                        count == bytes.size() && facts.ParseFromString(bytes);
   return is_read ? std::optional(std::move(facts)) : std::nullopt;
 }
@@ -165,7 +165,7 @@ core::Result<bool> Store::is_changed(const v1::SessionRecord& listed) const {
 }
 
 /// Stores facts under a new revision if they differ from those that are known. The time as revision needs no memory: after the loss of this
-/// file, a new revision is larger than all before. If the clock was wrong, the centre's answer tells a larger one.
+/// file, a new revision is larger than all before. If the clock was wrong, the centre's answer has a larger one.
 void Store::put_facts(v1::FleetSession facts, std::int64_t utc_ns) const {
   for (v1::FleetPart& part : *facts.mutable_parts()) {
     part.clear_sha256();
@@ -228,15 +228,16 @@ core::Status Store::facts_answered(const v1::FleetSession& sent, std::uint64_t r
     }
     // They are kept while a checksum will be added to them.
     database_.run(
-        "UPDATE session SET is_sent = 1, facts = CASE WHEN EXISTS (SELECT 1 FROM file WHERE session = ? AND sent = '' AND state = ?) THEN facts"
+        "UPDATE session SET is_sent = 1, facts = CASE WHEN EXISTS (SELECT 1 FROM file WHERE session = ? AND sent = '' AND state = ?) THEN "
+        "facts"
         " ELSE '' END WHERE id = ? AND revision = ?",
         sent.session_id(), static_cast<int>(FileState::Waiting), sent.session_id(), sent.revision());
   });
 }
 
-core::Status Store::facts_refused(const v1::FleetSession& sent, const std::string& reason) {
+core::Status Store::facts_rejected(const v1::FleetSession& sent, const std::string& reason) {
   return guarded([this, &sent, &reason] {
-    database_.run("UPDATE session SET why_not = ? WHERE id = ? AND revision = ?", reason.empty() ? "refused" : reason, sent.session_id(),
+    database_.run("UPDATE session SET why_not = ? WHERE id = ? AND revision = ?", reason.empty() ? "rejected" : reason, sent.session_id(),
                   sent.revision());
   });
 }
@@ -253,7 +254,8 @@ core::Result<std::vector<std::pair<std::string, std::int64_t>>> Store::note_list
         (void)insert.step();
       }
     }
-    const std::int64_t before = database_.number("SELECT coalesce((SELECT CAST(value AS INTEGER) FROM word WHERE name = 'listed_utc_ns'), 0)");
+    const std::int64_t before =
+        database_.number("SELECT coalesce((SELECT CAST(value AS INTEGER) FROM word WHERE name = 'listed_utc_ns'), 0)");
     database_.run("UPDATE session SET missing_since = 0 WHERE missing_since != 0 AND id IN (SELECT id FROM listed)");
     database_.run("UPDATE session SET missing_since = ? WHERE missing_since = 0 AND id NOT IN (SELECT id FROM listed)", before);
     database_.run("INSERT OR REPLACE INTO word (name, value) VALUES ('listed_utc_ns', ?)", std::to_string(utc_ns));
@@ -287,10 +289,10 @@ core::Status Store::forget(const std::string& session) {
 
 core::Result<std::optional<FileRow>> Store::next_file(std::int64_t utc_ns) const {
   return guarded([this, utc_ns]() -> std::optional<FileRow> {
-    auto files = files_of(database_.query(std::string(kFileColumns) +
-                                              "JOIN session ON session.id = file.session WHERE state = ? AND not_before <= ? AND is_erased = 0"
-                                              " ORDER BY file.started_utc_ns, session, part LIMIT 1",
-                                          static_cast<int>(FileState::Waiting), utc_ns));
+    auto files = files_of(database_.query(
+        std::string(kFileColumns) + "JOIN session ON session.id = file.session WHERE state = ? AND not_before <= ? AND is_erased = 0"
+                                    " ORDER BY file.started_utc_ns, session, part LIMIT 1",
+        static_cast<int>(FileState::Waiting), utc_ns));
     return files.empty() ? std::nullopt : std::optional(std::move(files.front()));
   });
 }
@@ -311,7 +313,8 @@ core::Status Store::set_sent_sha256(const FileRow& file, const Hashes& hashes, s
 core::Status Store::set_stored(const FileRow& file, const v1::Receipt& receipt) {
   return guarded([this, &file, &receipt] {
     database_.run("UPDATE file SET state = ?, receipt_utc_ns = ?, hub = ?, why_not = '' WHERE session = ? AND part = ? AND recorded = ?",
-                  static_cast<int>(FileState::Stored), receipt.stored_utc_ns(), receipt.hub(), file.session, file.part, file.recorded_sha256);
+                  static_cast<int>(FileState::Stored), receipt.stored_utc_ns(), receipt.hub(), file.session, file.part,
+                  file.recorded_sha256);
   });
 }
 
@@ -340,9 +343,10 @@ core::Status Store::add_tries(const FileRow& file, std::uint32_t tries) {
 core::Result<bool> Store::is_wanted(const FileRow& file) const {
   return guarded([this, &file] {
     return database_
-        .query("SELECT 1 FROM file JOIN session ON session.id = file.session WHERE session = ? AND part = ? AND recorded = ? AND state = ?"
-               " AND is_erased = 0",
-               file.session, file.part, file.recorded_sha256, static_cast<int>(FileState::Waiting))
+        .query(
+            "SELECT 1 FROM file JOIN session ON session.id = file.session WHERE session = ? AND part = ? AND recorded = ? AND state = ?"
+            " AND is_erased = 0",
+            file.session, file.part, file.recorded_sha256, static_cast<int>(FileState::Waiting))
         .step();
   });
 }
@@ -351,7 +355,8 @@ core::Result<v1::Backlog> Store::backlog() const {
   return guarded([this] {
     v1::Backlog out;
     auto row = database_.query(
-        "SELECT count(*) FILTER (WHERE state = 0), coalesce(sum(bytes) FILTER (WHERE state = 0), 0), coalesce(min(started_utc_ns) FILTER (WHERE"
+        "SELECT count(*) FILTER (WHERE state = 0), coalesce(sum(bytes) FILTER (WHERE state = 0), 0), coalesce(min(started_utc_ns) FILTER "
+        "(WHERE"
         " state != 1), 0), coalesce(max(receipt_utc_ns), 0), count(*) FILTER (WHERE state = 2) FROM file");
     if (!row.step()) return out;
     out.set_files(row.count32(0));
@@ -364,7 +369,8 @@ core::Result<v1::Backlog> Store::backlog() const {
 }
 
 core::Result<std::vector<FileRow>> Store::find(const std::string& sha256) const {
-  return guarded([this, &sha256] { return files_of(database_.query(std::string(kFileColumns) + "WHERE recorded = ? OR sent = ?", sha256, sha256)); });
+  return guarded(
+      [this, &sha256] { return files_of(database_.query(std::string(kFileColumns) + "WHERE recorded = ? OR sent = ?", sha256, sha256)); });
 }
 
 core::Result<std::vector<FileRow>> Store::held() const {
@@ -373,7 +379,7 @@ core::Result<std::vector<FileRow>> Store::held() const {
   });
 }
 
-core::Result<std::vector<std::pair<std::string, std::string>>> Store::refused_facts() const {
+core::Result<std::vector<std::pair<std::string, std::string>>> Store::rejected_facts() const {
   return guarded([this] {
     std::vector<std::pair<std::string, std::string>> found;
     auto rows = database_.query("SELECT id, why_not FROM session WHERE why_not != '' ORDER BY started_utc_ns LIMIT 1000");

@@ -42,17 +42,17 @@ struct FileRow {
   bool is_session_sent = false;  ///< The centre has the newest facts of its session, or does not want them.
 };
 
-/// What is known of the outbox: which facts and files the centre has. Everything in it can be made again: from dtsd, from the recordings and
-/// from the centre's answers. Only sessions that are erased while it is lost stay at the centre. Thread: any.
+/// What is known of the outbox: which facts and files the centre has. Everything in it can be made again: from dtsd, from the recordings
+/// and from the centre's answers. Only sessions that are erased while it is lost stay at the centre. Thread: any.
 class Store {
  public:
-  /// Opens or creates FOLDER/sent.sqlite. Fails with DataDamaged if it is damaged. What another program's version wrote is made anew.
+  /// Opens or creates FOLDER/sent.sqlite. Fails with DataDamaged if it is damaged. Drops what another version of this program wrote.
   [[nodiscard]] static core::Result<std::unique_ptr<Store>> open(const std::string& folder);
 
   /// If the rules have changed, all sessions are looked at again, and the files without a receipt are read again.
   [[nodiscard]] core::Status set_rules(const wire::SendRules& rules);
 
-  /// What was held or refused is tried again: somebody may have corrected the reason.
+  /// Tries again what was held or rejected: a person may have corrected the reason.
   [[nodiscard]] core::Status retry_held();
 
   /// Returns true if the session was listed differently, or not at all, when `put_session` stored it.
@@ -64,12 +64,12 @@ class Store {
   [[nodiscard]] core::Result<std::optional<v1::FleetSession>> next_facts() const;
   /// The centre has these facts, as its `revision`. If that is a larger one, the facts are sent again with the next.
   [[nodiscard]] core::Status facts_answered(const v1::FleetSession& sent, std::uint64_t revision);
-  [[nodiscard]] core::Status facts_refused(const v1::FleetSession& sent, const std::string& reason);
+  [[nodiscard]] core::Status facts_rejected(const v1::FleetSession& sent, const std::string& reason);
 
   /// Notes which sessions dtsd has, from a complete list that was asked for at `utc_ns`. Returns those that are missing, with the time when
   /// dtsd last listed them.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, std::int64_t>>> note_list(const std::vector<std::string>& listed,
-                                                                                           std::int64_t utc_ns);
+                                                                                          std::int64_t utc_ns);
   /// The clinic has erased this session: the centre must do so too.
   [[nodiscard]] core::Status set_erased(const std::string& session);
   [[nodiscard]] core::Result<std::optional<std::string>> next_erased() const;
@@ -91,7 +91,7 @@ class Store {
   /// Returns the files with this checksum, of the recording or of what was sent, in hexadecimal.
   [[nodiscard]] core::Result<std::vector<FileRow>> find(const std::string& sha256) const;
   [[nodiscard]] core::Result<std::vector<FileRow>> held() const;
-  [[nodiscard]] core::Result<std::vector<std::pair<std::string, std::string>>> refused_facts() const;
+  [[nodiscard]] core::Result<std::vector<std::pair<std::string, std::string>>> rejected_facts() const;
 
   /// What `dts-forward status` shows besides: words and values of the running program.
   [[nodiscard]] core::Status set_words(const std::map<std::string, std::string>& words);

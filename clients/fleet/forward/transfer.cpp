@@ -80,11 +80,11 @@ void Transfer::handle(const v1::UploadAnswer& answer, Time now) {
     case v1::UploadAnswer::kStored: return handle_receipt(answer.stored(), now);
     case v1::UploadAnswer::kUpload: return handle_upload(answer.upload(), now);
     case v1::UploadAnswer::kLater:
-      return wait(std::chrono::seconds(std::clamp(answer.later().wait_s(), 1U, 300U)), "the centre cannot take it now: " + answer.later().reason(),
-                  now);
+      return wait(std::chrono::seconds(std::clamp(answer.later().wait_s(), 1U, 300U)),
+                  "the centre cannot take it now: " + answer.later().reason(), now);
     case v1::UploadAnswer::kRefusal:
       state_ = State::Ended;
-      end_ = End{.refusal = answer.refusal().reason().empty() ? "the centre refused it" : answer.refusal().reason()};
+      end_ = End{.refusal = answer.refusal().reason().empty() ? "the centre rejected it" : answer.refusal().reason()};
       return;
     case v1::UploadAnswer::ANSWER_NOT_SET: return;
   }

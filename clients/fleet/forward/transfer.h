@@ -10,8 +10,8 @@
 
 namespace dts::fleet::forward {
 
-/// Waiting times after failures: 1 s, doubled up to 5 min, each shortened by up to a half at random, so that clinics do not come back all at
-/// once. Thread: one.
+/// Waiting times after failures: 1 s, doubled up to 5 min, each shortened by up to a half at random, so that clinics do not come back all
+/// at once. Thread: one.
 class Backoff {
  public:
   explicit Backoff(std::uint64_t seed) noexcept : state_(seed) {}
@@ -43,10 +43,10 @@ class Transfer {
   struct Step {
     enum class Kind { Open, Chunk, Commit, Wait, Ended };
     Kind kind = Kind::Wait;
-    std::string worker{};        ///< Of Chunk and Commit.
-    std::uint64_t offset = 0;    ///< Of Chunk, as the next.
+    std::string worker{};      ///< Of Chunk and Commit.
+    std::uint64_t offset = 0;  ///< Of Chunk, as the next.
     std::size_t count = 0;
-    Time until{};                ///< Of Wait: when to call again if no answer arrives.
+    Time until{};  ///< Of Wait: when to call again if no answer arrives.
   };
   struct End {
     std::optional<v1::Receipt> receipt{};  ///< The file is safe at the centre.
@@ -56,8 +56,8 @@ class Transfer {
   /// `sha256`: 32 bytes. `seed`: of the random part of waiting times.
   Transfer(std::string clinic, std::string sha256, std::uint64_t bytes, std::uint64_t seed);
 
-  /// Returns what to do now. Open, Chunk and Commit count as done when this returns. `is_chunk_allowed` false: returns no chunk, because the
-  /// limit of the rate is reached.
+  /// Returns what to do now. Open, Chunk and Commit count as done when this returns. `is_chunk_allowed` false: returns no chunk, because
+  /// the limit of the rate is reached.
   [[nodiscard]] Step next(Time now, bool is_chunk_allowed = true);
   /// Handles an answer of the hub, checked by wire::decode_upload_answer.
   void handle(const v1::UploadAnswer& answer, Time now);

@@ -213,8 +213,8 @@ void Uploader::finish(const FileRow& file, const Transfer& transfer) {
   set_problem({});
   if (!transfer.end()) return;
   if (!transfer.end()->receipt) {
-    log_.error("the centre refused " + named(file) + ": " + transfer.end()->refusal);
-    return complain(store_.hold(file, "the centre refused it: " + transfer.end()->refusal));
+    log_.error("the centre rejected " + named(file) + ": " + transfer.end()->refusal);
+    return complain(store_.hold(file, "the centre rejected it: " + transfer.end()->refusal));
   }
   log_.info("the centre has " + named(file) + ", " + std::to_string(file.bytes) + " bytes");
   complain(store_.set_stored(file, *transfer.end()->receipt));

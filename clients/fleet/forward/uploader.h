@@ -37,9 +37,9 @@ struct UploadProgress {
   std::string session{};  ///< Empty: nothing is sent now.
   std::uint32_t part = 0;
   std::uint64_t bytes = 0;
-  std::uint64_t have = 0;       ///< Bytes that the centre has.
-  double bytes_per_s = 0.0;     ///< Over the last seconds; 0: not known.
-  std::string problem{};        ///< Why nothing is sent, or why it waits; empty: nothing prevents it.
+  std::uint64_t have = 0;    ///< Bytes that the centre has.
+  double bytes_per_s = 0.0;  ///< Over the last seconds; 0: not known.
+  std::string problem{};     ///< Why nothing is sent, or why it waits; empty: nothing prevents it.
 };
 
 struct UploaderOptions {
@@ -48,8 +48,8 @@ struct UploaderOptions {
   UploadLimits limits;
 };
 
-/// Sends recordings to the centre, the oldest first, each until there is a receipt for it. Compares each file with dtsd's checksum before it
-/// is sent.
+/// Sends recordings to the centre, the oldest first, each until there is a receipt for it. Compares each file with dtsd's checksum before
+/// it is sent.
 class Uploader {
  public:
   Uploader(UploaderOptions options, Uplink& uplink, Store& store, core::Clock& clock, core::Log log);

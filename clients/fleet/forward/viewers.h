@@ -33,9 +33,9 @@ class Viewers {
  private:
   bool is_allowed_;
   core::Log log_;
-  std::map<std::string, Time> topics_;                       ///< Until when.
-  std::map<std::string, Time> names_;                        ///< Likewise.
-  Time refused_at_{};                                        ///< When a refusal was last logged.
+  std::map<std::string, Time> topics_;  ///< Until when.
+  std::map<std::string, Time> names_;   ///< Likewise.
+  Time refused_at_{};                   ///< When a rejected request was last logged.
 };
 
 }  // namespace dts::fleet::forward

@@ -11,7 +11,8 @@ namespace dts::fleet {
 
 /// Sets every text of a message, and of the messages within, to "canary-FIELD", every number to 1. Fields of a oneof are set only if `only`
 /// names one of them. Skips fields in `skipped` (full names).
-inline void fill_with_canaries(google::protobuf::Message& message, const std::string& only = {}, const std::set<std::string>& skipped = {}) {
+inline void fill_with_canaries(google::protobuf::Message& message, const std::string& only = {},
+                               const std::set<std::string>& skipped = {}) {
   using google::protobuf::FieldDescriptor;
   const auto& reflection = *message.GetReflection();
   for (int index = 0; index < message.GetDescriptor()->field_count(); ++index) {
@@ -25,7 +26,8 @@ inline void fill_with_canaries(google::protobuf::Message& message, const std::st
         is_repeated ? reflection.AddString(&message, field, canary) : reflection.SetString(&message, field, canary);
         break;
       case FieldDescriptor::CPPTYPE_MESSAGE:
-        fill_with_canaries(is_repeated ? *reflection.AddMessage(&message, field) : *reflection.MutableMessage(&message, field), {}, skipped);
+        fill_with_canaries(is_repeated ? *reflection.AddMessage(&message, field) : *reflection.MutableMessage(&message, field), {},
+                           skipped);
         break;
       case FieldDescriptor::CPPTYPE_ENUM:
         if (!is_repeated) reflection.SetEnumValue(&message, field, 1);

@@ -106,6 +106,7 @@ HOUSE = [
                                                                                           ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),
     ("clients/fleet/forward/event_mask.cpp", [],                                          ["google/protobuf/", "nlohmann/"]),
     ("clients/fleet/forward/store.cpp", [],                                               ["google/protobuf/"]),
+    ("clients/fleet/forward/forwarder.cpp", [],                                           ["malloc.h"]),
     ("clients/fleet/forward/main.cpp", [],                                                ["google/protobuf/"]),
     ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),

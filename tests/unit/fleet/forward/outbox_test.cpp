@@ -38,7 +38,8 @@ class OutboxTest : public testing::Test {
     return sent;
   }
   static Hashes hashes(char recorded, char sent) {
-    return {.recorded_sha256 = wire::bytes_of_hex(sha(recorded)).value(), .sent_sha256 = wire::bytes_of_hex(sha(sent)).value(), .bytes = 100};
+    return {
+        .recorded_sha256 = wire::bytes_of_hex(sha(recorded)).value(), .sent_sha256 = wire::bytes_of_hex(sha(sent)).value(), .bytes = 100};
   }
   /// An audit trail that reaches back, with an erasure at `utc_ns`.
   void enter_erasure(std::int64_t utc_ns) {
@@ -110,9 +111,9 @@ TEST_F(OutboxTest, CentreWithALargerRevision_GetsTheNext) {
 TEST_F(OutboxTest, RefusedFacts_AreNotSentAgainUntilTheyChange) {
   clinic_.add("a", kS);
   look_at_all();
-  ASSERT_TRUE(store_->facts_refused(*store_->next_facts().value(), "state is invalid"));
+  ASSERT_TRUE(store_->facts_rejected(*store_->next_facts().value(), "state is invalid"));
   EXPECT_FALSE(store_->next_facts().value());
-  EXPECT_THAT(store_->refused_facts().value(), ElementsAre(testing::Pair("a", "state is invalid")));
+  EXPECT_THAT(store_->rejected_facts().value(), ElementsAre(testing::Pair("a", "state is invalid")));
   clinic_.sessions[0].set_subject("P018");
   look_at_all();
   EXPECT_TRUE(store_->next_facts().value());

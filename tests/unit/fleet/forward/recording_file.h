@@ -18,7 +18,8 @@ inline record::XdfWriter::Closed write_recording(const std::string& file, const 
   auto writer = record::XdfWriter::create(file, record::to_facts(facts)).value();
   std::vector<record::ChannelInfo> channels;
   for (int channel = 0; channel < 10; ++channel) channels.push_back({.label = "w" + std::to_string(channel), .unit = "V"});
-  const auto raw = writer->add_stream({.name = "floor/raw", .content = "DTS", .rate = core::Rate::create(1000, 1).value(), .channels = channels});
+  const auto raw =
+      writer->add_stream({.name = "floor/raw", .content = "DTS", .rate = core::Rate::create(1000, 1).value(), .channels = channels});
   for (int block = 0; block < 5 * seconds; ++block) {
     std::vector<double> values(2000);
     for (std::size_t value = 0; value < values.size(); ++value) values[value] = block + static_cast<double>(value) / 4096.0;

@@ -45,7 +45,8 @@ class SentBytesTest : public testing::Test {
                                          .rate = core::Rate::create(1000, 1).value(),
                                          .channels = {{.label = "w1_v", .unit = "V"}},
                                          .facts = {{"stage_state", "1 2 3"}, {"remark", "canary-remark"}}});
-    const auto events = writer->add_stream({.name = "floor/events", .content = "Markers", .value_type = record::ValueType::Text, .channels = {{.label = "event"}}});
+    const auto events = writer->add_stream(
+        {.name = "floor/events", .content = "Markers", .value_type = record::ValueType::Text, .channels = {{.label = "event"}}});
     v1::Event marker;
     marker.set_scan(7);
     marker.mutable_marker()->set_text("canary-marker");

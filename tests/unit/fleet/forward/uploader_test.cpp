@@ -208,8 +208,10 @@ TEST_F(UploaderTest, OutsideItsHours_SendsFactsOnly) {
   std::tm local{};
   ::localtime_r(&now, &local);
   const std::chrono::minutes time = std::chrono::hours(local.tm_hour) + std::chrono::minutes(local.tm_min);
-  const Hours hours{.from = (time + std::chrono::hours(2)) % std::chrono::hours(24), .to = (time + std::chrono::hours(3)) % std::chrono::hours(24)};
-  Uploader at_night({.clinic = "kent", .rules = {}, .limits = {.rate = {}, .rate_in_session = {}, .hours = hours}}, centre_, *store_, clock_, core::Log());
+  const Hours hours{.from = (time + std::chrono::hours(2)) % std::chrono::hours(24),
+                    .to = (time + std::chrono::hours(3)) % std::chrono::hours(24)};
+  Uploader at_night({.clinic = "kent", .rules = {}, .limits = {.rate = {}, .rate_in_session = {}, .hours = hours}}, centre_, *store_,
+                    clock_, core::Log());
   EXPECT_TRUE(at_night.work({}));  // reads
   send_facts();
   EXPECT_FALSE(at_night.work({}));

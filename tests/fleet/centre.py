@@ -34,7 +34,7 @@ class Centre:
 
     def start(self) -> None:
         self._make_certificates()
-        self._make_database()
+        self.make_database()
         self._write_settings()
         self.fleet("users")
         self.nats.start()
@@ -121,7 +121,7 @@ class Centre:
         run("openssl", "x509", "-req", "-in", request, "-CA", ca, "-CAkey", ca_key, "-CAcreateserial", "-days", "30", "-extfile", extensions,
             "-out", self.folder / "nats.pem")
 
-    def _make_database(self) -> None:
+    def make_database(self) -> None:
         self.database_folder.mkdir()
         if POSTGRESQL_USER:
             shutil.chown(self.database_folder, POSTGRESQL_USER)

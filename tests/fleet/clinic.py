@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A clinic on this machine: dtsd with simulated rigs and dts-forward, behind a line that can be limited and cut."""
+import contextlib
 import json
 import os
 import shutil
+import sqlite3
 from pathlib import Path
 
 from centre import Centre
-from child import REPOSITORY, Child, Failure, program, run, wait_until
+from child import PATIENCE_S, REPOSITORY, Child, Failure, program, run, wait_until
 from line import Line
 
 FLOOR = ("floor", "floor-sim.toml", "sim:floor")
@@ -79,6 +81,16 @@ class Clinic:
                 if part.get("sha256"):
                     parts[part["sha256"]] = part | {"session_id": session["session_id"]}
         return parts
+
+    def sent(self) -> list[dict]:
+        """Returns what dts-forward has noted of each recording: sha256 of what is sent ("" before it is known), recorded_sha256, receipt."""
+        path = self.folder / "forward/sent.sqlite"
+        try:
+            with contextlib.closing(sqlite3.connect(f"file:{path}?mode=ro", uri=True, timeout=PATIENCE_S)) as database:
+                rows = database.execute("SELECT sent, recorded, state = 1 FROM file").fetchall()
+        except sqlite3.OperationalError:  # dts-forward has not made it yet
+            return []
+        return [{"sha256": sent, "recorded_sha256": recorded, "receipt": bool(receipt)} for sent, recorded, receipt in rows]
 
     def undelivered(self) -> set[str]:
         """Returns the recordings without a receipt, by their SHA-256."""

@@ -72,6 +72,8 @@ class Demo:
         kent, essex = self.clinics
         self.start()
         say("Both clinics record: a person stands, and another reaches")
+        for clinic in self.clinics:  # the simulated person steps on 2.5 s after dtsd has started
+            wait_until("the person stands on the plate", lambda one=clinic: json.loads(one.dtsctl("status", "--json"))["uptime_s"] > 4)
         for clinic, subject in ((kent, "K002"), (essex, "E002")):
             clinic.record(8, "chair", "--subject", subject)
         self.examine((kent, "K001"), (essex, "E001"))
@@ -99,7 +101,7 @@ class Demo:
         wait_until("the last session is closed", lambda: not clinic.is_recording())
         lost = sum(rig["lost_scans_total"] for rig in json.loads(clinic.dtsctl("status", "--json"))["rigs"])
         note(f"lost scans at {clinic.name}: {lost}")
-        wait_until("the recording waits", lambda: clinic.backlog() == 1)
+        wait_until("the recording waits", lambda: len(clinic.undelivered()) == 1)
         self.forward(clinic, "status")
         say("The line is back")
         clinic.line.restore()
@@ -121,8 +123,8 @@ class Demo:
         wait_until("dts-forward of the clinic reports it", lambda: clinic.is_refused())
         note(f"{time.monotonic() - revoked_s:.1f} s later dts-forward of {clinic.name} reports that the centre rejects its key")
         self.examine((clinic, "E003"), (other, "K004"))
-        wait_until(f"{other.name} delivers", lambda: other.backlog() == 0)
-        note(f"{clinic.name} records, and keeps its recordings: {clinic.backlog()} wait; {other.name} delivers as before")
+        wait_until(f"{other.name} delivers", lambda: not other.undelivered())
+        note(f"{clinic.name} records, and keeps its recordings: {len(clinic.undelivered())} waits; {other.name} delivers as before")
 
     def examine(self, *pairs: tuple[Clinic, str]) -> None:
         """Examines a subject in each of these clinics at the same time, on the floor platform, to the end of the protocol."""
@@ -135,7 +137,7 @@ class Demo:
             clinic.dtsctl("session", "stop", "--rig", "floor")
 
     def wait_for_delivery(self, what: str) -> None:
-        wait_until(what, lambda: all(clinic.backlog() == 0 for clinic in self.clinics))
+        wait_until(what, lambda: all(not clinic.undelivered() for clinic in self.clinics))
 
     def fleet(self, *words: str) -> None:
         show("centre", ["dts-fleet", *words], self.centre.fleet(*words))

@@ -106,7 +106,7 @@ class Centre:
 
     def staged(self) -> list[Path]:
         """Returns the files of uploads that are not complete."""
-        return [path for path in self.store.glob("staging/**/*") if path.is_file()]
+        return [path for path in self.store.glob("staging/**/*") if path.suffix in (".part", ".offer")]
 
     # Making it
 

@@ -122,6 +122,8 @@ class Kills:
         expect("every file has the SHA-256 of its name", not wrong, wrong)
         left = self.centre.staged()
         expect("nothing is left of unfinished uploads", not left, left)
+        hub, forwarders = self.centre.hub.resident_kib(), [clinic.forwarder.resident_kib() for clinic in self.clinics]
+        print(f"        memory: dts-hub {hub / 1024:.1f} MiB, dts-forward {max(forwarders) / 1024:.1f} MiB (bars: 40 and 25 MB)")
         self._print_resent(sum(self.centre.object_path(*one).stat().st_size for one in objects))
 
     def _print_resent(self, size: int) -> None:

@@ -63,19 +63,24 @@ def forms_of(canary: str) -> list[bytes]:
     return forms
 
 
+def entered(canary: str) -> str:
+    """Returns a text with a canary behind characters that XML and JSON escape."""
+    return f'see "{canary}" é'
+
+
 def record(clinic: Clinic, canary: dict[str, str]) -> str:
     """Records a session with a canary in everything. Returns its ID."""
     session = clinic.dtsctl("session", "start", "--rig", "floor", "--protocol", "short", "--subject", canary["subject ID"], "--label",
-                            canary["label"], "--field", f"weight_kg={canary['weight_kg']}", "--field", f"code={canary['code']}").strip()
-    clinic.dtsctl("mark", canary["marker"], "--rig", "floor")
+                            entered(canary["label"]), "--field", f"weight_kg={canary['weight_kg']}", "--field", f"code={canary['code']}").strip()
+    clinic.dtsctl("mark", entered(canary["marker"]), "--rig", "floor")
     for trial in (1, 2):
         clinic.dtsctl("session", "trial", "next", "--rig", "floor")
         wait_until(f"trial {trial} is done", lambda number=trial: f'"last_trial": {number}' in clinic.dtsctl("status", "--json"))
-    clinic.dtsctl("mark", canary["second marker"], "--rig", "floor")
+    clinic.dtsctl("mark", entered(canary["second marker"]), "--rig", "floor")
     clinic.dtsctl("session", "stop", "--rig", "floor")
     wait_until("the session is closed", lambda: not clinic.is_recording())
-    clinic.dtsctl("session", "edit", session, "--label", canary["corrected label"], "--reason", canary["reason of a label"])
-    clinic.dtsctl("session", "edit", session, "--notes", canary["notes"], "--reason", canary["reason of notes"])
+    clinic.dtsctl("session", "edit", session, "--label", entered(canary["corrected label"]), "--reason", canary["reason of a label"])
+    clinic.dtsctl("session", "edit", session, "--notes", entered(canary["notes"]), "--reason", canary["reason of notes"])
     clinic.dtsctl("session", "edit", session, "--trial", "1", "--outcome", "rejected", "--reason", canary["reason of an outcome"])
     clinic.dtsctl("session", "delete", session, "--reason", canary["reason of a deletion"])
     clinic.dtsctl("session", "restore", session, "--reason", canary["reason of a restoration"])

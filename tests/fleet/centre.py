@@ -34,7 +34,10 @@ class Centre:
 
     def start(self) -> None:
         self._make_certificates()
-        self.make_database()
+        self.start_empty_postgresql()
+        administrator = (postgresql("psql") or "", "-X", "-q", "-h", self.database_folder, "-U", "dts_admin", "postgres", "-c")
+        run(*administrator, "CREATE ROLE dts_hub LOGIN CREATEROLE")
+        run(*administrator, f"CREATE DATABASE {DATABASE} OWNER dts_hub")
         self._write_settings()
         self.fleet("users")
         self.nats.start()
@@ -53,7 +56,7 @@ class Centre:
         def is_up() -> bool:
             if not self.postgresql.is_alive():
                 self.postgresql.start()
-            return self.query_or_none("SELECT 1") == "1"
+            return self.query_or_none("SELECT 1", "postgres") == "1"
 
         self.postgresql.start()
         wait_until("PostgreSQL accepts connections", is_up)
@@ -74,14 +77,14 @@ class Centre:
 
     # What is in the centre
 
-    def query(self, statement: str, user: str = "dts_hub") -> str:
+    def query(self, statement: str, database: str = DATABASE) -> str:
         """Returns the rows of a statement, with "|" between columns."""
-        return run(postgresql("psql") or "psql", "-X", "-A", "-t", "-v", "ON_ERROR_STOP=1", "-h", self.database_folder, "-U", user, "-d",
-                   DATABASE, "-c", statement, env=os.environ | {"PGCONNECT_TIMEOUT": "5"}).strip()
+        return run(postgresql("psql") or "psql", "-X", "-A", "-t", "-v", "ON_ERROR_STOP=1", "-h", self.database_folder, "-U", "dts_admin",
+                   "-d", database, "-c", statement, env=os.environ | {"PGCONNECT_TIMEOUT": "5"}).strip()
 
-    def query_or_none(self, statement: str) -> str | None:
+    def query_or_none(self, statement: str, database: str = DATABASE) -> str | None:
         try:
-            return self.query(statement)
+            return self.query(statement, database)
         except Failure:
             return None
 
@@ -94,8 +97,8 @@ class Centre:
         return None if rows is None else {pair(row) for row in rows.splitlines()}
 
     def parts(self) -> list[tuple[str, str]]:
-        """Returns pairs of clinic and SHA-256, one for each row."""
-        return [pair(row) for row in self.query("SELECT clinic, encode(sha256, 'hex') FROM part WHERE sha256 IS NOT NULL").splitlines()]
+        """Returns pairs of clinic and SHA-256, one for each row of a recording that has arrived."""
+        return [pair(row) for row in self.query("SELECT clinic, encode(sha256, 'hex') FROM part WHERE store_key IS NOT NULL").splitlines()]
 
     def object_path(self, clinic: str, sha256: str) -> Path:
         return self.store / "objects" / clinic / sha256
@@ -121,22 +124,19 @@ class Centre:
         run("openssl", "x509", "-req", "-in", request, "-CA", ca, "-CAkey", ca_key, "-CAcreateserial", "-days", "30", "-extfile", extensions,
             "-out", self.folder / "nats.pem")
 
-    def make_database(self) -> None:
+    def start_empty_postgresql(self) -> None:
+        """Makes a cluster without databases of ours and starts it. Its administrator is "dts_admin"."""
         self.database_folder.mkdir()
         if POSTGRESQL_USER:
             shutil.chown(self.database_folder, POSTGRESQL_USER)
-        self.database_folder.chmod(0o700)
         run(*as_user(POSTGRESQL_USER), postgresql("initdb") or "", "-D", self.database_folder, "-U", "dts_admin", "-A", "trust", "-E", "UTF8",
             "--locale", "C.UTF-8", "--no-sync", "--wal-segsize", "4")
         # fsync stays on: receipts depend on it.
         with (self.database_folder / "postgresql.conf").open("a") as settings:
             settings.write(f"listen_addresses = ''\nunix_socket_directories = '{self.database_folder}'\nshared_buffers = 16MB\n"
-                           "max_connections = 30\nmin_wal_size = 8MB\nmax_wal_size = 64MB\nautovacuum_naptime = 10min\nrecovery_init_sync_method = syncfs\n")
-        self.postgresql.start()
-        connection = (postgresql("psql") or "", "-X", "-q", "-h", self.database_folder, "-U", "dts_admin")
-        wait_until("PostgreSQL accepts connections", lambda: self.postgresql.expect_alive() and _succeeds(*connection, "postgres", "-c", "SELECT 1"))
-        run(*connection, "postgres", "-c", "CREATE ROLE dts_hub LOGIN CREATEROLE")
-        run(*connection, "postgres", "-c", f"CREATE DATABASE {DATABASE} OWNER dts_hub")
+                           "max_connections = 30\nmin_wal_size = 8MB\nmax_wal_size = 64MB\nautovacuum_naptime = 10min\n"
+                           "recovery_init_sync_method = syncfs\n")
+        self.start_postgresql()
 
     def _write_settings(self) -> None:
         self.config.write_text(self._settings(f"tls://127.0.0.1:{self.nats_port}"))
@@ -175,11 +175,3 @@ def pair(row: str) -> tuple[str, str]:
 def sha256_of(path: Path) -> str:
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
-
-
-def _succeeds(*words: str | Path) -> bool:
-    try:
-        run(*words)
-    except Failure:
-        return False
-    return True

@@ -32,12 +32,13 @@ def expect_whole(checks: Checks, centre: Centre, what: str, number: int) -> None
 def restore(checks: Checks) -> None:
     centre = Centre()
     clinic = Clinic(centre, "kent", rigs=(FLOOR,))
-    dump, copied = centre.folder / "dts_fleet.dump", centre.folder / "objects"
+    roles, dump, copied = (centre.folder / name for name in ("roles.sql", "dts_fleet.dump", "copied"))
     database = ("-h", centre.database_folder, "-U", "dts_admin")
     try:
         centre.start()
         clinic.start()
         deliver(clinic)
+        run(postgresql("pg_dumpall") or "", *database, "--roles-only", "--file", roles)
         run(postgresql("pg_dump") or "", *database, "--format", "custom", "--file", dump, DATABASE)
         deliver(clinic)
         shutil.copytree(centre.store / "objects", copied)
@@ -49,8 +50,10 @@ def restore(checks: Checks) -> None:
         shutil.rmtree(centre.database_folder)
         shutil.rmtree(centre.store)
 
-        centre.make_database()
-        run(postgresql("pg_restore") or "", *database, "--no-owner", "--role", "dts_hub", "--dbname", DATABASE, dump)
+        centre.start_empty_postgresql()
+        run(postgresql("psql") or "", *database, "-d", "postgres", "--file", roles)  # one line fails: the administrator exists
+        run(postgresql("createdb") or "", *database, "--owner", "dts_hub", DATABASE)
+        run(postgresql("pg_restore") or "", *database, "--dbname", DATABASE, dump)
         centre.store.mkdir()
         shutil.copytree(copied, centre.store / "objects")
         run(program("dts-hub"), "rebuild", "--config", centre.config)

@@ -15,11 +15,12 @@
 namespace dts::fleet::link {
 
 struct LinkOptions {
-  std::vector<std::string> servers;  ///< "tls://centre.example.org:4222", tried in turn. "nats://" (without TLS) only to a loopback address.
-  std::string ca_pem{};              ///< Certificates of the authority that signed the server's; required for "tls://".
-  std::string name;                  ///< Shown in the server's list of connections: "kent bulk".
-  std::string seed{};                ///< Of the nkey, see wire/nkey.h.
-  std::string inbox_prefix{};        ///< Of replies, see wire/subjects.h.
+  std::vector<std::string>
+      servers;                 ///< "tls://centre.example.org:4222", tried in turn. "nats://" (without TLS) only to a loopback address.
+  std::string ca_pem{};        ///< Certificates of the authority that signed the server's; required for "tls://".
+  std::string name;            ///< Shown in the server's list of connections: "kent bulk".
+  std::string seed{};          ///< Of the nkey, see wire/nkey.h.
+  std::string inbox_prefix{};  ///< Of replies, see wire/subjects.h.
 };
 
 struct Letter {
@@ -28,8 +29,8 @@ struct Letter {
   std::string data{};
 };
 
-/// Letters of a subject, which may have wildcards. They wait here until they are read: at most 4096 or 64 MiB, then the newest are dropped and
-/// counted. Thread: one at a time. It must not outlive its link.
+/// Letters of a subject, which may have wildcards. They wait here until they are read: at most 4096 or 64 MiB, then the newest are dropped
+/// and counted. Thread: one at a time. It must not outlive its link.
 class Subscription {
  public:
   ~Subscription();
@@ -38,7 +39,8 @@ class Subscription {
   Subscription(Subscription&&) = delete;
   Subscription& operator=(Subscription&&) = delete;
 
-  /// Returns nothing if no letter came within `timeout`.
+  /// Returns nothing if no letter came within `timeout`, and at once if letters were dropped or if a request whose answer should come here
+  /// had no listener.
   [[nodiscard]] std::optional<Letter> next(std::chrono::milliseconds timeout);
   [[nodiscard]] std::uint64_t dropped() const;
 
@@ -49,8 +51,9 @@ class Subscription {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// A connection to nats-server. It connects in the background, and connects again for ever after a failure. What is sent while there is no
-/// connection may be lost: every sender repeats until it has an answer. All functions: any thread.
+/// A connection to nats-server. It connects in the background, and connects again for ever after a failure, except if the server rejects
+/// the key twice: see `is_rejected`. What is sent while there is no connection may be lost: every sender repeats until it has an answer. All
+/// functions: any thread.
 class Link {
  public:
   /// Fails with InvalidArgument for wrong options; does not wait for the server.
@@ -66,12 +69,14 @@ class Link {
   /// Sends and waits for one answer. Fails like `publish`, with Unreachable if nobody listens, and with Timeout.
   [[nodiscard]] core::Result<std::string> request(const std::string& subject, std::string_view data, std::chrono::milliseconds timeout);
 
-  /// With `queue`, each letter goes to one member of the group of that name. 
+  /// With `queue`, each letter goes to one member of the group of that name.
   [[nodiscard]] core::Result<std::unique_ptr<Subscription>> subscribe(const std::string& subject, const std::string& queue = {});
   /// Returns a new subject below the inbox prefix, for replies.
   [[nodiscard]] std::string new_inbox() const;
 
   [[nodiscard]] bool is_connected() const;
+  /// The server rejected the key. This link stays closed: open another one later.
+  [[nodiscard]] bool is_rejected() const;
   /// Number of connections so far. It rises with every new one.
   [[nodiscard]] std::uint64_t connections() const;
   /// Why there is no connection; empty: there is one.

@@ -11,8 +11,8 @@ namespace dts::fleet::wire {
 
 /// What the clinic allows to leave besides measurements, subject IDs and states.
 struct SendRules {
-  bool labels = false;              ///< Labels and notes of sessions, texts of markers.
-  std::set<std::string> fields{};   ///< Names of the protocol's fields: "arm_length_cm".
+  bool labels = false;             ///< Labels and notes of sessions, texts of markers.
+  std::set<std::string> fields{};  ///< Names of the protocol's fields: "arm_length_cm".
 };
 
 /// Returns the facts of a session that may leave the clinic: an allow-list, so that a new field of SessionRecord stays in the clinic until

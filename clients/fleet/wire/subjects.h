@@ -33,12 +33,13 @@ struct Subject {
 /// Returns the text with "*" for the clinic: what the hub subscribes to. `worker` is for Chunk and Commit.
 [[nodiscard]] std::string of_all_clinics(Matter matter, std::string_view worker = {});
 
-/// Returns "_INBOX_CLINIC": replies to this clinic have subjects below it, so that no clinic can read those of another.
+/// Returns "_INBOX.CLINIC": replies to this clinic have subjects below it, so that no clinic can read those of another.
 [[nodiscard]] std::string inbox_prefix(std::string_view clinic);
+inline constexpr std::string_view kHubInboxPrefix = "_HUB";  ///< Answers of clinics to the hub.
 /// Returns true if the hub may answer to `reply`. Without this check, a clinic could let the hub publish to another clinic.
 [[nodiscard]] bool is_inbox_of(std::string_view clinic, std::string_view reply) noexcept;
 
-/// What a user of nats-server may do; everything else is refused.
+/// What a user of nats-server may do; everything else is rejected. Both may also answer what they receive (`allow_responses`).
 struct Permissions {
   std::vector<std::string> publish;
   std::vector<std::string> subscribe;

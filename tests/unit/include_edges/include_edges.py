@@ -163,6 +163,9 @@ def name_of_row(row_path):
 
 ROOM_PATHS = {name_of_row(path): path for path, _, _ in HOUSE if is_room(path)}
 
+# Where an include that starts with this name leads to: "session/rig.h" to daemon, "fleet/wire/nkey.h" to clients.
+FIRST_PARTS = {room.split("/")[0]: path.split("/")[0] for room, path in ROOM_PATHS.items()}
+
 
 def room_of(relative):
     """daemon/device/sim/x.cpp lives in the room "device/sim", daemon/record/xdf/x.cpp in "record"."""
@@ -191,8 +194,8 @@ def target_room(root, relative, header):
         return "proto"
     if first == "dts":
         return "libdts"
-    if "/" in header and first in ROOM_PATHS:
-        return room_of(pathlib.PurePosixPath(ROOM_PATHS[first]).parent / header)
+    if "/" in header and first in FIRST_PARTS:
+        return room_of(pathlib.PurePosixPath(FIRST_PARTS[first]) / header)
     if (root / relative.parent / header).is_file():
         return room_of(relative.parent / header)
     return None

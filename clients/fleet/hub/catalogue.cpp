@@ -89,6 +89,13 @@ core::Status Catalogue::lock_session(const std::string& clinic, const std::strin
   return {};
 }
 
+/// A receipt is entered, and a recording without receipt removed, one after the other, also by several hubs that share a store.
+core::Status Catalogue::lock_recording(const RecordingName& name) {
+  DTS_TRY(database_->run("SELECT pg_advisory_xact_lock(hashtextextended($1 || '/' || encode($2::bytea, 'hex'), 1))",
+                         {name.clinic, Parameter::binary(name.sha256)}));
+  return {};
+}
+
 core::Result<std::uint64_t> Catalogue::put_session(const std::string& clinic, const v1::FleetSession& session) {
   return database_->transaction([&]() -> core::Result<std::uint64_t> {
     DTS_TRY(lock_session(clinic, session.session_id()));
@@ -243,9 +250,15 @@ core::Result<std::vector<RecordingName>> Catalogue::left_recordings() {
   return names(rows);
 }
 
-core::Status Catalogue::note_removed(const RecordingName& name) {
-  DTS_TRY(database_->run("DELETE FROM erased_file WHERE clinic = $1 AND sha256 = $2", {name.clinic, Parameter::binary(name.sha256)}));
-  return {};
+core::Result<bool> Catalogue::remove_recording(const RecordingName& name, Store& store) {
+  return database_->transaction([&]() -> core::Result<bool> {
+    DTS_TRY(lock_recording(name));
+    DTS_TRY_ASSIGN(const auto receipt, find_receipt(name));
+    if (receipt) return core::fail(core::ErrorCode::WrongState, "recording " + store.key(name) + " has a receipt and stays");
+    DTS_TRY_ASSIGN(const bool is_removed, store.remove(name));
+    DTS_TRY(database_->run("DELETE FROM erased_file WHERE clinic = $1 AND sha256 = $2", {name.clinic, Parameter::binary(name.sha256)}));
+    return is_removed;
+  });
 }
 
 core::Result<bool> Catalogue::is_erased(const std::string& clinic, const std::string& session) {
@@ -262,12 +275,16 @@ core::Result<std::optional<v1::Receipt>> Catalogue::find_receipt(const Recording
   return std::optional(std::move(receipt));
 }
 
-core::Result<v1::Receipt> Catalogue::put_recording(const RecordingName& name, const v1::UploadOffer& offer, const std::string& store_key,
+core::Result<v1::Receipt> Catalogue::put_recording(const RecordingName& name, const v1::UploadOffer& offer, const Store& store,
                                                    const std::string& hub, std::int64_t stored_utc_ns) {
   DTS_TRY_ASSIGN(auto receipt, database_->transaction([&]() -> core::Result<std::optional<v1::Receipt>> {
     DTS_TRY(lock_session(name.clinic, offer.session_id()));
     DTS_TRY_ASSIGN(const bool is_gone, is_erased(name.clinic, offer.session_id()));
     if (is_gone) return erased_before(offer.session_id());
+    DTS_TRY(lock_recording(name));
+    DTS_TRY_ASSIGN(const auto file, store.file(name));
+    if (!file) return core::fail(core::ErrorCode::DataDamaged, "recording " + store.key(name) + " is no longer in the store");
+    const std::string store_key = store.key(name);
     // A newer recording of this part that the facts have announced stays announced.
     static const std::string kPutPart = "INSERT INTO part (clinic, session, part, sha256, bytes, stored_utc, store_key) VALUES ($1, $2, $3, $4, $5, " +
                                         time_of("$6") +
@@ -285,6 +302,15 @@ core::Result<v1::Receipt> Catalogue::put_recording(const RecordingName& name, co
   }));
   if (receipt) return *std::move(receipt);
   return core::fail(core::ErrorCode::Internal, "the receipt that was just written is missing");
+}
+
+core::Status Catalogue::put_header(const std::string& clinic, const record::SessionFacts& facts) {
+  static const std::string kPut =
+      "INSERT INTO session (clinic, id, revision, rig, protocol, subject, state, started, planned_trials, is_deleted, fields) VALUES ($1, $2, 0, "
+      "$3, $4, $5, 'unknown', " +
+      time_of("$6") + ", 0, false, '{}') ON CONFLICT DO NOTHING";
+  DTS_TRY(database_->run(kPut, {clinic, facts.session_id, facts.rig, facts.protocol, text_or_null(facts.subject), facts.started_utc_ns}));
+  return {};
 }
 
 core::Result<std::string> Catalogue::put_beat(const std::string& clinic, const v1::Beat& beat, std::int64_t received_utc_ns) {

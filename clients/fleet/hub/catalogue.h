@@ -10,6 +10,7 @@
 #include "dts/v1/fleet.pb.h"
 #include "fleet/hub/database.h"
 #include "fleet/hub/store.h"
+#include "record/session_facts.h"
 
 namespace dts::fleet::hub {
 
@@ -43,14 +44,19 @@ class Catalogue {
                                                                        std::int64_t utc_ns);
   /// Returns the recordings of all clinics that an erasure has left in the store.
   [[nodiscard]] core::Result<std::vector<RecordingName>> left_recordings();
-  [[nodiscard]] core::Status note_removed(const RecordingName& name);
+  /// Removes a recording without a receipt from the store. Returns false if there was no recording. Fails with WrongState if it has a
+  /// receipt.
+  [[nodiscard]] core::Result<bool> remove_recording(const RecordingName& name, Store& store);
 
   [[nodiscard]] core::Result<bool> is_erased(const std::string& clinic, const std::string& session);
   [[nodiscard]] core::Result<std::optional<v1::Receipt>> find_receipt(const RecordingName& name);
   /// Enters a recording that is safe in the store, and its receipt; returns the first receipt if there is one. Fails with NotFound if the
-  /// clinic has erased the session, and with WrongState if the recording belongs to another session.
-  [[nodiscard]] core::Result<v1::Receipt> put_recording(const RecordingName& name, const v1::UploadOffer& offer, const std::string& store_key,
+  /// clinic has erased the session, with WrongState if the recording belongs to another session, and with DataDamaged if another hub has
+  /// removed it from the store.
+  [[nodiscard]] core::Result<v1::Receipt> put_recording(const RecordingName& name, const v1::UploadOffer& offer, const Store& store,
                                                         const std::string& hub, std::int64_t stored_utc_ns);
+  /// Enters what the header of a recording holds of its session, unless the session is known: with revision 0, which every fact replaces.
+  [[nodiscard]] core::Status put_header(const std::string& clinic, const record::SessionFacts& facts);
 
   /// Returns the newest hash of the audit trail, 32 bytes; empty: no entry.
   [[nodiscard]] core::Result<std::string> put_beat(const std::string& clinic, const v1::Beat& beat, std::int64_t received_utc_ns);
@@ -59,6 +65,7 @@ class Catalogue {
 
  private:
   [[nodiscard]] core::Status lock_session(const std::string& clinic, const std::string& session);
+  [[nodiscard]] core::Status lock_recording(const RecordingName& name);
   [[nodiscard]] core::Result<std::uint64_t> put_session_rows(const std::string& clinic, const v1::FleetSession& session);
   [[nodiscard]] core::Status put_parts(const std::string& clinic, const v1::FleetSession& session);
   [[nodiscard]] core::Status put_trials(const std::string& clinic, const v1::FleetSession& session);

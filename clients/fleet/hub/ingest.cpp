@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/hub/ingest.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "fleet/hub/durable_file.h"
@@ -204,23 +205,27 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
   if (!is_sound || !*is_sound) {
     log_.warning(described(name) + (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
-    start_again(name, upload.is_in_store);
+    start_again(name, upload.is_in_store, catalogue);
     return is_sound ? upload_answer(0) : later(kDiskFailed, kDatabaseWaitS);
   }
   options_.reached("verified");
   if (!upload.is_in_store) {
     if (const auto put = store_.put(name, staging_->file(name)); !put) {
       log_.error(core::to_string(put.error()));
-      start_again(name, false);
+      start_again(name, false, catalogue);
       return later(kDiskFailed, kDatabaseWaitS);
     }
     const std::lock_guard lock(mutex_);
     if (const auto found = uploads_.find(name); found != uploads_.end()) found->second.is_in_store = true;
   }
   options_.reached("stored");
-  auto receipt = catalogue.put_recording(name, upload.offer, store_.key(name), options_.hub, utc_ns());
+  auto receipt = catalogue.put_recording(name, upload.offer, store_, options_.hub, utc_ns());
+  if (!receipt && receipt.error().code == core::ErrorCode::DataDamaged) {
+    start_again(name, true, catalogue);
+    return upload_answer(0);
+  }
   if (!receipt && (receipt.error().code == core::ErrorCode::NotFound || receipt.error().code == core::ErrorCode::WrongState)) {
-    if (const auto removed = store_.remove(name); !removed) log_.error(core::to_string(removed.error()));
+    if (const auto removed = catalogue.remove_recording(name, store_); !removed) log_.error(core::to_string(removed.error()));
     finish(name);
     return upload_refusal(receipt.error().code == core::ErrorCode::NotFound ? "the clinic has erased this session"
                                                                             : "this recording is known as part of another session");
@@ -236,9 +241,13 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   return stored(*std::move(receipt));
 }
 
-void Ingest::start_again(const RecordingName& name, bool is_in_store) {
+/// The file is not what was offered: the clinic sends it again.
+void Ingest::start_again(const RecordingName& name, bool is_in_store, Catalogue& catalogue) {
   if (is_in_store) {
-    if (const auto removed = store_.remove(name); !removed) log_.error(core::to_string(removed.error()));
+    if (const auto removed = catalogue.remove_recording(name, store_); !removed) {
+      log_.error(core::to_string(removed.error()));
+      return;  // the next commit finds it again
+    }
   }
   const std::lock_guard lock(mutex_);
   ++counts_.torn_total;

@@ -83,7 +83,7 @@ class Ingest {
   [[nodiscard]] v1::UploadAnswer commit_whole(const RecordingName& name, const Upload& upload, Catalogue& catalogue,
                                               const std::stop_token& stop);
   [[nodiscard]] core::Result<bool> verify(const RecordingName& name, const Upload& upload, const std::stop_token& stop);
-  void start_again(const RecordingName& name, bool is_in_store);
+  void start_again(const RecordingName& name, bool is_in_store, Catalogue& catalogue);
   void finish(const RecordingName& name);
   [[nodiscard]] bool is_full() const { return store_.used_percent() >= options_.full_at_percent; }
   [[nodiscard]] std::uint64_t offered_bytes(const std::string& clinic) const;  ///< Requires `mutex_`.

@@ -100,7 +100,7 @@ def expect_revoked(checks: Checks, centre: Centre, clinic: Clinic, other: Clinic
     centre.nats.start()
     wait_until("nats-server is back", lambda: is_let_in(centre, NKey.of_file(other.folder / f"{other.name}.nk")))
     checks.expect(f"{clinic.name} is not let in after a restart of nats-server", not is_let_in(centre, key))
-    states = {row["name"]: row["state"] for row in centre.fleet_lines("clinic", "list")}
+    states = {row["clinic"]: row["state"] for row in centre.fleet_lines("clinic", "list")}
     checks.expect("the list of clinics shows it", states.get(clinic.name) == "revoked" and states.get(other.name) != "revoked", states)
 
 

@@ -28,6 +28,7 @@ constexpr int kServeMs = 100;  // longest delay before a signal is handled
 constexpr auto kRejectedPause = std::chrono::seconds(1);
 constexpr auto kLongestEnd = std::chrono::milliseconds(1500);
 constexpr std::uint32_t kLaterS = 5;
+constexpr int kFactsDesks = 4;
 constexpr const char* kCatalogueAway = "the catalogue of the centre does not answer";
 
 /// Returns true if SIGTERM or SIGINT has arrived, after at most `kServeMs`.
@@ -115,7 +116,8 @@ class Hub {
     DTS_TRY(add_desk(wire::Matter::Open, "", "open", opens()));
     DTS_TRY(add_desk(wire::Matter::Chunk, settings_.name, "chunk", chunks()));
     DTS_TRY(add_desk(wire::Matter::Commit, settings_.name, "commit", commits()));
-    DTS_TRY(add_desk(wire::Matter::Facts, "", "facts", facts()));
+    // Several, so that their commits share the wait for the disk; revisions make the order irrelevant.
+    for (int number = 1; number <= kFactsDesks; ++number) DTS_TRY(add_desk(wire::Matter::Facts, "", "facts-" + std::to_string(number), facts()));
     DTS_TRY(add_desk(wire::Matter::Erase, "", "erase", erasures()));
     return add_desk(wire::Matter::Beat, "", "beat", beats());
   }

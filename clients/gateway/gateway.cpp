@@ -73,7 +73,7 @@ class Gateway {
         endpoints_(endpoints),
         commands_(io_, endpoints.control),
         hub_(
-            io_, commands_, [this](std::vector<std::string> prefixes) { reader_->want(std::move(prefixes)); }, DTS_VERSION) {
+            io_, &commands_, [this](std::vector<std::string> prefixes) { reader_->want(std::move(prefixes)); }, DTS_VERSION) {
     // The default action of SIGHUP would leave the temporary folder behind.
     if (!is_hangup_ignored()) signals_.add(SIGHUP);
   }

@@ -14,9 +14,14 @@
 
 #include "cli/exit_status.h"
 #include "cli/try.h"
+#include "core/log.h"
+#include "fleet/desk/live.h"
+#include "fleet/desk/nats.h"
 #include "fleet/desk/query_pool.h"
 #include "fleet/desk/routes.h"
 #include "fleet/desk/settings.h"
+#include "fleet/wire/nkey.h"
+#include "fleet/wire/subjects.h"
 #include "gateway/http/server.h"
 
 namespace dts::fleet::desk {
@@ -38,11 +43,12 @@ class Centre {
   Centre(Centre&&) = delete;
   Centre& operator=(Centre&&) = delete;
 
-  client::Result<void> open(const gateway::Options& options);
+  client::Result<void> open(const Settings& settings, const gateway::Options& options);
   void run();
   [[nodiscard]] std::uint16_t port() const noexcept { return server_->port(); }
 
  private:
+  client::Result<void> open_live(const Settings& settings);
   [[nodiscard]] gateway::ServerHooks hooks();
   [[nodiscard]] std::optional<gateway::Identity> admit(const gateway::HttpRequest& request);
   void report_logins();
@@ -57,10 +63,24 @@ class Centre {
   gateway::StaticFiles files_;
   std::unique_ptr<gateway::AccessControl> access_;
   std::unique_ptr<Routes> routes_;
-  std::unique_ptr<gateway::Server> server_;
+  std::unique_ptr<Nats> nats_;
+  std::unique_ptr<Live> live_;
+  std::unique_ptr<gateway::Server> server_;  ///< Last: its closing tabs leave their views.
 };
 
-client::Result<void> Centre::open(const gateway::Options& options) {
+client::Result<void> Centre::open_live(const Settings& settings) {
+  DTS_TRY_ASSIGN(const auto key, wire::read_nkey(settings.key_file));
+  DTS_TRY_ASSIGN(nats_, Nats::open({.servers = settings.servers,
+                                    .ca_pem = settings.ca_pem,
+                                    .name = "dts-fleet-gateway",
+                                    .seed = key.seed,
+                                    .inbox_prefix = std::string(wire::kHubInboxPrefix)},
+                                   core::Log::to_stderr(core::LogLevel::Info)));
+  live_ = std::make_unique<Live>(io_, *nats_, queries_, DTS_VERSION);
+  return {};
+}
+
+client::Result<void> Centre::open(const Settings& settings, const gateway::Options& options) {
   DTS_TRY_ASSIGN(const auto wanted, server_options(options));
   DTS_TRY_ASSIGN(const auto root, web_root(options));
   DTS_TRY_ASSIGN(files_, gateway::StaticFiles::load(root));
@@ -69,6 +89,7 @@ client::Result<void> Centre::open(const gateway::Options& options) {
   access_wanted.is_fleet = true;
   DTS_TRY_ASSIGN(access_, gateway::AccessControl::open(io_, access_wanted));
   routes_ = std::make_unique<Routes>(*access_, files_, queries_, DTS_VERSION);
+  DTS_TRY(open_live(settings));
   DTS_TRY_ASSIGN(server_, gateway::Server::open(io_, wanted, hooks()));
   return {};
 }
@@ -87,7 +108,11 @@ gateway::ServerHooks Centre::hooks() {
   return {
       .handle = [this](gateway::HttpRequest request, gateway::Respond respond) { routes_->handle(std::move(request), std::move(respond)); },
       .admit = [this](const gateway::HttpRequest& request) { return admit(request); },
-      .open_tab = [](const gateway::Identity&, const gateway::Query&, gateway::TabConnection&) { return nullptr; }};
+      .open_tab =
+          [this](const gateway::Identity& identity, const gateway::Query& query, gateway::TabConnection& connection) {
+            const auto clinic = query.find("clinic");
+            return live_->open_tab(identity, clinic == query.end() ? std::string() : clinic->second, connection);
+          }};
 }
 
 void Centre::report_logins() {
@@ -126,7 +151,7 @@ int serve(const Options& options, cli::Console& console) {
   }
   const gateway::Options& wanted = options.server;
   Centre centre(settings, [&console](const std::string& line) { console.talk << line << std::endl; });
-  if (auto opened = centre.open(wanted); !opened) return cli::fail_with(console, opened.error());
+  if (auto opened = centre.open(settings, wanted); !opened) return cli::fail_with(console, opened.error());
   const std::string scheme = wanted.certificate_file.empty() ? "http" : "https";
   const std::string address = wanted.listen.substr(0, wanted.listen.rfind(':'));
   console.talk << "listening on " << scheme << "://" << address << ":" << centre.port() << "/" << std::endl;

@@ -16,7 +16,7 @@ using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
 /// Texts that programs make, or that a protocol defines. What a person types (labels, markers, reasons of an abort) is not here.
-constexpr std::array<std::string_view, 21> kSentTexts{"dts.v1.Trigger.channel",
+constexpr std::array<std::string_view, 40> kSentTexts{"dts.v1.Trigger.channel",
                                                       "dts.v1.DeviceChange.uri",
                                                       "dts.v1.SessionChange.session_id",
                                                       "dts.v1.SessionChange.protocol",
@@ -36,8 +36,27 @@ constexpr std::array<std::string_view, 21> kSentTexts{"dts.v1.Trigger.channel",
                                                       "dts.v1.SwayMeasure.unit",
                                                       "dts.v1.SessionResult.name",
                                                       "dts.v1.SessionResult.unit",
-                                                      "dts.v1.SessionResult.details"};
-constexpr std::array<std::string_view, 2> kLabelTexts{"dts.v1.Marker.text", "dts.v1.SessionChange.label"};
+                                                      "dts.v1.SessionResult.details",
+                                                      "dts.v1.StatusSnapshot.version",
+                                                      "dts.v1.StatusSnapshot.boot_id",
+                                                      "dts.v1.RigInfo.name",
+                                                      "dts.v1.RigInfo.kind",
+                                                      "dts.v1.RigInfo.stages",
+                                                      "dts.v1.RigInfo.published",
+                                                      "dts.v1.RigInfo.calibration",
+                                                      "dts.v1.SensorInfo.label",
+                                                      "dts.v1.SensorInfo.channel",
+                                                      "dts.v1.SensorInfo.curve",
+                                                      "dts.v1.StreamFormat.name",
+                                                      "dts.v1.Channel.name",
+                                                      "dts.v1.Channel.unit",
+                                                      "dts.v1.SessionInfo.session_id",
+                                                      "dts.v1.SessionInfo.rig",
+                                                      "dts.v1.SessionInfo.protocol",
+                                                      "dts.v1.SessionInfo.subject",
+                                                      "dts.v1.TrialStatus.condition",
+                                                      "dts.v1.TrialStatus.next_condition"};
+constexpr std::array<std::string_view, 3> kLabelTexts{"dts.v1.Marker.text", "dts.v1.SessionChange.label", "dts.v1.SessionInfo.label"};
 /// Keys of the events of dtsd 0.1 whose texts are made by programs.
 constexpr std::array<std::string_view, 14> kOldKeys{"event",   "condition", "phase", "state",   "edge",     "reason",  "step",
                                                     "channel", "unit",      "name",  "profile", "software", "details", "problem"};
@@ -185,5 +204,6 @@ void mask_event(std::span<char> json, const wire::SendRules& rules) {
 }
 
 void mask_event(v1::Event& event, const wire::SendRules& rules) { mask_message(event, rules); }
+void mask_status(v1::StatusSnapshot& status, const wire::SendRules& rules) { mask_message(status, rules); }
 
 }  // namespace dts::fleet::forward

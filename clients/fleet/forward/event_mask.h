@@ -4,6 +4,7 @@
 #include <span>
 #include <string_view>
 
+#include "dts/v1/control.pb.h"
 #include "dts/v1/stream.pb.h"
 #include "fleet/wire/facts.h"
 
@@ -16,7 +17,8 @@ inline constexpr char kMask = '#';
 /// an event as dtsd records it now or as dtsd 0.1 did. Any other text is masked completely. Thread: any.
 void mask_event(std::span<char> json, const wire::SendRules& rules);
 
-/// Removes the same texts from an event that is sent live.
+/// Remove the same texts from an event and from a status that are sent live.
 void mask_event(v1::Event& event, const wire::SendRules& rules);
+void mask_status(v1::StatusSnapshot& status, const wire::SendRules& rules);
 
 }  // namespace dts::fleet::forward

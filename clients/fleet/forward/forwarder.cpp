@@ -149,6 +149,8 @@ class Forwarder {
   void show_words();
   void serve_viewers(Viewers& viewers, Mailbox& requests, milliseconds timeout);
   void send_live(const client::Message& message);
+  void send_live(const std::string& topic, std::string data);
+  void send_status(v1::StatusSnapshot status);
 
   const Settings& settings_;
   client::Endpoints endpoints_;
@@ -307,11 +309,22 @@ void Forwarder::send_live(const client::Message& message) {
     v1::Event masked = *event->body;
     mask_event(masked, settings_.rules);
     data = masked.SerializeAsString();
+  } else if (const auto* status = std::get_if<client::Status>(&message)) {
+    return send_status(*status->snapshot);
   } else {
     return;
   }
+  send_live(topic, std::move(data));
+}
+
+void Forwarder::send_live(const std::string& topic, std::string data) {
   const std::string subject = wire::to_text({.clinic = settings_.clinic, .matter = wire::Matter::Live, .topic = topic});
   (void)talk_->publish({.subject = subject, .data = std::move(data)});  // the block's sequence shows a loss
+}
+
+void Forwarder::send_status(v1::StatusSnapshot status) {
+  mask_status(status, settings_.rules);
+  send_live(std::string(kStatusTopic), status.SerializeAsString());
 }
 
 void Forwarder::serve_viewers(Viewers& viewers, Mailbox& requests, milliseconds timeout) {
@@ -324,6 +337,7 @@ void Forwarder::serve_viewers(Viewers& viewers, Mailbox& requests, milliseconds 
     const auto status = board_.status();
     const v1::LiveAnswer answer = viewers.handle(*request, status.get(), steady_clock::now());
     (void)talk_->publish({.subject = letter->reply, .data = answer.SerializeAsString()});  // the viewer asks again
+    if (answer.has_lease_s() && status) send_status(*status);                              // a new viewer needs it before anything else
   }
   viewers.expire(steady_clock::now());
   board_.set_word(words::kViewers, core::join(viewers.names(), ", "));

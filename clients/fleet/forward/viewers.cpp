@@ -15,8 +15,9 @@ constexpr std::chrono::seconds kLease{10};
 constexpr std::chrono::minutes kLogRefusals{1};
 constexpr std::size_t kMostViewers = 64;
 
-/// Returns true for a stream that the rig publishes, and for its events.
+/// Returns true for dtsd's status, for a stream that a rig publishes, and for its events.
 bool is_topic(const std::string& topic, const v1::StatusSnapshot& status) {
+  if (topic == kStatusTopic) return true;
   const std::size_t slash = topic.find('/');
   if (slash == std::string::npos) return false;
   const std::string name = topic.substr(slash + 1);

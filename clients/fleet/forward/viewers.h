@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/log.h"
@@ -12,6 +13,8 @@
 #include "dts/v1/fleet.pb.h"
 
 namespace dts::fleet::forward {
+
+inline constexpr std::string_view kStatusTopic = "dtsd/status";
 
 /// Who at the centre watches which topics, each for 10 s from the last request. Thread: one.
 class Viewers {

@@ -12,10 +12,11 @@ import { batch, signal } from '@preact/signals';
 
 import { ErrorCode, RequestSchema, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
 import type { StatusSnapshot } from '../generated/dts/v1/control_pb';
-import type { Frame, FromGateway, Welcome } from '../generated/dts/v1/gateway_pb';
+import type { Frame, FromGateway, Link as GatewayToDaemon, Welcome } from '../generated/dts/v1/gateway_pb';
 import { FromBrowserSchema, FromGatewaySchema } from '../generated/dts/v1/gateway_pb';
 import { Role, rules, topic as topicOption } from '../generated/dts/v1/options_pb';
 import { EventSchema, StreamBlockSchema } from '../generated/dts/v1/stream_pb';
+import { asSentence } from '../parts/names';
 import { strings } from '../strings';
 import { askWho, logIn, logOut, nobody } from './account';
 import { HostClock } from './clock';
@@ -25,7 +26,7 @@ import { Handlers } from './handlers';
 import type { PaintObserver } from './painter';
 import { Painter } from './painter';
 import { splitTopic, Streams } from './streams';
-import type { Answer, Block, Command, Link, LinkState, LiveEvent, Me } from './types';
+import type { Answer, Block, ClosableLink, Command, LinkState, LiveEvent, Me } from './types';
 import { CommandError } from './types';
 
 /** What the link needs of the browser; tests replace it. */
@@ -58,10 +59,11 @@ const timeoutMs = ({ case: name }: Command): number => {
 // Names in "<rig>/..." that carry an Event; all others are streams.
 const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name).filter((name) => name !== ''));
 
-export class GatewayLink implements Link {
+export class GatewayLink implements ClosableLink {
   readonly state = signal<LinkState>('connecting');
   readonly since = signal(Date.now());
   readonly me = signal<Me>(nobody);
+  readonly problem = signal('');
   readonly status = signal<StatusSnapshot | undefined>(undefined);
   readonly clockErrorMs = signal(NaN);
   readonly #drops = new Drops();
@@ -156,7 +158,6 @@ export class GatewayLink implements Link {
     void this.#connect();
   }
 
-  /** Ends the link for good. */
   close(): void {
     this.#drop();
     this.#release();
@@ -251,7 +252,7 @@ export class GatewayLink implements Link {
     if (this.#socket === undefined) return;
     const isQuiet = nowMs - this.#receivedMs >= askAfterMs;
     if (nowMs - this.#receivedMs >= silenceMs) this.#gone();
-    else if (nowMs - this.#probedMs >= (isQuiet ? askAfterMs : probeEveryMs)) this.#probe();
+    else if (nowMs - this.#probedMs >= (!this.#clock.isKnown ? 0 : isQuiet ? askAfterMs : probeEveryMs)) this.#probe();
   }
 
   #runTick(): void {
@@ -317,7 +318,7 @@ export class GatewayLink implements Link {
       case 'response':
         return this.#commands.answered(body.value);
       case 'link':
-        return this.#daemonIs(body.value.isUp);
+        return this.#daemonIs(body.value);
     }
   }
 
@@ -326,12 +327,15 @@ export class GatewayLink implements Link {
     this.#waitMs = shortestWaitMs;
     this.me.value = { ...this.me.value, user: welcome.user, role: welcome.role };
     this.#drops.forget();
-    this.#daemonIs(welcome.link?.isUp ?? false);
+    this.#daemonIs(welcome.link);
     this.#subscribe();
   }
 
-  #daemonIs(isUp: boolean): void {
+  #daemonIs(link: GatewayToDaemon | undefined): void {
+    const isUp = link?.isUp ?? false;
     if (!isUp) this.#streams.forget();
+    if (!isUp && this.#around.clinic !== undefined) this.#clock.forget(); // the clinic's computer may have started again
+    this.problem.value = asSentence(link?.problem ?? '');
     this.#enter(isUp ? 'up' : 'no-daemon');
   }
 
@@ -366,6 +370,7 @@ export class GatewayLink implements Link {
     if (known?.instanceId === status.instanceId && status.hostTimeNs < known.hostTimeNs) return;
     this.#streams.learn(status);
     this.status.value = status;
+    if (!this.#clock.isKnown) this.#probe(); // a centre knows the clock of a clinic from its first status on
   }
 
   async #askStatus(): Promise<void> {

@@ -76,6 +76,8 @@ export interface Link {
   /** When the state began, in ms of Date.now(). */
   readonly since: ReadonlySignal<number>;
   readonly me: ReadonlySignal<Me>;
+  /** Why the gateway receives nothing from the daemon; empty: it does, or the reason is not known. */
+  readonly problem: ReadonlySignal<string>;
   readonly status: ReadonlySignal<StatusSnapshot | undefined>;
   readonly dropped: ReadonlySignal<Dropped>;
   /** Half the round trip of the best clock probe: the error of all ages. */
@@ -99,6 +101,11 @@ export interface Link {
   logOut(): Promise<void>;
   /** Asks again who the user is: the login may have ended. */
   checkLogin(): void;
+}
+
+export interface ClosableLink extends Link {
+  /** Ends the link for good. */
+  close(): void;
 }
 
 export const rigOf = (status: StatusSnapshot | undefined, kind: string): RigStatus | undefined =>

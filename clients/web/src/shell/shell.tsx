@@ -102,17 +102,18 @@ const KeyHelp = ({ isFleet, onClose }: { isFleet: boolean; onClose: () => void }
   </div>
 );
 
-export const Shell = ({ link, children }: { link: Link; children: ComponentChildren }): JSX.Element => {
+/** `live`: the link of the page that is shown, if it is another one: to the rigs of a clinic. */
+export const Shell = ({ link, live, children }: { link: Link; live: Link; children: ComponentChildren }): JSX.Element => {
   const isHelpOpen = useSignal(false);
-  useProtocols(link);
+  useProtocols(live);
   const page = useRef<HTMLElement>(null);
   useEffect(() => {
     page.current?.scrollTo(0, 0); // every page opens at its top
     window.scrollTo(0, 0); // on a phone the window scrolls
   }, [path.value]);
-  const { kind, text, hint } = conditionOf(link.state.value, link.since.value, link.status.value, link.dropped.value);
+  const { kind, text, hint } = conditionOf(live.state.value, live.since.value, live.status.value, live.dropped.value);
   // A live picture without data says by itself why, and what to do.
-  const isInPicture = livePages.has(path.value[link.me.value.isFleet ? 2 : 0] ?? 'floor') && link.state.value !== 'up';
+  const isInPicture = livePages.has(path.value[link.me.value.isFleet ? 2 : 0] ?? 'floor') && live.state.value !== 'up';
   const goTo = (name: string) => () => (location.hash = `#/${name}`);
   useKeys({
     '?': () => (isHelpOpen.value = !isHelpOpen.value),
@@ -123,7 +124,7 @@ export const Shell = ({ link, children }: { link: Link; children: ComponentChild
     <>
       <header class="shell-head">
         <Tabs link={link} />
-        <StatusLine link={link} />
+        <StatusLine link={live} />
         <ThemeSelect />
         <Button label={words.keys} keyName="?" onClick={() => (isHelpOpen.value = !isHelpOpen.value)} testId="show-keys" isPressed={isHelpOpen.value} />
         <Who link={link} />

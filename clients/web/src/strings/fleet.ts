@@ -112,6 +112,5 @@ export const fleet = {
   live: {
     back: (clinic: string) => `← ${clinic}`,
     lookOnly: 'The centre can only look. The clinic sees that you watch.',
-    noRig: 'This rig has no live page',
   },
 };

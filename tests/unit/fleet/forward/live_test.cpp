@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "fleet/forward/beat.h"
+#include "fleet/forward/event_mask.h"
 #include "fleet/forward/viewers.h"
 #include "fleet/wire/messages.h"
 #include "unit/fleet/canary.h"
@@ -75,6 +76,26 @@ TEST(IsSessionRunning, States) {
   EXPECT_FALSE(is_session_running(status));
 }
 
+TEST(MaskStatus, CanaryInEveryField_OnlyNamesOfProgramsAndSubjectIdsLeave) {
+  v1::StatusSnapshot status;
+  fill_with_canaries(status);
+  auto with_labels = status;
+  mask_status(status, {});
+  const std::string left = status.SerializeAsString();
+  for (const char* text : {"canary-key", "canary-value", "canary-message", "canary-device_message", "canary-problem", "canary-directory",
+                           "canary-file", "canary-notices", "canary-device_uri"}) {
+    EXPECT_THAT(left, testing::Not(HasSubstr(text)));
+  }
+  EXPECT_TRUE(status.rigs(0).session().fields().empty());
+  EXPECT_EQ(status.rigs(0).session().subject(), "canary-subject");
+  EXPECT_EQ(status.rigs(0).session().trial().condition(), "canary-condition");
+  EXPECT_EQ(status.rigs(0).rig().streams(0).name(), "canary-name");
+  EXPECT_EQ(status.rigs(0).session().label(), "");
+  EXPECT_EQ(status.rigs(0).rig().sensors(0).label(), "canary-label");
+  mask_status(with_labels, {.labels = true});
+  EXPECT_EQ(with_labels.rigs(0).session().label(), "canary-label");
+}
+
 class ViewersTest : public testing::Test {
  protected:
   v1::StatusSnapshot status_ = status_of_floor();
@@ -97,10 +118,15 @@ TEST_F(ViewersTest, Request_LeasesItsTopicsFor10Seconds) {
 }
 
 TEST_F(ViewersTest, TopicThatTheClinicDoesNotPublish_IsRefused) {
-  for (const char* topic : {"floor/raw", "chair/cop", "floor/", "floor", "dtsd/status", "floor/cop/x", ""}) {
+  for (const char* topic : {"floor/raw", "chair/cop", "floor/", "floor", "dtsd/log", "floor/cop/x", ""}) {
     EXPECT_THAT(viewers_.handle(request({"floor/cop", topic}), &status_, now_).refusal().reason(), HasSubstr("no topic")) << topic;
   }
   EXPECT_THAT(viewers_.topics(), IsEmpty());
+}
+
+TEST_F(ViewersTest, StatusOfTheDaemon_IsATopic) {
+  EXPECT_TRUE(viewers_.handle(request({"dtsd/status"}), &status_, now_).has_lease_s());
+  EXPECT_THAT(viewers_.topics(), ElementsAre("dtsd/status"));
 }
 
 TEST_F(ViewersTest, ClinicThatDoesNotAllowIt_Refuses) {

@@ -188,7 +188,7 @@ core::Result<v1::UploadAnswer> decode_upload_answer(std::string_view bytes) {
 core::Result<v1::FleetSession> decode_session(std::string_view bytes) {
   DTS_TRY_ASSIGN(auto session, parsed<v1::FleetSession>(bytes, "FleetSession"));
   Check check("FleetSession");
-  check.id(session.session_id(), "session_id").count(session.revision(), "revision", kLargestCount, 1).id(session.rig(), "rig");
+  check.id(session.session_id(), "session_id").count(session.revision(), "revision", kLargestCount, 1).id(session.rig(), "rig", 0);
   check.word(session.protocol(), "protocol").word(session.subject(), "subject").that(is_session_state(session.state()), "state");
   check.utc(session.started_utc_ns(), "started_utc_ns").utc(session.ended_utc_ns(), "ended_utc_ns");
   check.count(session.planned_trials(), "planned_trials", kLargestNumber);

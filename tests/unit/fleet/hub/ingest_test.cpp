@@ -140,9 +140,12 @@ TEST_F(IngestTest, FileThatIsNotWhatWasOffered_StartsAgain) {
   EXPECT_TRUE(commit(bytes_).has_stored());
 }
 
-TEST_F(IngestTest, MoreThanOffered_OrUnknown_IsRejected) {
-  EXPECT_TRUE(take(bytes_, 0, 10).has_refusal());
-  EXPECT_TRUE(commit(bytes_).has_refusal());
+TEST_F(IngestTest, UnknownFile_IsLater_SoThatTheClinicOffersItAgain) {
+  EXPECT_TRUE(take(bytes_, 0, 10).has_later());
+  EXPECT_TRUE(commit(bytes_).has_later());
+}
+
+TEST_F(IngestTest, MoreThanOffered_IsRejected) {
   auto offer = offer_of(bytes_);
   offer.set_bytes(100);
   open(offer);
@@ -152,9 +155,9 @@ TEST_F(IngestTest, MoreThanOffered_OrUnknown_IsRejected) {
 
 TEST_F(IngestTest, ClinicsWithTheSameFile_StayApart) {
   open(offer_of(bytes_), "kent");
-  EXPECT_TRUE(take(bytes_, 0, 10, "leeds").has_refusal());
+  EXPECT_TRUE(take(bytes_, 0, 10, "leeds").has_later());
   take(bytes_, 0, 5000, "kent");
-  EXPECT_TRUE(commit(bytes_, "leeds").has_refusal());
+  EXPECT_TRUE(commit(bytes_, "leeds").has_later());
   EXPECT_TRUE(commit(bytes_, "kent").has_stored());
   EXPECT_TRUE(open(offer_of(bytes_), "leeds").has_upload());
 }
@@ -236,7 +239,7 @@ TEST_F(IngestTest, AbandonedUploads_AreRemovedAfterAWeek) {
   clock_.moved_ns = 169 * kHourNs;
   ingest_->drop_abandoned();
   EXPECT_EQ(staged_files(), 0U);
-  EXPECT_TRUE(take(bytes_, 100, 100).has_refusal());
+  EXPECT_TRUE(take(bytes_, 100, 100).has_later());
 }
 
 TEST_F(IngestTest, StopDuringACommit_IsLater_AndNothingIsLost) {
@@ -322,7 +325,7 @@ TEST_F(IngestTest, DamagedStaging_IsRemovedAtTheStart) {
   std::ofstream(folder + "nobody.part") << "x";
   restart({.hub = "hub-1"});
   EXPECT_EQ(staged_files(), 0U);
-  EXPECT_TRUE(take(bytes_, 100, 10).has_refusal());
+  EXPECT_TRUE(take(bytes_, 100, 10).has_later());
 }
 
 }  // namespace

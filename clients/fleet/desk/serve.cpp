@@ -43,12 +43,13 @@ class Centre {
   Centre(Centre&&) = delete;
   Centre& operator=(Centre&&) = delete;
 
-  client::Result<void> open(const Settings& settings, const gateway::Options& options);
+  /// First `open_live`, then `open`.
+  core::Status open_live(const Settings& settings);
+  client::Result<void> open(const gateway::Options& options);
   void run();
   [[nodiscard]] std::uint16_t port() const noexcept { return server_->port(); }
 
  private:
-  client::Result<void> open_live(const Settings& settings);
   [[nodiscard]] gateway::ServerHooks hooks();
   [[nodiscard]] std::optional<gateway::Identity> admit(const gateway::HttpRequest& request);
   void report_logins();
@@ -68,7 +69,7 @@ class Centre {
   std::unique_ptr<gateway::Server> server_;  ///< Last: its closing tabs leave their views.
 };
 
-client::Result<void> Centre::open_live(const Settings& settings) {
+core::Status Centre::open_live(const Settings& settings) {
   DTS_TRY_ASSIGN(const auto key, wire::read_nkey(settings.key_file));
   DTS_TRY_ASSIGN(nats_, Nats::open({.servers = settings.servers,
                                     .ca_pem = settings.ca_pem,
@@ -80,7 +81,7 @@ client::Result<void> Centre::open_live(const Settings& settings) {
   return {};
 }
 
-client::Result<void> Centre::open(const Settings& settings, const gateway::Options& options) {
+client::Result<void> Centre::open(const gateway::Options& options) {
   DTS_TRY_ASSIGN(const auto wanted, server_options(options));
   DTS_TRY_ASSIGN(const auto root, web_root(options));
   DTS_TRY_ASSIGN(files_, gateway::StaticFiles::load(root));
@@ -89,7 +90,6 @@ client::Result<void> Centre::open(const Settings& settings, const gateway::Optio
   access_wanted.is_fleet = true;
   DTS_TRY_ASSIGN(access_, gateway::AccessControl::open(io_, access_wanted));
   routes_ = std::make_unique<Routes>(*access_, files_, queries_, DTS_VERSION);
-  DTS_TRY(open_live(settings));
   DTS_TRY_ASSIGN(server_, gateway::Server::open(io_, wanted, hooks()));
   return {};
 }
@@ -151,7 +151,8 @@ int serve(const Options& options, cli::Console& console) {
   }
   const gateway::Options& wanted = options.server;
   Centre centre(settings, [&console](const std::string& line) { console.talk << line << std::endl; });
-  if (auto opened = centre.open(settings, wanted); !opened) return cli::fail_with(console, opened.error());
+  if (auto opened = centre.open_live(settings); !opened) return cli::fail_with(console, opened.error());
+  if (auto opened = centre.open(wanted); !opened) return cli::fail_with(console, opened.error());
   const std::string scheme = wanted.certificate_file.empty() ? "http" : "https";
   const std::string address = wanted.listen.substr(0, wanted.listen.rfind(':'));
   console.talk << "listening on " << scheme << "://" << address << ":" << centre.port() << "/" << std::endl;

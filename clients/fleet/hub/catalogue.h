@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 #include "dts/v1/fleet.pb.h"
-#include "fleet/hub/database.h"
+#include "fleet/database/database.h"
 #include "fleet/hub/store.h"
 #include "record/session_facts.h"
 
@@ -27,7 +27,7 @@ struct Clinic {
 /// (wire/messages.h). Errors are those of `Database`. Thread: one at a time, as its database.
 class Catalogue {
  public:
-  explicit Catalogue(Database& database) : database_(&database) {}
+  explicit Catalogue(database::Database& database) : database_(&database) {}
 
   [[nodiscard]] core::Result<std::vector<Clinic>> clinics();
   /// Fails with WrongState if the name or the key exists.
@@ -35,8 +35,8 @@ class Catalogue {
   /// Fails with NotFound, and with WrongState if the clinic is revoked already.
   [[nodiscard]] core::Status revoke_clinic(const std::string& clinic, const std::string& who, std::int64_t utc_ns);
 
-  /// Replaces what is known of a session, unless a revision that is not smaller is known. Returns the revision that is known now. Fails with
-  /// NotFound if the clinic has erased the session, and with WrongState if a recording belongs to another part.
+  /// Replaces what is known of a session, unless a revision that is not smaller is known. Returns the revision that is known now. Fails
+  /// with NotFound if the clinic has erased the session, and with WrongState if a recording belongs to another part.
   [[nodiscard]] core::Result<std::uint64_t> put_session(const std::string& clinic, const v1::FleetSession& session);
   /// Removes a session and keeps its ID, so that it does not appear again. Returns the recordings that must be removed from the store,
   /// also those of earlier erasures.
@@ -71,9 +71,9 @@ class Catalogue {
   [[nodiscard]] core::Status put_trials(const std::string& clinic, const v1::FleetSession& session);
   [[nodiscard]] core::Status put_results(const std::string& clinic, const v1::FleetSession& session);
   [[nodiscard]] core::Status put_rigs(const std::string& clinic, const v1::Beat& beat, std::int64_t received_utc_ns);
-  [[nodiscard]] core::Result<std::vector<RecordingName>> names(const Rows& rows) const;
+  [[nodiscard]] core::Result<std::vector<RecordingName>> names(const database::Rows& rows) const;
 
-  Database* database_;
+  database::Database* database_;
 };
 
 }  // namespace dts::fleet::hub

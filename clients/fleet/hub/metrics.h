@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "core/result.h"
-#include "fleet/hub/database.h"
+#include "fleet/database/database.h"
 #include "fleet/hub/desk.h"
 #include "fleet/hub/ingest.h"
 
@@ -18,7 +18,7 @@ namespace dts::fleet::hub {
 /// Returns the state of the hub and of all clinics in Prometheus' text format. No names but those of clinics. `counts` and `letters` are
 /// those of this hub, clinics those of the database; without it their lines are missing.
 [[nodiscard]] std::string metrics_text(const IngestCounts& counts, const DeskCounts& letters, const Store& store, bool is_connected,
-                                       Database& database);
+                                       database::Database& database);
 
 /// Answers "GET /metrics" on an address, one request at a time. Every other request is answered with 404, and a slow one is dropped.
 class MetricsListener {

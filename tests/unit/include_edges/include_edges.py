@@ -111,8 +111,8 @@ HOUSE = [
     ("clients/fleet/forward/main.cpp", [],                                                ["google/protobuf/"]),
     ("clients/fleet/worker",     ["cli", "core", "files", "session", "fleet/database"],   ["CLI/", "nlohmann/", "systemd/"]),
     ("clients/fleet/worker/stored_recording", [],                                         ["sodium.h"]),
-    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
-                                                                                          ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),
+    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link", "fleet/database"],
+                                                                                          ["CLI/", "google/protobuf/", "sodium.h", "systemd/"]),
     ("clients/fleet/desk",       ["cli", "core", "files", "gateway", "proto", "fleet/wire", "fleet/link", "fleet/database"],
                                                                                           ["boost/", "CLI/", "google/protobuf/", "systemd/"]),
 ]

@@ -14,13 +14,17 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "fleet/database/schema.h"
 #include "fleet/hub/catalogue.h"
 #include "fleet/hub/ingest.h"
-#include "fleet/hub/schema.h"
 #include "support/postgres_server.h"
 #include "support/temporary_folder.h"
 
 namespace dts::fleet::hub {
+
+using database::Database;
+using database::DatabaseOptions;
+using database::migrate;
 
 inline std::string sum_of(const std::string& bytes) {
   std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};

@@ -19,7 +19,7 @@ namespace {
 constexpr unsigned kPolicyViolation = 1008;  // RFC 6455, 7.4.1
 /// Messages of a clinic between its watch and the io thread. More are dropped; the page shows the missing scans.
 constexpr int kMostUnderWay = 2048;
-constexpr std::chrono::seconds kOffsetPause{10};  // as often as clinics report
+constexpr std::chrono::seconds kOffsetPause{10};  // as often as heartbeats
 
 std::int64_t utc_now_ns() { return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count(); }
 
@@ -111,7 +111,7 @@ void ClinicView::ask_offset() {
                   });
 }
 
-/// The clinic's CLOCK_MONOTONIC. The offset in the report is too small by the time that the report was under way.
+/// The clinic's CLOCK_MONOTONIC. The offset in the heartbeat is too small by the time that the heartbeat was under way.
 std::int64_t ClinicView::host_time() const {
   if (!utc_minus_monotonic_) return 0;
   const std::int64_t delay_ns = watch_->delay().value_or(std::chrono::nanoseconds(0)).count();

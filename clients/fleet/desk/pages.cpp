@@ -11,7 +11,7 @@ namespace {
 using database::Database;
 using database::Rows;
 
-/// What the page shows of a clinic. $1: version of the centre, $2: the clinic; empty: all. A rig that the newest beat does not have is
+/// What the page shows of a clinic. $1: version of the centre, $2: the clinic; empty: all. A rig that the newest heartbeat does not have is
 /// shown, but nothing is wrong with it. Numbers of a version have at most six digits, so that they fit an integer.
 constexpr char kClinics[] = R"sql(
 WITH known AS (

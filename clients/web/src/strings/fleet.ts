@@ -10,7 +10,7 @@ export const fleet = {
     count: (all: string, wrong: string) => `${all} ${all === '1' ? 'clinic' : 'clinics'}, ${wrong} with problems`,
     allWell: 'OK',
     revoked: 'revoked',
-    heads: { clinic: 'Clinic', state: 'State', rigs: 'Rigs', backlog: 'Not yet sent', beat: 'Last report', disk: 'Free disk', version: 'Version' },
+    heads: { clinic: 'Clinic', state: 'State', rigs: 'Rigs', backlog: 'Not yet sent', beat: 'Last heartbeat', disk: 'Free disk', version: 'Version' },
     rigs: (count: string, sessions: string) => `${count}${sessions === '0' ? '' : `, ${sessions} in a session`}`,
     backlog: (files: string, size: string) => `${files} ${files === '1' ? 'recording' : 'recordings'}, ${size}`,
     noBacklog: 'nothing',
@@ -19,8 +19,8 @@ export const fleet = {
   },
   // What is wrong with a clinic: by the word that the centre uses.
   wrong: {
-    noBeat: (time: string) => `No report for ${time}`,
-    neverSeen: 'No report yet',
+    noBeat: (time: string) => `No heartbeat for ${time}`,
+    neverSeen: 'No heartbeat yet',
     noDaemon: 'dtsd does not answer',
     noDevice: (rigs: string) => `No device: ${rigs}`,
     disk: { low: 'Disk nearly full', full: 'Disk full', unusable: 'Disk not writable' } as Readonly<Record<string, string>>,
@@ -37,7 +37,7 @@ export const fleet = {
     missing: 'No such clinic',
     facts: {
       name: 'Name',
-      beat: 'Last report',
+      beat: 'Last heartbeat',
       backlog: 'Not yet sent',
       oldest: 'Oldest waits for',
       receipt: 'Last receipt',
@@ -50,7 +50,7 @@ export const fleet = {
     sessions: 'Sessions of this clinic',
     rigs: {
       head: 'Rigs',
-      none: 'This clinic has reported no rig.',
+      none: 'No heartbeat of this clinic had a rig.',
       heads: { rig: 'Rig', device: 'Device', session: 'Session', rate: 'Rate (Hz)', lost: 'Scans lost', calibration: 'Calibration', live: 'Live' },
       devices: {
         streaming: 'running',
@@ -60,7 +60,7 @@ export const fleet = {
         waiting: 'waiting for trigger',
         unspecified: 'unknown',
       } as Readonly<Record<string, string>>,
-      notReported: 'not in the last report',
+      notReported: 'not in the last heartbeat',
       inSession: 'session running',
       noSession: 'none',
       model: 'from the plate model',
@@ -69,7 +69,7 @@ export const fleet = {
     },
     history: {
       head: 'Not yet sent, last 90 days',
-      none: 'No report yet.',
+      none: 'No heartbeat yet.',
       label: (days: string, largest: string) => `Largest amount of data not yet sent on each of ${days} days; at most ${largest}.`,
       unit: 'GB',
     },

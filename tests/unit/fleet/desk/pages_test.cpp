@@ -40,7 +40,7 @@ class PagesTest : public testing::Test {
     const auto done = database_->run_script(statements);
     ASSERT_TRUE(done) << core::to_string(done.error());
   }
-  /// A report of a clinic that is well, with one rig.
+  /// A heartbeat of a clinic that is well, with one rig.
   void add_beat(const std::string& clinic) {
     sql("INSERT INTO beat VALUES ('" + clinic + "', now(), 0.01, '1.2.0', true, '1.2.0', 'fine', 1000, 60, 0, 0, NULL, NULL, 0)");
     sql("INSERT INTO rig SELECT '" + clinic +

@@ -24,7 +24,7 @@ export interface Rig {
   readonly is_present: boolean;
 }
 
-/** Facts of the newest report are null if there was none. */
+/** Facts of the newest heartbeat are null if there was none. */
 export interface Clinic {
   readonly name: string;
   readonly title: string;
@@ -133,7 +133,7 @@ export const useTurns = (link: Link, everyMs: number): number => {
   return turns.value;
 };
 
-const pollMs = 10_000; // as often as clinics report
+const pollMs = 10_000; // as often as heartbeats
 
 /** Asks now, when `path` changes, and every 10 s. */
 export const usePolled = <T>(link: Link, path: string): ReadonlySignal<Asked<T>> =>

@@ -16,8 +16,8 @@ const clinic = (wrong: readonly string[], change: Partial<Clinic> = {}): Clinic 
 
 test.each<[string, Clinic, string[]]>([
   ['nothing', clinic([]), []],
-  ['no report', clinic(['no_beat'], { beat_age_s: 45 }), ['No report for 45.0 s']],
-  ['never a report', clinic(['no_beat'], { beat_age_s: null }), ['No report yet']],
+  ['no heartbeat', clinic(['no_beat'], { beat_age_s: 45 }), ['No heartbeat for 45.0 s']],
+  ['never a heartbeat', clinic(['no_beat'], { beat_age_s: null }), ['No heartbeat yet']],
   ['no daemon', clinic(['no_daemon']), ['dtsd does not answer']],
   ['no device: names the rig', clinic(['no_device'], { rigs: [rig('floor'), rig('chair', { device: 'gone' }), rig('old', { device: 'gone', is_present: false })] }), ['No device: chair']],
   ['disk', clinic(['disk'], { disk_state: 'full' }), ['Disk full']],

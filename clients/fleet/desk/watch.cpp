@@ -4,7 +4,6 @@
 #include <pthread.h>
 
 #include <algorithm>
-#include <array>
 #include <condition_variable>
 #include <exception>
 #include <utility>
@@ -19,7 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kRenewal{4000};  // the lease is 10 s
+constexpr milliseconds kRenewal{4000};      // the lease is 10 s
+constexpr milliseconds kShortestPause{50};  // between two requests, if a clinic refuses again and again
 constexpr milliseconds kTurn{20};
 constexpr milliseconds kPause{100};
 constexpr milliseconds kPatience{2000};  // for the first answer of a clinic
@@ -183,8 +183,9 @@ Watch::Loop::Wish Watch::Loop::present_wish() {
 void Watch::Loop::ask_if_due() {
   Wish wish = present_wish();
   const auto now = Clock::now();
-  const bool is_new_connection = link_->connections() != connections_;
-  if (wish == asked_ && !is_new_connection && now - asked_at_ < (is_answered_ ? kRenewal : kPatience / 2)) return;
+  const auto pause = now - asked_at_;
+  const bool is_due = wish != asked_ || link_->connections() != connections_ || pause >= (is_answered_ ? kRenewal : kPatience / 2);
+  if (!is_due || pause < kShortestPause) return;
   connections_ = link_->connections();
   asked_ = std::move(wish);
   asked_at_ = now;

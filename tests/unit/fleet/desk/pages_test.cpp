@@ -21,7 +21,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
 /// One PostgreSQL for all tests, and a new database for each.
-class PagesTest : public testing::Test {
+class PagesTest : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!test::PostgresServer::programs()) GTEST_SKIP() << "PostgreSQL is not installed";
@@ -107,7 +107,7 @@ struct Change {
   std::string statement;
   std::string wrong;
 };
-class WrongTest : public PagesTest, public testing::WithParamInterface<Change> {};
+class WrongTest : public PagesTest, public ::testing::WithParamInterface<Change> {};
 
 TEST_P(WrongTest, IsNamed) {
   add_beat("kent");
@@ -119,7 +119,7 @@ TEST_P(WrongTest, IsNamed) {
 
 INSTANTIATE_TEST_SUITE_P(
     Clinic, WrongTest,
-    testing::Values(
+    ::testing::Values(
         Change{"NoBeat", "UPDATE beat SET at = at - interval '31 s'; UPDATE rig SET at = at - interval '31 s'", "no_beat"},
         Change{"BeatOf25S", "UPDATE beat SET at = at - interval '25 s'; UPDATE rig SET at = at - interval '25 s'", ""},
         Change{"NoDaemon", "UPDATE beat SET has_daemon = false, daemon_version = '', disk_state = 'unspecified'", "no_daemon"},

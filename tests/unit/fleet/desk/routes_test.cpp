@@ -15,7 +15,7 @@ using gateway::HttpRequest;
 using gateway::HttpResponse;
 
 /// Routes whose PostgreSQL does not exist.
-class RoutesTest : public testing::Test {
+class RoutesTest : public ::testing::Test {
  protected:
   RoutesTest() { open(v1::ROLE_VIEWER); }
   void open(v1::Role local_role) {

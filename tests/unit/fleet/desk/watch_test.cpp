@@ -69,7 +69,7 @@ TEST(TopicsOf, StatusOfAHostileClinic_IsLimited) {
   EXPECT_EQ(topics_of(&status, {""}).size(), kMostTopics);
 }
 
-class WatchTest : public testing::Test {
+class WatchTest : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!test::NatsServer::program()) GTEST_SKIP() << "nats-server is not installed";

@@ -73,7 +73,7 @@ class Gateway {
         endpoints_(endpoints),
         commands_(io_, endpoints.control),
         hub_(
-            io_, commands_, [this](std::vector<std::string> prefixes) { reader_->want(std::move(prefixes)); }, DTS_VERSION) {
+            io_, &commands_, [this](std::vector<std::string> prefixes) { reader_->want(std::move(prefixes)); }, DTS_VERSION) {
     // The default action of SIGHUP would leave the temporary folder behind.
     if (!is_hangup_ignored()) signals_.add(SIGHUP);
   }
@@ -165,7 +165,8 @@ GatewayCounts Gateway::counts() const {
 ServerHooks Gateway::hooks() {
   return {.handle = [this](HttpRequest request, Respond respond) { routes_->handle(std::move(request), std::move(respond)); },
           .admit = [this](const HttpRequest& request) { return admit(request); },
-          .open_tab = [this](const Identity& identity, TabConnection& connection) { return hub_.open_tab(identity, connection); }};
+          .open_tab = [this](const Identity& identity, const Query& /*query*/,
+                             TabConnection& connection) { return hub_.open_tab(identity, connection); }};
 }
 
 /// Returns the folder for exports: the user's choice, systemd's, or a temporary folder that is removed when the gateway ends.

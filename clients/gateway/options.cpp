@@ -43,6 +43,21 @@ client::Result<v1::Role> parse_role(const std::string& name) {
 
 }  // namespace
 
+void add_server_options(CLI::App& command, Options& options) {
+  command.add_option("--listen", options.listen, "Address and port; other addresses than loopback require TLS and users")
+      ->option_text("ADDRESS:PORT");
+  command.add_option("--tls-certificate", options.certificate_file, "PEM file with the certificate and its chain")->option_text("FILE");
+  command.add_option("--tls-key", options.key_file, "PEM file with the private key of the certificate")->option_text("FILE");
+  command.add_option("--host-name", options.host_names, "Name of this machine in browsers; may be repeated")->option_text("NAME");
+  command.add_option("--users", options.users_file, "File of users, made by `dts-gateway user add`")->option_text("FILE");
+  command
+      .add_option("--local-role", options.local_role,
+                  "Role without a login from this machine: viewer, operator, engineer, none. Default: operator without "
+                  "--users, else none")
+      ->option_text("ROLE");
+  command.add_option("--web-root", options.web_root, "Folder of the dashboard's files")->option_text("DIR");
+}
+
 client::Result<ServerOptions> server_options(const Options& options) {
   DTS_TRY_ASSIGN(auto listen, parse_listen(options.listen));
   if (options.certificate_file.empty() != options.key_file.empty()) {

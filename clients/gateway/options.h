@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/App.hpp>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ struct Options {
   std::string control_endpoint;
   std::string data_endpoint;
 };
+
+/// Adds the options that a server of the dashboard has: address, TLS, users, files of the dashboard.
+void add_server_options(CLI::App& command, Options& options);
 
 /// Derive the settings of the parts from the options. Each fails with InvalidArgument and what to write instead. Any address other than
 /// loopback requires TLS and users: passwords must not be readable on the network.

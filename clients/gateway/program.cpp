@@ -21,19 +21,7 @@ void add_serve(cli::CommandLine& line, Options& options) {
                        "dts-gateway serve --listen 192.168.1.20:8443 --tls-certificate clinic.pem --tls-key clinic.key --users users | to "
                        "tablets, with a login\n",
                        [&options](cli::Console& console) { return serve(options, console); });
-  serve_command->add_option("--listen", options.listen, "Address and port; other addresses than loopback require TLS and users")
-      ->option_text("ADDRESS:PORT");
-  serve_command->add_option("--tls-certificate", options.certificate_file, "PEM file with the certificate and its chain")
-      ->option_text("FILE");
-  serve_command->add_option("--tls-key", options.key_file, "PEM file with the private key of the certificate")->option_text("FILE");
-  serve_command->add_option("--host-name", options.host_names, "Name of this machine in browsers; may be repeated")->option_text("NAME");
-  serve_command->add_option("--users", options.users_file, "File of users, made by `dts-gateway user add`")->option_text("FILE");
-  serve_command
-      ->add_option("--local-role", options.local_role,
-                   "Role without a login from this machine: viewer, operator, engineer, none. Default: operator without "
-                   "--users, else none")
-      ->option_text("ROLE");
-  serve_command->add_option("--web-root", options.web_root, "Folder of the dashboard's files")->option_text("DIR");
+  add_server_options(*serve_command, options);
   serve_command
       ->add_option("--cache", options.cache_directory, "Folder for exports; the gateway uses and empties only dts-gateway-exports in it")
       ->option_text("DIR");

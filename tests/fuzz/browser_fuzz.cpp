@@ -68,7 +68,7 @@ class Gateway {
   boost::asio::io_context io_;
   gateway::CommandPool commands_{io_, "ipc:///nonexistent/control.sock"};
   std::size_t wishes_ = 0;
-  gateway::Hub hub_{io_, commands_, [this](const std::vector<std::string>& wanted) { wishes_ = wanted.size(); }, "1.2.3"};
+  gateway::Hub hub_{io_, &commands_, [this](const std::vector<std::string>& wanted) { wishes_ = wanted.size(); }, "1.2.3"};
 };
 
 /// What a tab says to one message, before any daemon could have answered.

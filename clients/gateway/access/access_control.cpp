@@ -169,7 +169,8 @@ class AccessControlImpl final : public AccessControl {
   [[nodiscard]] HttpResponse describe(const std::optional<Identity>& identity) const {
     return json_answer(200, {{"user", identity ? identity->user : ""},
                              {"role", role_name(identity ? identity->role : v1::ROLE_UNSPECIFIED)},
-                             {"can_log_in", !options_.users_file.empty()}});
+                             {"can_log_in", !options_.users_file.empty()},
+                             {"fleet", options_.is_fleet}});
   }
 
   [[nodiscard]] seconds wait_of(const Attempt& attempt) const {

@@ -30,6 +30,7 @@ struct LoginNote {
 struct AccessOptions {
   std::string users_file{};                    ///< Empty: nobody can log in.
   v1::Role local_role = v1::ROLE_UNSPECIFIED;  ///< For connections from this machine without a login; UNSPECIFIED: they must log in too.
+  bool is_fleet = false;                       ///< Reported by /api/me: the dashboard shows the clinics of a fleet instead of a daemon.
   std::chrono::seconds token_life{12 * 3600};  ///< Longest life of a login; one shift.
   std::chrono::seconds idle_life{2 * 3600};    ///< A login ends after this time without use; an open tab counts as use.
   std::function<std::chrono::steady_clock::time_point()> now = time_since_boot;
@@ -63,7 +64,7 @@ class AccessControl {
   virtual void log_in(HttpRequest request, Respond respond) = 0;
   /// Handles POST /api/logout: deletes the token. Same-origin only.
   virtual void log_out(const HttpRequest& request, const Respond& respond) = 0;
-  /// Handles GET /api/me: {"user","role","can_log_in"}; role "none" if not logged in.
+  /// Handles GET /api/me: {"user","role","can_log_in","fleet"}; role "none" if not logged in.
   virtual void describe_user(const HttpRequest& request, const Respond& respond) = 0;
   /// Returns the number of logins that failed, or were rejected because too many failed or wait.
   [[nodiscard]] virtual std::uint64_t refused_logins_total() const noexcept = 0;

@@ -18,8 +18,13 @@ TabQueue::Dropped sum(const TabQueue::Dropped& one, const TabQueue::Dropped& oth
 
 }  // namespace
 
-Hub::Hub(boost::asio::io_context& io, CommandPool& commands, std::function<void(std::vector<std::string>)> want, std::string version)
-    : io_(io), commands_(commands), want_(std::move(want)), version_(std::move(version)), timer_(io) {}
+std::int64_t own_host_time() {  // steady_clock is CLOCK_MONOTONIC, like host times
+  return std::chrono::nanoseconds(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Hub::Hub(boost::asio::io_context& io, CommandPool* commands, std::function<void(std::vector<std::string>)> want, std::string version,
+         HostClock clock)
+    : io_(io), commands_(commands), want_(std::move(want)), version_(std::move(version)), clock_(std::move(clock)), timer_(io) {}
 
 Hub::~Hub() = default;
 

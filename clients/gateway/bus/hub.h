@@ -24,12 +24,19 @@ namespace dts::gateway {
 
 class HubTab;
 
+/// Returns the present time of the clock that blocks and events have (host time, ns); 0: not known yet.
+using HostClock = std::function<std::int64_t()>;
+/// The clock of this machine, for a daemon on it.
+[[nodiscard]] std::int64_t own_host_time();
+
 /// Connects the bus and the tabs: passes each message to the tabs that subscribed to it, and retained messages also to later subscribers.
 /// Thread: io. Outlives its tabs.
 class Hub {
  public:
-  /// `want` passes the topics of all tabs together to the reader.
-  Hub(boost::asio::io_context& io, CommandPool& commands, std::function<void(std::vector<std::string>)> want, std::string version);
+  /// `commands`: nullptr: all commands are rejected, because the daemon is elsewhere and may only be watched. `want` passes the topics of
+  /// all tabs together to the reader.
+  Hub(boost::asio::io_context& io, CommandPool* commands, std::function<void(std::vector<std::string>)> want, std::string version,
+      HostClock clock = own_host_time);
   ~Hub();
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
@@ -42,6 +49,7 @@ class Hub {
   /// Returns the sum over all tabs, including closed ones.
   [[nodiscard]] TabQueue::Dropped dropped() const;
 
+  [[nodiscard]] std::int64_t host_time() const { return clock_(); }
   /// Called by tabs: when their topics changed, and when they close.
   void wishes_changed(HubTab& tab);
   void close_tab(HubTab& tab);
@@ -55,9 +63,10 @@ class Hub {
   void send_wishes_later();
 
   boost::asio::io_context& io_;
-  CommandPool& commands_;
+  CommandPool* commands_;
   std::function<void(std::vector<std::string>)> want_;
   std::string version_;
+  HostClock clock_;
   v1::Link link_;
   boost::asio::steady_timer timer_;  ///< Runs while changed topics wait to be passed to the reader.
   core::TokenBucket wish_sends_{kWishSends_hz};

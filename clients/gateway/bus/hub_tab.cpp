@@ -36,7 +36,7 @@ std::string short_id(const std::string& id) {
 
 }  // namespace
 
-HubTab::HubTab(Hub& hub, boost::asio::io_context& io, CommandPool& commands, Identity identity, TabConnection& connection)
+HubTab::HubTab(Hub& hub, boost::asio::io_context& io, CommandPool* commands, Identity identity, TabConnection& connection)
     : hub_(hub),
       commands_(commands),
       identity_(std::move(identity)),
@@ -97,13 +97,16 @@ void HubTab::on_subscribe(v1::Subscribe&& wanted) {
 void HubTab::answer_clock(const v1::ClockProbe& probe) {
   v1::FromGateway message;
   message.mutable_clock_answer()->set_browser_ms(probe.browser_ms());
-  message.mutable_clock_answer()->set_host_time_ns(std::chrono::nanoseconds(Clock::now().time_since_epoch()).count());
+  message.mutable_clock_answer()->set_host_time_ns(hub_.host_time());
   send(message);
 }
 
 void HubTab::on_request(v1::Request&& request) {
   const v1::Role needed = wire::rules_of(request).role();
   const std::string id = request.request_id();
+  if (commands_ == nullptr) {
+    return refuse(id, refusal(client::ErrorCode::NotAllowed, "the centre can only look", "give this command at the clinic"));
+  }
   if (id.empty() || id.size() > kLongestRequestId || needed == v1::ROLE_UNSPECIFIED || request.has_note_login()) {
     return refuse(id, refusal(client::ErrorCode::InvalidArgument, "unknown command for this version of the gateway", "reload the page"));
   }
@@ -120,7 +123,7 @@ void HubTab::on_request(v1::Request&& request) {
   request.set_request_id(command_id(identity_.user, id));
   // For a user without a login the daemon itself sets "local"; the browser's own value is ignored.
   request.set_on_behalf_of(identity_.user == kLocalUser ? std::string() : identity_.user);
-  commands_.submit(std::move(request), [self = std::weak_ptr(self_), id](client::Result<v1::Response> answer) {
+  commands_->submit(std::move(request), [self = std::weak_ptr(self_), id](client::Result<v1::Response> answer) {
     const auto tab = self.lock();
     if (!tab) return;
     --(*tab)->commands_under_way_;

@@ -23,7 +23,7 @@ class Hub;
 /// One browser tab: its queue, its timer, its commands.
 class HubTab final : public Tab {
  public:
-  HubTab(Hub& hub, boost::asio::io_context& io, CommandPool& commands, Identity identity, TabConnection& connection);
+  HubTab(Hub& hub, boost::asio::io_context& io, CommandPool* commands, Identity identity, TabConnection& connection);
   ~HubTab() override;
 
   void on_message(std::string_view message) override;
@@ -43,7 +43,7 @@ class HubTab final : public Tab {
   void send(const v1::FromGateway& message);
 
   Hub& hub_;
-  CommandPool& commands_;
+  CommandPool* commands_;
   Identity identity_;
   TabConnection& connection_;
   TabQueue queue_;

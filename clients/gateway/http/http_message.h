@@ -12,11 +12,13 @@
 
 namespace dts::gateway {
 
+using Query = std::map<std::string, std::string>;  ///< "?clinic=kent" is {clinic: kent}.
+
 /// A request as the routes receive it: complete, within all limits, with an accepted host name.
 struct HttpRequest {
   std::string method;  ///< "GET", "HEAD", "POST"
   std::string path;    ///< Percent-decoded, UTF-8, begins with '/', no ".." segment, no NUL.
-  std::map<std::string, std::string> query{};
+  Query query{};
   std::map<std::string, std::string> headers{};  ///< Names in lower case.
   std::string body{};
   std::string remote_address{};  ///< Without port.

@@ -171,7 +171,7 @@ void HttpSession::upgrade(RawRequest raw, const HttpRequest& request) {
     return refuse(error_answer(503, "too many connections of this user", "close other tabs of the dashboard"));
   }
   is_over_ = true;
-  serve_websocket(server_, std::move(stream_), std::move(peer_), std::move(seat_), std::move(raw), std::move(*identity));
+  serve_websocket(server_, std::move(stream_), std::move(peer_), std::move(seat_), std::move(raw), request.query, std::move(*identity));
 }
 
 void HttpSession::refuse(HttpResponse response) {

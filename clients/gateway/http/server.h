@@ -47,9 +47,10 @@ struct ServerOptions {
 
 /// What the transport needs from the rest of the gateway. All are called on the io thread.
 struct ServerHooks {
-  std::function<void(HttpRequest, Respond)> handle;                               ///< Any request that is not an upgrade.
-  std::function<std::optional<Identity>(const HttpRequest&)> admit;               ///< Returns who requests "/ws"; nothing: 401.
-  std::function<std::unique_ptr<Tab>(const Identity&, TabConnection&)> open_tab;  ///< Called after the WebSocket's handshake.
+  std::function<void(HttpRequest, Respond)> handle;                  ///< Any request that is not an upgrade.
+  std::function<std::optional<Identity>(const HttpRequest&)> admit;  ///< Returns who requests "/ws"; nothing: 401.
+  /// Called after the WebSocket's handshake, with the query of its address.
+  std::function<std::unique_ptr<Tab>(const Identity&, const Query&, TabConnection&)> open_tab;
 };
 
 /// Counters since the start.

@@ -35,8 +35,10 @@ constexpr std::size_t kLongestReason = 120;
 /// the deadline for a write, the limit for messages per second, and a limit for endless messages.
 class WebSocketSession : public Connection, public TabConnection, public std::enable_shared_from_this<WebSocketSession> {
  public:
-  WebSocketSession(std::shared_ptr<ServerState> server, PeerStream stream, Peer peer, ConnectionLimits::Seat seat, Identity identity)
+  WebSocketSession(std::shared_ptr<ServerState> server, PeerStream stream, Peer peer, ConnectionLimits::Seat seat, Query query,
+                   Identity identity)
       : Connection(std::move(server), std::move(peer), std::move(seat)),
+        query_(std::move(query)),
         identity_(std::move(identity)),
         socket_(std::move(stream)),
         watch_(server_->io),
@@ -63,6 +65,7 @@ class WebSocketSession : public Connection, public TabConnection, public std::en
   void watch();
   void end();
 
+  Query query_;
   Identity identity_;
   websocket::stream<PeerStream, false> socket_;  // false: compiled without permessage-deflate
   asio::steady_timer watch_;
@@ -105,7 +108,7 @@ void WebSocketSession::open() {
   is_open_ = true;
   ++server_->statistics.tabs;
   socket_.next_layer().read_budget().allow(server_->limits.websocket_message_bytes + kMessageOverheadBytes);
-  if (!returns([&] { tab_ = server_->hooks.open_tab(identity_, *this); }) || !tab_) {
+  if (!returns([&] { tab_ = server_->hooks.open_tab(identity_, query_, *this); }) || !tab_) {
     close(websocket::close_code::internal_error, "internal error of the gateway");
   }
   watch();
@@ -222,8 +225,9 @@ void WebSocketSession::end() {
 }  // namespace
 
 void serve_websocket(std::shared_ptr<ServerState> server, PeerStream stream, Peer peer, ConnectionLimits::Seat seat, RawRequest upgrade,
-                     Identity identity) {
-  std::make_shared<WebSocketSession>(std::move(server), std::move(stream), std::move(peer), std::move(seat), std::move(identity))
+                     Query query, Identity identity) {
+  std::make_shared<WebSocketSession>(std::move(server), std::move(stream), std::move(peer), std::move(seat), std::move(query),
+                                     std::move(identity))
       ->start(std::move(upgrade));
 }
 

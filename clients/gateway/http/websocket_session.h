@@ -11,6 +11,6 @@ namespace dts::gateway {
 
 /// Answers the upgrade and serves the WebSocket until it ends. The session keeps itself alive.
 void serve_websocket(std::shared_ptr<ServerState> server, PeerStream stream, Peer peer, ConnectionLimits::Seat seat, RawRequest upgrade,
-                     Identity identity);
+                     Query query, Identity identity);
 
 }  // namespace dts::gateway

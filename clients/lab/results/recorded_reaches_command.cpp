@@ -9,6 +9,7 @@
 #include "cli/table.h"
 #include "core/special_numbers.h"
 #include "lab/base/command.h"
+#include "lab/base/figure_json.h"
 #include "lab/base/problems.h"
 #include "lab/base/rig.h"
 #include "lab/results/recorded_reaches.h"
@@ -53,12 +54,6 @@ cli::Json to_json(const session::ReachTrialResult& result) {
   return json;
 }
 
-cli::Json to_json(const session::SessionFigure& result) {
-  cli::Json json{{"name", result.name}, {"value", result.value}, {"unit", result.unit}};
-  if (!result.details.empty()) json["details"] = cli::Json::parse(result.details);
-  return json;
-}
-
 cli::Json to_json(const RecordedReaches& recorded, const std::string& file, const std::string& damage) {
   cli::Json json{{"file", file},
                  {"reaches", recorded.reaches},
@@ -67,7 +62,7 @@ cli::Json to_json(const RecordedReaches& recorded, const std::string& file, cons
                  {"trials", cli::Json::array()},
                  {"summary", cli::Json::array()}};
   for (const session::ReachTrialResult& result : recorded.trials) json["trials"].push_back(to_json(result));
-  for (const session::SessionFigure& result : recorded.summary) json["summary"].push_back(to_json(result));
+  for (const session::SessionFigure& result : recorded.summary) json["summary"].push_back(figure_json(result));
   if (!damage.empty()) json["damage"] = damage;
   return json;
 }

@@ -13,6 +13,7 @@
 #include "cli/validators.h"
 #include "files/whole_file.h"
 #include "lab/base/command.h"
+#include "lab/base/figure_json.h"
 #include "lab/base/problems.h"
 #include "lab/sway/measure_file.h"
 #include "lab/sway/sway_comparison.h"
@@ -20,6 +21,7 @@
 #include "lab/sway/sway_view.h"
 #include "posturography/cop_series.h"
 #include "posturography/measure.h"
+#include "session/sway_results.h"
 
 namespace dts::lab::sway {
 namespace {
@@ -84,6 +86,19 @@ void print_doubts(const std::vector<MeasuredTrial>& trials, const SwayArguments&
   }
 }
 
+/// Returns the results of a session as dtsd computes them, from the trials of one recording that count.
+cli::Json summary(const std::vector<MeasuredTrial>& trials) {
+  std::vector<session::SwayTrialResult> counting;
+  for (const MeasuredTrial& trial : trials) {
+    if (trial.outcome != "done") continue;
+    counting.push_back({.trial = trial.trial, .attempt = trial.attempt, .condition = trial.condition, .labels = trial.labels});
+    counting.back().analysis = trial.analysis;
+  }
+  cli::Json json = cli::Json::array();
+  for (const session::SessionFigure& figure : session::sway_summary(counting)) json.push_back(figure_json(figure));
+  return json;
+}
+
 cli::Json documents(const MeasuredFiles& all, const SwayArguments& arguments) {
   cli::Json json{{"trials", cli::Json::array()}};
   std::size_t compared = 0;
@@ -94,6 +109,7 @@ cli::Json documents(const MeasuredFiles& all, const SwayArguments& arguments) {
     ++compared;
     if (!*trial.is_as_recorded) ++differing;
   }
+  if (all.files == 1) json["summary"] = summary(all.trials);
   json["recorded_results"] = compared;
   json["differing_results"] = differing;
   json["problems"] = cli::Json::array();

@@ -11,6 +11,9 @@ import './shell/shell.css';
 
 startTheme();
 const measurement = new URLSearchParams(location.search).has('measure') ? openMeasurement() : undefined;
-const link = new GatewayLink(thisBrowser(), measurement);
-measurement?.watch(link);
-render(<App link={link} />, document.getElementById('app')!);
+const openLink = (clinic?: string): GatewayLink => {
+  const link = new GatewayLink(thisBrowser(clinic), measurement);
+  measurement?.watch(link);
+  return link;
+};
+render(<App link={openLink()} openClinic={openLink} />, document.getElementById('app')!);

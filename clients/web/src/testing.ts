@@ -25,6 +25,7 @@ export const fakeLink = (rigs: MessageInitShape<typeof StatusSnapshotSchema>['ri
     of(kind).filter((entry) => topic.startsWith(entry.topic)).forEach(({ handler }) => handler(message as never));
   const link = {
     state: signal('up'),
+    me: signal({ user: 'local', role: 2, canLogIn: false, isFleet: false }),
     status: signal(create(StatusSnapshotSchema, { rigs })),
     onBlock: (topic: string, handler: () => void) => on('block', topic, handler),
     onEvent: (topic: string, handler: () => void) => on('event', topic, handler),

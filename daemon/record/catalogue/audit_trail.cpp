@@ -2,7 +2,6 @@
 #include "record/catalogue/audit_trail.h"
 
 #include <fcntl.h>
-#include <sodium.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,27 +17,11 @@ namespace dts::record {
 namespace {
 
 constexpr std::size_t kLongestText = 1024;
-constexpr std::size_t kHashLetters = std::size_t{2} * crypto_hash_sha256_BYTES;
+constexpr std::size_t kHashLetters = 64;
 constexpr std::size_t kMostEntries = 10'000;
 constexpr std::uint64_t kLargestNumber = std::numeric_limits<std::int64_t>::max();
 
 constexpr const char* kColumns = "SELECT number, utc_ns, who, what, target, result, hash FROM audit ";
-
-/// Returns the "previous hash" of the first entry.
-std::string first_hash() { return std::string(kHashLetters, '0'); }
-
-void add(crypto_hash_sha256_state& state, std::string_view bytes) {
-  crypto_hash_sha256_update(&state, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-}
-
-void add_field(crypto_hash_sha256_state& state, const std::string& text) {
-  std::array<char, 8> length{};
-  for (unsigned index = 0; index < length.size(); ++index) {
-    length[index] = static_cast<char>((std::uint64_t{text.size()} >> (8U * index)) & 0xffU);
-  }
-  add(state, {length.data(), length.size()});
-  add(state, text);
-}
 
 AuditEntry read_entry(Statement& row) {
   AuditEntry entry;
@@ -69,24 +52,9 @@ tl::unexpected<core::Error> broken(std::uint64_t number, const std::string& why)
 
 }  // namespace
 
-std::string audit_hash(const std::string& before, const AuditEntry& entry) {
-  crypto_hash_sha256_state state;
-  crypto_hash_sha256_init(&state);
-  add(state, before);
-  for (const std::string& text :
-       {std::to_string(entry.number), std::to_string(entry.utc_ns), entry.who, entry.what, entry.target, entry.result}) {
-    add_field(state, text);
-  }
-  std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
-  crypto_hash_sha256_final(&state, digest.data());
-  std::array<char, kHashLetters + 1> letters{};
-  sodium_bin2hex(letters.data(), letters.size(), digest.data(), digest.size());
-  return letters.data();
-}
-
 AuditEntry AuditTrail::last() const {
   auto row = database_->query(std::string(kColumns) + "ORDER BY number DESC LIMIT 1");
-  return row.step() ? read_entry(row) : AuditEntry{.hash = first_hash()};
+  return row.step() ? read_entry(row) : AuditEntry{.hash = first_audit_hash()};
 }
 
 core::Status AuditTrail::append(AuditEntry entry) const try {
@@ -128,7 +96,7 @@ core::Result<std::vector<AuditEntry>> AuditTrail::newest(std::size_t count) cons
 core::Result<std::uint64_t> AuditTrail::verify() const try {
   auto row = database_->query(std::string(kColumns) + "ORDER BY number");
   std::uint64_t entries = 0;
-  std::string before = first_hash();
+  std::string before = first_audit_hash();
   while (row.step()) {
     const auto entry = read_sound(row);
     if (!entry) return broken(entries + 1, "cannot be read");

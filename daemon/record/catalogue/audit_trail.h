@@ -6,20 +6,10 @@
 #include <vector>
 
 #include "core/result.h"
-#include "record/catalogue/catalogue.h"
+#include "record/catalogue/audit_chain.h"
 #include "record/catalogue/sqlite.h"
 
 namespace dts::record {
-
-/// Returns SHA-256 in lower-case hexadecimal over
-///
-///     hash of the previous entry  64 bytes, as text; for the first entry: 64 times '0'
-///     number, utc_ns, who, what, target, result, each as
-///         length                  8 bytes, little-endian
-///         text                    numbers in decimal
-///
-/// The lengths make the hashes of "a" + "bc" and "ab" + "c" different.
-[[nodiscard]] std::string audit_hash(const std::string& before, const AuditEntry& entry);
 
 /// The table `audit`, and a second trail in the file NAME.audit beside the catalogue. Each entry appends its line "number hash" to the
 /// file. The file is not synchronised and may lack lines (after a crash, a full disk), but every whole line must match the table.

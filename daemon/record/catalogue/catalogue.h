@@ -14,6 +14,7 @@
 #include "core/losses.h"
 #include "core/result.h"
 #include "dts/v1/sessions.pb.h"
+#include "record/catalogue/audit_chain.h"
 #include "record/catalogue/corrections.h"
 #include "record/session_facts.h"
 #include "record/xdf/recovery.h"
@@ -157,20 +158,6 @@ struct SubjectRow {
   std::uint64_t bytes = 0;
 
   friend bool operator==(const SubjectRow&, const SubjectRow&) = default;
-};
-
-/// One entry of the audit trail. `hash` is SHA-256 over the hash of the previous entry and the fields of this one, so that changed, removed
-/// and inserted entries are detected. For what is detected and what is not, see audit_trail.h.
-struct AuditEntry {
-  std::uint64_t number = 0;  ///< Counts from 1 without missing numbers.
-  std::int64_t utc_ns = 0;
-  std::string who;     ///< "local", "local:USER" for a user of a gateway, or "key:NAME".
-  std::string what;    ///< "start_session"
-  std::string target;  ///< "floor", a session's id
-  std::string result;  ///< "ok", or the error code's name
-  std::string hash;
-
-  friend bool operator==(const AuditEntry&, const AuditEntry&) = default;
 };
 
 /// The index of all recordings: an SQLite database (WAL, synchronous = FULL) in the state folder. If a file and the catalogue differ, the

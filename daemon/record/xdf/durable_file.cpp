@@ -41,7 +41,7 @@ core::Status refuse_existing(int error, const std::string& path) {
   return core::fail_errno(error, "cannot create " + path, kRoomHint);
 }
 
-core::Status synchronise_folder(const std::string& file) {
+core::Status synchronise_names(const std::string& file) {
   const auto parent = std::filesystem::path(file).parent_path();
   const std::string folder = parent.empty() ? "." : parent.string();
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -95,7 +95,7 @@ core::Status DurableFile::begin(NotedChunk first) {
   // fsync, not fdatasync: the files are new, so their metadata must be on the disk too.
   if (::fsync(file_) != 0) return core::fail_errno(errno, "cannot synchronise " + part_name_, kRoomHint);
   if (::fsync(index_) != 0) return core::fail_errno(errno, "cannot synchronise " + index_name_, kRoomHint);
-  return synchronise_folder(name_);
+  return synchronise_names(name_);
 }
 
 core::Status DurableFile::write_bytes(std::string_view bytes) {
@@ -168,7 +168,7 @@ core::Status DurableFile::rename_to_final() {
 core::Status DurableFile::publish() {
   DTS_TRY(synchronise());
   DTS_TRY(rename_to_final());
-  DTS_TRY(synchronise_folder(name_));
+  DTS_TRY(synchronise_names(name_));
   // Only a protection against mistakes, so a failure is ignored: file systems without permissions reject it.
   [[maybe_unused]] const int ignored = ::fchmod(file_, kClosed) + ::fchmod(index_, kClosed);
   return {};

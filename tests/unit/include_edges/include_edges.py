@@ -102,10 +102,19 @@ HOUSE = [
     ("clients/fleet/wire",       ["core", "proto"],                                       ["google/protobuf/"]),
     ("clients/fleet/wire/nkey.cpp", [],                                                   ["sodium.h"]),
     ("clients/fleet/link",       ["core", "fleet/wire"],                                  ["nats/"]),
+    ("clients/fleet/database",   ["core"],                                                ["libpq-fe.h"]),
     ("clients/fleet/forward",    ["cli", "core", "files", "libdts", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),
-    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
-                                                                                          ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),
+    ("clients/fleet/forward/event_mask.cpp", [],                                          ["google/protobuf/", "nlohmann/"]),
+    ("clients/fleet/forward/store.cpp", [],                                               ["google/protobuf/"]),
+    ("clients/fleet/forward/forwarder.cpp", [],                                           ["malloc.h"]),
+    ("clients/fleet/forward/main.cpp", [],                                                ["google/protobuf/"]),
+    ("clients/fleet/worker",     ["cli", "core", "files", "session", "fleet/database"],   ["CLI/", "nlohmann/", "systemd/"]),
+    ("clients/fleet/worker/stored_recording", [],                                         ["sodium.h"]),
+    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link", "fleet/database"],
+                                                                                          ["CLI/", "google/protobuf/", "sodium.h", "systemd/"]),
+    ("clients/fleet/desk",       ["cli", "core", "files", "gateway", "proto", "fleet/wire", "fleet/link", "fleet/database"],
+                                                                                          ["boost/", "CLI/", "google/protobuf/", "systemd/"]),
 ]
 
 # What the system offers, allowed everywhere. C headers that have a C++ name (stdint.h) are missing on purpose.

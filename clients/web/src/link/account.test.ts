@@ -10,8 +10,9 @@ const unreachable: typeof fetch = async () => Promise.reject(new TypeError('no n
 
 test.each([
   [401, '', nobody],
-  [200, '{"user": "anna", "role": "operator", "can_log_in": true}', { user: 'anna', role: Role.OPERATOR, canLogIn: true }],
-  [200, '{"user": 7, "role": "king"}', { user: '', role: Role.UNSPECIFIED, canLogIn: false }],
+  [200, '{"user": "anna", "role": "operator", "can_log_in": true}', { user: 'anna', role: Role.OPERATOR, canLogIn: true, isFleet: false }],
+  [200, '{"user": "anna", "role": "viewer", "can_log_in": true, "fleet": true}', { user: 'anna', role: Role.VIEWER, canLogIn: true, isFleet: true }],
+  [200, '{"user": 7, "role": "king"}', { user: '', role: Role.UNSPECIFIED, canLogIn: false, isFleet: false }],
 ])('askWho.%i %s', async (status, body, expected) => {
   expect(await askWho(answering(status, body))).toEqual(expected);
 });

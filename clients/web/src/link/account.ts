@@ -11,7 +11,7 @@ import { CommandError } from './types';
 const roles: Readonly<Record<string, Role>> = { viewer: Role.VIEWER, operator: Role.OPERATOR, engineer: Role.ENGINEER };
 const patienceMs = 2000;
 
-export const nobody: Me = { user: '', role: Role.UNSPECIFIED, canLogIn: true };
+export const nobody: Me = { user: '', role: Role.UNSPECIFIED, canLogIn: true, isFleet: false };
 
 const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
 
@@ -20,8 +20,9 @@ export const askWho = async (fetchIt: typeof fetch): Promise<Me> => {
   const response = await fetchIt('/api/me', { cache: 'no-store', signal: AbortSignal.timeout(patienceMs) });
   if (response.status === 401) return nobody;
   if (!response.ok) throw new Error(`/api/me: ${response.status}`);
-  const answer = (await response.json()) as { user?: unknown; role?: unknown; can_log_in?: unknown };
-  return { user: textOf(answer.user), role: roles[textOf(answer.role)] ?? Role.UNSPECIFIED, canLogIn: answer.can_log_in === true };
+  const answer = (await response.json()) as { user?: unknown; role?: unknown; can_log_in?: unknown; fleet?: unknown };
+  const role = roles[textOf(answer.role)] ?? Role.UNSPECIFIED;
+  return { user: textOf(answer.user), role, canLogIn: answer.can_log_in === true, isFleet: answer.fleet === true };
 };
 
 export const logIn = async (fetchIt: typeof fetch, user: string, password: string): Promise<void> => {

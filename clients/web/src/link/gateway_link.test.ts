@@ -24,7 +24,7 @@ class FakeSocket {
   send(bytes: Uint8Array): void {
     const { body } = fromBinary(FromBrowserSchema, bytes);
     this.received.push(body);
-    if (body.case === 'clockProbe' && answersProbes) this.deliver({ case: 'clockAnswer', value: { browserMs: body.value.browserMs, hostTimeNs: hostNs() } });
+    if (body.case === 'clockProbe' && answersProbes) this.deliver({ case: 'clockAnswer', value: { browserMs: body.value.browserMs, hostTimeNs: isClockKnown ? hostNs() : 0n } });
   }
   close(): void {
     this.readyState = 3;
@@ -46,22 +46,28 @@ class FakeSocket {
 const hostNs = (): bigint => BigInt(Math.round((performance.now() + 1e6) * 1e6));
 let sockets: FakeSocket[];
 let answersProbes: boolean;
+let isClockKnown: boolean; // of the clinic
 let role: string;
+let isFleet: boolean;
 let isHidden: boolean;
 let reportVisibility: () => void;
 let frames: (() => void)[];
 
-const makeLink = (): GatewayLink =>
+const makeLink = (clinic?: string): GatewayLink =>
   new GatewayLink({
+    clinic,
     openSocket: () => {
       const socket = new FakeSocket();
       sockets.push(socket);
       return socket as unknown as WebSocket;
     },
-    fetch: async () => ({ ok: true, status: 200, json: async () => ({ user: 'local', role, can_log_in: true }) }) as unknown as Response,
+    fetch: async () => ({ ok: true, status: 200, json: async () => ({ user: 'local', role, can_log_in: true, fleet: isFleet }) }) as unknown as Response,
     requestFrame: (callback) => void frames.push(callback),
     isHidden: () => isHidden,
-    onVisibility: (handler) => (reportVisibility = handler),
+    onVisibility: (handler) => {
+      reportVisibility = handler;
+      return () => undefined;
+    },
   });
 
 const paint = (): void => frames.splice(0).forEach((frame) => frame());
@@ -98,11 +104,64 @@ beforeEach(() => {
   vi.useFakeTimers({ toFake: ['setTimeout', 'clearTimeout', 'setInterval', 'clearInterval', 'performance', 'Date'] });
   vi.stubGlobal('WebSocket', { OPEN: 1 });
   vi.stubGlobal('reportError', () => undefined);
-  [sockets, frames, answersProbes, role, isHidden] = [[], [], true, 'operator', false];
+  [sockets, frames, answersProbes, role, isHidden, isFleet, isClockKnown] = [[], [], true, 'operator', false, false, true];
 });
 afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
+});
+
+test('GatewayLink.Centre has no socket without a clinic', async () => {
+  isFleet = true;
+  const link = makeLink();
+  await settle();
+
+  expect(link.state.value).toBe('fleet');
+  expect(sockets).toHaveLength(0);
+});
+
+test('GatewayLink.Centre with a clinic is live, until it is closed', async () => {
+  isFleet = true;
+  const link = makeLink('kent');
+  await settle();
+  sockets.at(-1)!.open();
+  await settle();
+
+  expect(link.state.value).toBe('up');
+  link.close();
+  expect(sockets.at(-1)!.readyState).toBe(3);
+  await vi.advanceTimersByTimeAsync(10_000);
+  expect(sockets).toHaveLength(1); // it does not connect again
+});
+
+test('GatewayLink.Clinic: subscribes as soon as the first status makes its clock known', async () => {
+  [isFleet, isClockKnown] = [true, false];
+  const link = makeLink('kent');
+  await settle();
+  const socket = sockets.at(-1)!;
+  socket.open();
+  link.subscribe(['floor/cop']);
+  await vi.advanceTimersByTimeAsync(1500);
+  expect(socket.all('subscribe')).toHaveLength(0);
+  expect(socket.all('clockProbe').length).toBeGreaterThan(4); // four times a second
+
+  isClockKnown = true;
+  socket.deliver({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });
+  await settle();
+  expect(socket.all('subscribe').at(-1)!.topics).toEqual(['floor/cop']);
+});
+
+test('GatewayLink.Clinic that is away: the reason, as a sentence', async () => {
+  isFleet = true;
+  const link = makeLink('kent');
+  await settle();
+  sockets.at(-1)!.open();
+  sockets.at(-1)!.deliver({ case: 'link', value: { isUp: false, problem: 'the clinic is not connected to the centre' } });
+
+  expect(link.state.value).toBe('no-daemon');
+  expect(link.problem.value).toBe('The clinic is not connected to the centre');
+  sockets.at(-1)!.deliver({ case: 'link', value: { isUp: true } });
+  expect(link.problem.value).toBe('');
 });
 
 test('GatewayLink.WithoutRole asks for a login and opens no socket', async () => {

@@ -12,10 +12,11 @@ import { batch, signal } from '@preact/signals';
 
 import { ErrorCode, RequestSchema, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
 import type { StatusSnapshot } from '../generated/dts/v1/control_pb';
-import type { Frame, FromGateway, Welcome } from '../generated/dts/v1/gateway_pb';
+import type { Frame, FromGateway, Link as GatewayToDaemon, Welcome } from '../generated/dts/v1/gateway_pb';
 import { FromBrowserSchema, FromGatewaySchema } from '../generated/dts/v1/gateway_pb';
 import { Role, rules, topic as topicOption } from '../generated/dts/v1/options_pb';
 import { EventSchema, StreamBlockSchema } from '../generated/dts/v1/stream_pb';
+import { asSentence } from '../parts/names';
 import { strings } from '../strings';
 import { askWho, logIn, logOut, nobody } from './account';
 import { HostClock } from './clock';
@@ -25,16 +26,19 @@ import { Handlers } from './handlers';
 import type { PaintObserver } from './painter';
 import { Painter } from './painter';
 import { splitTopic, Streams } from './streams';
-import type { Answer, Block, Command, Link, LinkState, LiveEvent, Me } from './types';
+import type { Answer, Block, ClosableLink, Command, LinkState, LiveEvent, Me } from './types';
 import { CommandError } from './types';
 
 /** What the link needs of the browser; tests replace it. */
 export interface Surroundings {
+  /** The clinic to watch, at a centre. Without one, a link to a centre opens no socket. */
+  readonly clinic?: string | undefined;
   openSocket(): WebSocket;
   fetch: typeof fetch;
   requestFrame(callback: () => void): void;
   isHidden(): boolean;
-  onVisibility(handler: () => void): void;
+  /** Returns a function that stops it. */
+  onVisibility(handler: () => void): () => void;
 }
 
 const tickMs = 250;
@@ -55,10 +59,11 @@ const timeoutMs = ({ case: name }: Command): number => {
 // Names in "<rig>/..." that carry an Event; all others are streams.
 const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name).filter((name) => name !== ''));
 
-export class GatewayLink implements Link {
+export class GatewayLink implements ClosableLink {
   readonly state = signal<LinkState>('connecting');
   readonly since = signal(Date.now());
   readonly me = signal<Me>(nobody);
+  readonly problem = signal('');
   readonly status = signal<StatusSnapshot | undefined>(undefined);
   readonly clockErrorMs = signal(NaN);
   readonly #drops = new Drops();
@@ -87,13 +92,18 @@ export class GatewayLink implements Link {
   #isStatusAsked = false;
   #newestFrame = 0n;
   #paintedFrame = 0n;
+  readonly #release: () => void;
 
   constructor(around: Surroundings, observer?: PaintObserver) {
     this.#around = around;
     this.#observer = observer;
     this.#painter = new Painter(around.requestFrame, (startedMs) => this.#painted(startedMs));
-    around.onVisibility(() => this.#visibilityChanged());
-    setInterval(() => this.#tick(), tickMs);
+    const stopVisibility = around.onVisibility(() => this.#visibilityChanged());
+    const timer = setInterval(() => this.#tick(), tickMs);
+    this.#release = () => {
+      stopVisibility();
+      clearInterval(timer);
+    };
     void this.#connect();
   }
 
@@ -144,6 +154,15 @@ export class GatewayLink implements Link {
     await this.#connect();
   }
 
+  checkLogin(): void {
+    void this.#connect();
+  }
+
+  close(): void {
+    this.#drop();
+    this.#release();
+  }
+
   // The connection.
 
   async #connect(): Promise<void> {
@@ -159,6 +178,7 @@ export class GatewayLink implements Link {
     if (attempt !== this.#attempt) return;
     this.me.value = me;
     if (me.role < Role.VIEWER) this.#enter('login');
+    else if (me.isFleet && this.#around.clinic === undefined) this.#enter('fleet');
     else this.#openSocket(attempt);
   }
 
@@ -232,7 +252,7 @@ export class GatewayLink implements Link {
     if (this.#socket === undefined) return;
     const isQuiet = nowMs - this.#receivedMs >= askAfterMs;
     if (nowMs - this.#receivedMs >= silenceMs) this.#gone();
-    else if (nowMs - this.#probedMs >= (isQuiet ? askAfterMs : probeEveryMs)) this.#probe();
+    else if (nowMs - this.#probedMs >= (!this.#clock.isKnown ? 0 : isQuiet ? askAfterMs : probeEveryMs)) this.#probe();
   }
 
   #runTick(): void {
@@ -298,7 +318,7 @@ export class GatewayLink implements Link {
       case 'response':
         return this.#commands.answered(body.value);
       case 'link':
-        return this.#daemonIs(body.value.isUp);
+        return this.#daemonIs(body.value);
     }
   }
 
@@ -307,12 +327,15 @@ export class GatewayLink implements Link {
     this.#waitMs = shortestWaitMs;
     this.me.value = { ...this.me.value, user: welcome.user, role: welcome.role };
     this.#drops.forget();
-    this.#daemonIs(welcome.link?.isUp ?? false);
+    this.#daemonIs(welcome.link);
     this.#subscribe();
   }
 
-  #daemonIs(isUp: boolean): void {
+  #daemonIs(link: GatewayToDaemon | undefined): void {
+    const isUp = link?.isUp ?? false;
     if (!isUp) this.#streams.forget();
+    if (!isUp && this.#around.clinic !== undefined) this.#clock.forget(); // the clinic's computer may have started again
+    this.problem.value = asSentence(link?.problem ?? '');
     this.#enter(isUp ? 'up' : 'no-daemon');
   }
 
@@ -347,6 +370,7 @@ export class GatewayLink implements Link {
     if (known?.instanceId === status.instanceId && status.hostTimeNs < known.hostTimeNs) return;
     this.#streams.learn(status);
     this.status.value = status;
+    if (!this.#clock.isKnown) this.#probe(); // a centre knows the clock of a clinic from its first status on
   }
 
   async #askStatus(): Promise<void> {

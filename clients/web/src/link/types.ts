@@ -37,12 +37,15 @@ export interface LiveEvent {
   readonly event: Event;
 }
 
-export type LinkState = 'connecting' | 'login' | 'up' | 'no-daemon' | 'no-gateway';
+/** 'fleet': the gateway serves a centre, and this link is to no clinic; there are no live data. */
+export type LinkState = 'connecting' | 'login' | 'fleet' | 'up' | 'no-daemon' | 'no-gateway';
 
 export interface Me {
   readonly user: string;
   readonly role: Role;
   readonly canLogIn: boolean;
+  /** The gateway serves a centre, which can only look. */
+  readonly isFleet: boolean;
 }
 
 /** What was dropped because the tab was too slow, since it connected. */
@@ -73,6 +76,8 @@ export interface Link {
   /** When the state began, in ms of Date.now(). */
   readonly since: ReadonlySignal<number>;
   readonly me: ReadonlySignal<Me>;
+  /** Why the gateway receives nothing from the daemon; empty: it does, or the reason is not known. */
+  readonly problem: ReadonlySignal<string>;
   readonly status: ReadonlySignal<StatusSnapshot | undefined>;
   readonly dropped: ReadonlySignal<Dropped>;
   /** Half the round trip of the best clock probe: the error of all ages. */
@@ -94,6 +99,13 @@ export interface Link {
   send(command: Command): Promise<Answer>;
   logIn(user: string, password: string): Promise<void>; // fails with CommandError
   logOut(): Promise<void>;
+  /** Asks again who the user is: the login may have ended. */
+  checkLogin(): void;
+}
+
+export interface ClosableLink extends Link {
+  /** Ends the link for good. */
+  close(): void;
 }
 
 export const rigOf = (status: StatusSnapshot | undefined, kind: string): RigStatus | undefined =>

@@ -73,6 +73,8 @@ export const conditionOf = (state: LinkState, since: number, status: StatusSnaps
       return { kind: 'plain', text: words.connecting, hint: '' };
     case 'login':
       return { kind: 'plain', text: words.login, hint: '' };
+    case 'fleet':
+      return { kind: 'plain', text: words.fleet, hint: '' };
     case 'no-gateway':
       return { kind: 'error', text: words.noGateway(clockTime(since)), hint: words.noGatewayHint };
     case 'no-daemon':

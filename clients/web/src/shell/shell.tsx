@@ -16,12 +16,15 @@ import type { ThemeChoice } from './theme';
 import { themeChoice, themeChoices } from './theme';
 
 const words = strings.common;
-const pages = ['floor', 'chair', 'sessions', 'health'] as const;
+const pagesOfDaemon = ['floor', 'chair', 'sessions', 'health'] as const;
+const pagesOfFleet = ['clinics', 'sessions', 'trends'] as const;
+const pagesOf = (link: Link): readonly (keyof typeof words.pages)[] => (link.me.value.isFleet ? pagesOfFleet : pagesOfDaemon);
 const livePages = new Set(['floor', 'chair']);
 const signs = { good: '●', plain: '○', warning: '▲', error: '✕' } as const;
 
-const Tabs = (): JSX.Element => {
-  const [first = 'floor'] = path.value;
+const Tabs = ({ link }: { link: Link }): JSX.Element => {
+  const pages = pagesOf(link);
+  const [first = pages[0]] = path.value;
   const shown = first === 'compare' || first === 'subjects' ? 'sessions' : first;
   return (
     <nav aria-label={words.navigation} class="tabs">
@@ -88,39 +91,40 @@ const KeyList = ({ entries }: { entries: readonly (readonly string[])[] }): JSX.
   </table>
 );
 
-const KeyHelp = ({ onClose }: { onClose: () => void }): JSX.Element => (
+const KeyHelp = ({ isFleet, onClose }: { isFleet: boolean; onClose: () => void }): JSX.Element => (
   <div class="key-help">
     <Panel title={words.help.title} testId="key-help" onClose={onClose}>
       <h3>{words.help.everywhere}</h3>
-      <KeyList entries={words.help.entries} />
-      <h3>{words.help.live}</h3>
-      <KeyList entries={words.help.liveEntries} />
+      <KeyList entries={[isFleet ? words.help.fleetPages : words.help.pages, ...words.help.entries]} />
+      {!isFleet && <h3>{words.help.live}</h3>}
+      {!isFleet && <KeyList entries={words.help.liveEntries} />}
     </Panel>
   </div>
 );
 
-export const Shell = ({ link, children }: { link: Link; children: ComponentChildren }): JSX.Element => {
+/** `live`: the link of the page that is shown, if it is another one: to the rigs of a clinic. */
+export const Shell = ({ link, live, children }: { link: Link; live: Link; children: ComponentChildren }): JSX.Element => {
   const isHelpOpen = useSignal(false);
-  useProtocols(link);
+  useProtocols(live);
   const page = useRef<HTMLElement>(null);
   useEffect(() => {
     page.current?.scrollTo(0, 0); // every page opens at its top
     window.scrollTo(0, 0); // on a phone the window scrolls
   }, [path.value]);
-  const { kind, text, hint } = conditionOf(link.state.value, link.since.value, link.status.value, link.dropped.value);
+  const { kind, text, hint } = conditionOf(live.state.value, live.since.value, live.status.value, live.dropped.value);
   // A live picture without data says by itself why, and what to do.
-  const isInPicture = livePages.has(path.value[0] ?? 'floor') && link.state.value !== 'up';
+  const isInPicture = livePages.has(path.value[link.me.value.isFleet ? 2 : 0] ?? 'floor') && live.state.value !== 'up';
   const goTo = (name: string) => () => (location.hash = `#/${name}`);
   useKeys({
     '?': () => (isHelpOpen.value = !isHelpOpen.value),
     ...(isHelpOpen.value ? { Escape: () => (isHelpOpen.value = false) } : {}), // otherwise Esc closes the form of the page
-    ...Object.fromEntries(pages.map((name, index) => [String(index + 1), goTo(name)])),
+    ...Object.fromEntries(pagesOf(link).map((name, index) => [String(index + 1), goTo(name)])),
   });
   return (
     <>
       <header class="shell-head">
-        <Tabs />
-        <StatusLine link={link} />
+        <Tabs link={link} />
+        <StatusLine link={live} />
         <ThemeSelect />
         <Button label={words.keys} keyName="?" onClick={() => (isHelpOpen.value = !isHelpOpen.value)} testId="show-keys" isPressed={isHelpOpen.value} />
         <Who link={link} />
@@ -129,7 +133,7 @@ export const Shell = ({ link, children }: { link: Link; children: ComponentChild
       <main ref={page} class="page" data-testid="page">
         {children}
       </main>
-      {isHelpOpen.value && <KeyHelp onClose={() => (isHelpOpen.value = false)} />}
+      {isHelpOpen.value && <KeyHelp isFleet={link.me.value.isFleet} onClose={() => (isHelpOpen.value = false)} />}
     </>
   );
 };

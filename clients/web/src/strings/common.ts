@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Texts of every page: tabs, status line, login, errors of commands, start of a session, keys, names of protocols, quality of a signal.
 export const common = {
-  pages: { floor: 'Live floor', chair: 'Live chair', sessions: 'Sessions', health: 'Health' },
+  pages: { floor: 'Live floor', chair: 'Live chair', sessions: 'Sessions', health: 'Health', clinics: 'Clinics', trends: 'Trends' },
   navigation: 'Pages',
   undefinedValue: '–',
   dismiss: 'Dismiss',
@@ -29,6 +29,7 @@ export const common = {
   link: {
     connecting: 'Connecting …',
     login: 'Login required',
+    fleet: 'Centre of a fleet',
     noDaemon: (time: string) => `No answer from dtsd since ${time}`,
     noGateway: (time: string) => `No connection since ${time}`,
     noDaemonHint: 'The measuring program dtsd does not answer. Reconnecting. If this lasts, check on its computer: systemctl status dtsd.',
@@ -136,9 +137,10 @@ export const common = {
   help: {
     title: 'Keys',
     everywhere: 'Everywhere',
+    pages: ['1 2 3 4', 'Live floor, Live chair, Sessions, Health'],
+    fleetPages: ['1 2 3', 'Clinics, Sessions, Trends'],
     entries: [
       ['?', 'Show or hide this list'],
-      ['1 2 3 4', 'Live floor, Live chair, Sessions, Health'],
       ['Tab', 'Next control'],
       ['Esc', 'Close the open form or list'],
     ],

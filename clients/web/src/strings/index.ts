@@ -3,8 +3,9 @@
 // each number as text in the reader's format (parts/numbers.ts). Units are not translated.
 import { chair } from './chair';
 import { common } from './common';
+import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
 import { sessions } from './sessions';
 
-export const strings = { common, floor, chair, sessions, health };
+export const strings = { common, floor, chair, sessions, health, fleet };

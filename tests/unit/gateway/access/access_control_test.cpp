@@ -29,7 +29,7 @@ TEST_F(AccessControlTest, RightPassword_GivesACookieThatTellsWhoSomebodyIs) {
   const HttpResponse answer = log_in(login("anna", kPassword));
 
   EXPECT_EQ(answer.status, 200U);
-  EXPECT_EQ(json_of(answer), (nlohmann::json{{"user", "anna"}, {"role", "operator"}, {"can_log_in", true}}));
+  EXPECT_EQ(json_of(answer), (nlohmann::json{{"user", "anna"}, {"role", "operator"}, {"can_log_in", true}, {"fleet", false}}));
   const std::string cookie = header_of(answer, "Set-Cookie");
   EXPECT_THAT(cookie, StartsWith("dts_token="));
   for (const char* attribute : {"; HttpOnly", "; SameSite=Strict", "; Path=/", "; Max-Age=43200"})
@@ -266,7 +266,8 @@ TEST_F(AccessControlTest, WithoutAUsersFile_NobodyCanLogIn) {
   open();
 
   EXPECT_EQ(log_in(login("anna", kPassword)).status, 403U);
-  EXPECT_EQ(json_of(describe_user(request("GET", "/api/me"))), (nlohmann::json{{"user", ""}, {"role", "none"}, {"can_log_in", false}}));
+  EXPECT_EQ(json_of(describe_user(request("GET", "/api/me"))),
+            (nlohmann::json{{"user", ""}, {"role", "none"}, {"can_log_in", false}, {"fleet", false}}));
 }
 
 TEST_F(AccessControlTest, UsersFileThatIsNone_IsRefusedWithItsLine) {

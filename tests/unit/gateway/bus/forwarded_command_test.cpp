@@ -67,7 +67,7 @@ class ForwardedCommandTest : public IoTest {
   zmq::socket_t daemon_{context_, zmq::socket_type::router};
   FakeConnection connection_;
   CommandPool commands_{io_, endpoint_};
-  Hub hub_{io_, commands_, [](const std::vector<std::string>&) {}, "1.2.3"};
+  Hub hub_{io_, &commands_, [](const std::vector<std::string>&) {}, "1.2.3"};
 };
 
 TEST_F(ForwardedCommandTest, ARepeatIsTheSameToTheLastByteAlsoOverAnotherConnection) {

@@ -53,7 +53,7 @@ class HubTest : public IoTest {
   FakeConnection connection_;
   CommandPool commands_{io_, "ipc:///nonexistent/control.sock"};
   std::vector<std::vector<std::string>> wishes_;
-  Hub hub_{io_, commands_, [this](std::vector<std::string> wanted) { wishes_.push_back(std::move(wanted)); }, "1.2.3"};
+  Hub hub_{io_, &commands_, [this](std::vector<std::string> wanted) { wishes_.push_back(std::move(wanted)); }, "1.2.3"};
 };
 
 TEST_F(HubTest, AStatusThatIsOld_IsNone_ThoughDataGoOnArriving) {

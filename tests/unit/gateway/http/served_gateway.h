@@ -107,7 +107,7 @@ class ServedGateway {
               if (!request.header("x-nobody").empty()) return std::nullopt;
               return Identity{.user = "test", .role = v1::ROLE_VIEWER};
             },
-            .open_tab = [this](const Identity&, TabConnection& connection) -> std::unique_ptr<Tab> {
+            .open_tab = [this](const Identity&, const Query&, TabConnection& connection) -> std::unique_ptr<Tab> {
               return std::make_unique<EchoTab>(connection, tabs_);
             }};
   }

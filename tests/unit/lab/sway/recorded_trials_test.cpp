@@ -105,6 +105,24 @@ TEST_F(RecordedTrialsTest, TrialsThatCount_AreMeasuredAndComparedWithWhatWasTold
   EXPECT_EQ(json().at("recorded_results"), 0) << "another definition than what was told";
 }
 
+TEST_F(RecordedTrialsTest, OneRecording_HasTheResultsOfTheSession_OfTheTrialsThatCount) {
+  const std::string file = recording(0.0);
+
+  ASSERT_EQ(run_with({"sway", file, "--all", "--json"}), cli::kOk) << talk();
+  const auto summary = json().at("summary");
+  const auto found = [&](const std::string& name) {
+    return std::ranges::find_if(summary, [&](const auto& figure) { return figure.at("name") == name; });
+  };
+  ASSERT_NE(found("eyes-open/MVELO"), summary.end()) << summary;
+  ASSERT_NE(found("romberg/MVELO"), summary.end()) << summary;
+  EXPECT_EQ(found("eyes-open/MVELO")->at("value"), json().at("trials").at(0).at("measures").at("MVELO").at("value"));
+  EXPECT_EQ(found("eyes-open/MVELO")->at("unit"), "mm/s");
+  EXPECT_EQ(found("eyes-open/MVELO")->at("details").at("trials"), 1) << "the aborted trial does not count";
+
+  ASSERT_EQ(run_with({"sway", file, file, "--json"}), cli::kOk) << talk();
+  EXPECT_FALSE(json().contains("summary")) << "of several recordings";
+}
+
 TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
   using namespace record::xdf_test;
   auto writer = record::XdfWriter::create(path("divided.xdf"), to_facts(floor_session())).value();

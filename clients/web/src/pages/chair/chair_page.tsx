@@ -52,7 +52,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
         <AngleGauge movement={shown.movement} isOfLastTrial={shown.step === 'ready'} />
         <Trials protocol={session?.protocol ?? ''} trials={trials.value} isOver={shown.step === 'finished' || shown.step === 'free'} />
       </div>
-      {session !== undefined && running ? (
+      {link.me.value.isFleet ? null : session !== undefined && running ? (
         <TrialControls key={session.sessionId} link={link} rig={rig} session={session} examination={shown}>
           <StartTaken form={form} protocol={session.protocol} />
         </TrialControls>

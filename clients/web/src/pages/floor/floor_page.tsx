@@ -128,7 +128,7 @@ const Side = ({ link, status, floor, form, commands, marking }: SideProps): JSX.
       <SwayTiles floor={floor}>
         <Load floor={floor} session={session} />
       </SwayTiles>
-      <SessionControls link={link} status={status} commands={commands} marking={marking} onStart={form.open} />
+      {!link.me.value.isFleet && <SessionControls link={link} status={status} commands={commands} marking={marking} onStart={form.open} />}
     </div>
   );
 };
@@ -172,7 +172,7 @@ export const FloorPage = ({ link, rigName }: { link: Link; rigName: string | und
   if (shown === undefined) return <Notice kind="plain" what={words.noRig} hint={words.noRigHint} testId="no-rig" />;
   return (
     <>
-      {platforms.length > 1 && (
+      {platforms.length > 1 && !link.me.value.isFleet && (
         <nav class="row" aria-label={words.rigs}>
           {platforms.map(({ rig }) => (
             <a key={rig!.name} class="tab" href={`#/floor/${encodeURIComponent(rig!.name)}`} aria-current={rig === shown.rig ? 'page' : undefined}>

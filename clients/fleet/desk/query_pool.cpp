@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fleet/desk/query_pool.h"
+
+#include <pthread.h>
+
+#include <boost/asio/post.hpp>
+#include <exception>
+#include <memory>
+#include <utility>
+
+namespace dts::fleet::desk {
+namespace {
+
+/// libpq and the standard library may throw if memory runs out.
+core::Result<std::string> result_of(const QueryPool::Work& work, database::Database& database) noexcept {
+  try {
+    auto result = work(database);
+    if (!result && result.error().code == core::ErrorCode::Unreachable) {
+      result.error().what = "the database of the centre does not answer";
+      result.error().hint = "check PostgreSQL on the computer of the centre";
+    } else if (!result && result.error().code == core::ErrorCode::Timeout) {
+      result.error().what = "the database of the centre needed too long";
+      result.error().hint = "choose a shorter time or one clinic";
+    }
+    return result;
+  } catch (const std::exception& failure) {
+    return core::fail(core::ErrorCode::Failed, failure.what());
+  }
+}
+
+}  // namespace
+
+QueryPool::QueryPool(boost::asio::io_context& io, const std::string& connection) : io_(io) {
+  for (std::size_t number = 0; number < kThreads; ++number) {
+    threads_.emplace_back([this, connection](const std::stop_token& stop) { run(stop, connection); });
+  }
+}
+
+QueryPool::~QueryPool() {
+  for (std::jthread& thread : threads_) thread.request_stop();
+}
+
+void QueryPool::submit(Work work, Done done) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() < kMostWaiting) {
+      waiting_.push_back({std::move(work), std::move(done)});
+      changed_.notify_one();
+      return;
+    }
+  }
+  done(core::fail(core::ErrorCode::LimitExceeded, "too many pages are requested at once", "try again"));
+}
+
+void QueryPool::run(const std::stop_token& stop, const std::string& connection) {
+  ::pthread_setname_np(::pthread_self(), "query");
+  database::Database database({.connection = connection, .name = "dts-fleet-gateway", .statement_timeout = kStatementTimeout});
+  while (true) {
+    Query query;
+    {
+      std::unique_lock lock(mutex_);
+      if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); }) || stop.stop_requested()) return;
+      query = std::move(waiting_.front());
+      waiting_.pop_front();
+    }
+    boost::asio::post(io_, [done = std::move(query.done), result = result_of(query.work, database)]() mutable { done(std::move(result)); });
+  }
+}
+
+}  // namespace dts::fleet::desk

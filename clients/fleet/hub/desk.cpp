@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fleet/hub/desk.h"
+
+#include <chrono>
+#include <exception>
+
+#include "core/thread.h"
+
+namespace dts::fleet::hub {
+namespace {
+
+constexpr auto kLongestWait = std::chrono::milliseconds(200);  // until a stop is noticed
+constexpr const char* kQueue = "hub";
+
+}  // namespace
+
+core::Result<std::unique_ptr<Desk>> Desk::open(const Surroundings& around, wire::Matter matter, const std::string& worker,
+                                               const std::string& thread_name, Handler handler) {
+  DTS_TRY_ASSIGN(auto letters, around.link.subscribe(wire::of_all_clinics(matter, worker), worker.empty() ? kQueue : ""));
+  std::unique_ptr<Desk> desk(new Desk(around, matter, std::move(letters), std::move(handler)));
+  desk->thread_ = std::jthread([raw = desk.get(), thread_name](const std::stop_token& stop) {
+    static_cast<void>(core::configure_this_thread(thread_name, {}));
+    raw->serve(stop);
+  });
+  return desk;
+}
+
+Desk::Desk(const Surroundings& around, wire::Matter matter, std::unique_ptr<link::Subscription> letters, Handler handler)
+    : around_(around), matter_(matter), letters_(std::move(letters)), handler_(std::move(handler)) {}
+
+void Desk::serve(const std::stop_token& stop) {
+  std::uint64_t dropped = 0;
+  while (!stop.stop_requested()) {
+    const auto letter = letters_->next(kLongestWait);
+    if (letter) {
+      try {
+        answer(*letter, stop);
+      } catch (const std::exception& exception) {  // no memory left; the clinic asks again
+        around_.log.error("a message of subject " + letter->subject + " was dropped: " + exception.what());
+      }
+    }
+    const std::uint64_t now_dropped = letters_->dropped();
+    around_.counts.dropped_total += now_dropped - dropped;
+    dropped = now_dropped;
+  }
+}
+
+void Desk::answer(const link::Letter& letter, const std::stop_token& stop) {
+  ++around_.counts.letters_total;
+  const auto subject = wire::parse_subject(letter.subject);
+  if (!subject || subject->matter != matter_ || !wire::is_inbox_of(subject->clinic, letter.reply) ||
+      !around_.clinics.is_allowed(subject->clinic)) {
+    ++around_.counts.rejected_total;
+    return;
+  }
+  auto reply = handler_(subject->clinic, letter.data, stop);
+  if (!reply) return;
+  // An answer that is lost is asked for again.
+  if (const auto sent = around_.link.publish({.subject = letter.reply, .data = *std::move(reply)}); !sent) {
+    around_.log.debug("no answer to " + subject->clinic + ": " + core::to_string(sent.error()));
+  }
+}
+
+}  // namespace dts::fleet::hub

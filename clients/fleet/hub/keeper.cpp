@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fleet/hub/keeper.h"
+
+#include <exception>
+#include <set>
+#include <utility>
+
+#include "core/thread.h"
+#include "fleet/database/schema.h"
+#include "fleet/hub/users_file.h"
+
+namespace dts::fleet::hub {
+namespace {
+
+using database::migrate;
+
+using SteadyTime = std::chrono::steady_clock::time_point;
+
+constexpr auto kTurn = std::chrono::milliseconds(200);   // until a stop is noticed
+constexpr auto kFollowPause = std::chrono::seconds(30);  // if a notification was lost
+constexpr auto kCleanPause = std::chrono::minutes(10);
+constexpr auto kRetry = std::chrono::seconds(1);
+constexpr const char* kClinicChannel = "clinic";
+
+}  // namespace
+
+Keeper::Keeper(const Settings& settings, std::string hub_public_key, ClinicList& clinics, Ingest& ingest, Store& store,
+               const core::Log& log)
+    : settings_(settings),
+      hub_public_key_(std::move(hub_public_key)),
+      clinics_(clinics),
+      ingest_(ingest),
+      store_(store),
+      log_(log),
+      database_({.connection = settings.connection, .name = "dts-hub keeper"}),
+      catalogue_(database_) {
+  database_.listen(kClinicChannel);
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    static_cast<void>(core::configure_this_thread("keeper", {}));
+    serve(stop);
+  });
+}
+
+void Keeper::serve(const std::stop_token& stop) {
+  SteadyTime next_follow{};
+  SteadyTime next_clean{};
+  SteadyTime next_reload{};
+  while (!stop.stop_requested()) {
+    try {
+      if (!is_migrated_) {
+        const auto migrated = migrate(database_);
+        is_migrated_ = migrated.has_value();
+        report(migrated);
+      }
+      const auto notified = database_.wait_notification(kTurn);
+      if (!notified) {
+        report(tl::make_unexpected(notified.error()));
+        std::this_thread::sleep_for(kTurn);
+      }
+      const auto now = std::chrono::steady_clock::now();
+      if (is_migrated_ && notified && (*notified || now >= next_follow)) {
+        const auto followed = follow_clinics();
+        next_follow = now + (followed ? std::chrono::duration_cast<std::chrono::milliseconds>(kFollowPause) : kRetry);
+        next_reload = now;
+        report(followed);
+      }
+      if (is_reload_due_ && now >= next_reload) {
+        next_reload = now + kRetry;
+        reload();
+      }
+      if (is_migrated_ && now >= next_clean) {
+        next_clean = now + kCleanPause;
+        ingest_.drop_abandoned();
+        report(clean());
+      }
+    } catch (const std::exception& exception) {  // no memory left
+      log_.error(std::string("keeper: ") + exception.what());
+    }
+  }
+}
+
+core::Status Keeper::follow_clinics() {
+  DTS_TRY_ASSIGN(const auto clinics, catalogue_.clinics());
+  std::set<std::string> active;
+  for (const Clinic& clinic : clinics) {
+    if (!clinic.is_revoked) active.insert(clinic.id);
+  }
+  clinics_.set(std::move(active));
+  DTS_TRY_ASSIGN(const bool is_written, write_users(settings_, hub_public_key_, clinics));
+  if (is_written) {
+    is_reload_due_ = true;
+    log_.info("wrote the users of nats-server: " + settings_.users_file);
+  }
+  return {};
+}
+
+void Keeper::reload() {
+  is_reload_due_ = false;
+  if (settings_.pid_file.empty() || settings_.users_file.empty()) return;
+  const auto reloaded = reload_nats(settings_.pid_file);
+  if (!reloaded) is_reload_due_ = true;
+  report(reloaded);
+}
+
+core::Status Keeper::clean() {
+  DTS_TRY(catalogue_.prune_history());
+  DTS_TRY_ASSIGN(const auto left, catalogue_.left_recordings());
+  for (const RecordingName& name : left) DTS_TRY(catalogue_.remove_recording(name, store_));
+  return {};
+}
+
+void Keeper::report(const core::Status& status) {
+  const std::string problem = status ? "" : core::to_string(status.error());
+  if (!problem.empty() && problem != reported_) log_.error(problem);
+  if (!problem.empty()) reported_ = problem;
+}
+
+}  // namespace dts::fleet::hub

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fleet/hub/settings.h"
+
+#include <arpa/inet.h>
+
+#include <charconv>
+#include <filesystem>
+
+#include "files/whole_file.h"
+#include "fleet/wire/subjects.h"
+
+namespace dts::fleet::hub {
+namespace {
+
+constexpr std::int64_t kMostBytes = 1'000'000'000'000'000;
+constexpr std::int64_t kDefaultBytesADay = 200'000'000'000;     // 10 rigs with 16 channels at 1500 Hz, round the clock
+constexpr std::int64_t kDefaultStagedBytes = 100'000'000'000;
+constexpr std::size_t kMostCaBytes = 1024 * 1024;
+
+/// Returns the name of a file, relative to the folder of the configuration; empty if the key is absent.
+std::string file_name(files::TomlReader& reader, std::string_view key) {
+  const std::string text = reader.text(key, "");
+  if (text.empty()) return text;
+  std::error_code error;
+  const auto folder = std::filesystem::absolute(reader.file(), error).parent_path();
+  return (folder / text).lexically_normal().string();
+}
+
+core::LogLevel read_level(files::TomlReader reader) {
+  const std::string level = reader.choice("level", {"info", "debug", "warning", "error"});
+  reader.finish();
+  if (level == "debug") return core::LogLevel::Debug;
+  if (level == "warning") return core::LogLevel::Warning;
+  return level == "error" ? core::LogLevel::Error : core::LogLevel::Info;
+}
+
+void read_nats(files::TomlReader reader, Settings& settings) {
+  for (const char* key : {"servers", "key"}) reader.require(key);
+  settings.servers = reader.texts("servers", {});
+  settings.public_servers = reader.texts("public_servers", settings.servers);
+  settings.ca_file = file_name(reader, "ca");
+  settings.key_file = file_name(reader, "key");
+  settings.users_file = file_name(reader, "users_file");
+  settings.pid_file = file_name(reader, "pid_file");
+  if (settings.servers.empty() && reader.has("servers")) reader.report("servers", "needs at least one server: [\"tls://127.0.0.1:4222\"]");
+  reader.finish();
+}
+
+/// Splits "127.0.0.1:9464".
+void read_metrics(files::TomlReader reader, Settings& settings) {
+  const std::string listen = reader.text("listen", "");
+  reader.finish();
+  if (listen.empty()) return;
+  const std::size_t colon = listen.rfind(':');
+  settings.metrics_address = listen.substr(0, colon);
+  in_addr parsed{};
+  bool is_sound = colon != std::string::npos && ::inet_pton(AF_INET, settings.metrics_address.c_str(), &parsed) == 1;
+  if (is_sound) {
+    const char* const end = listen.data() + listen.size();
+    const auto [stop, error] = std::from_chars(listen.data() + colon + 1, end, settings.metrics_port);
+    is_sound = error == std::errc() && stop == end;
+  }
+  if (!is_sound) reader.report("listen", "'" + listen + "' is not an IPv4 address with a port: \"127.0.0.1:9464\"");
+}
+
+}  // namespace
+
+Settings load_settings(const std::string& file, files::Problems& problems) {
+  Settings loaded;
+  const auto table = files::parse_toml(file, problems);
+  if (!table) return loaded;
+  files::TomlReader top(&*table, "", file, problems);
+  loaded.log_level = read_level(top.table("log"));
+  top.require("name");
+  loaded.name = top.text("name", "");
+  if (top.has("name") && !wire::is_worker_name(loaded.name)) top.report("name", "has 1 to 32 of the characters a-z, 0-9 and -: \"hub-1\"");
+  read_nats(top.table("nats"), loaded);
+  files::TomlReader database = top.table("database");
+  database.require("connection");
+  loaded.connection = database.text("connection", "");
+  database.finish();
+  files::TomlReader store = top.table("store");
+  store.require("directory");
+  loaded.directory = file_name(store, "directory");
+  loaded.full_at_percent = store.number("full_at_percent", 95.0, 1.0, 100.0);
+  store.finish();
+  files::TomlReader quota = top.table("quota");
+  loaded.bytes_a_day = static_cast<std::uint64_t>(quota.integer("bytes_a_day", kDefaultBytesADay, 1, kMostBytes));
+  loaded.staged_bytes = static_cast<std::uint64_t>(quota.integer("staged_bytes", kDefaultStagedBytes, 1, kMostBytes));
+  quota.finish();
+  read_metrics(top.table("metrics"), loaded);
+  top.finish();
+  return loaded;
+}
+
+core::Result<std::string> read_ca(const Settings& settings) {
+  if (settings.ca_file.empty()) return std::string();
+  auto text = files::read_whole_file(settings.ca_file, kMostCaBytes);
+  if (text) return text;
+  return core::fail(core::ErrorCode::InvalidArgument, "cannot read '" + settings.ca_file + "': " + text.error().what,
+                    "name the certificates of the authority in [nats] ca");
+}
+
+}  // namespace dts::fleet::hub

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/log.h"
+#include "core/result.h"
+#include "files/toml_reader.h"
+
+namespace dts::fleet::hub {
+
+/// hub.toml. All values are checked; names of files are relative to the file's folder.
+struct Settings {
+  core::LogLevel log_level = core::LogLevel::Info;
+  std::string name;  ///< Of this hub: each process needs another one.
+
+  std::vector<std::string> servers;         ///< "tls://127.0.0.1:4222"
+  std::vector<std::string> public_servers;  ///< As the clinics reach them; for enrolment files.
+  std::string ca_file;                      ///< Empty: no TLS, on loopback addresses.
+  std::string key_file;                     ///< The hub's nkey; made by `dts-fleet users` if there is none.
+  std::string users_file;                   ///< Empty: another hub writes it.
+  std::string pid_file;                     ///< Of nats-server, which reads the users file again at SIGHUP; empty: systemd sends it.
+
+  std::string connection;  ///< Of PostgreSQL.
+
+  std::string directory;  ///< Recordings.
+  double full_at_percent = 95.0;
+  std::uint64_t bytes_a_day = 0;
+  std::uint64_t staged_bytes = 0;
+
+  std::string metrics_address;     ///< Empty: no /metrics.
+  std::uint16_t metrics_port = 0;
+};
+
+[[nodiscard]] Settings load_settings(const std::string& file, files::Problems& problems);
+
+/// Reads the certificates in `settings.ca_file`. Fails with InvalidArgument.
+[[nodiscard]] core::Result<std::string> read_ca(const Settings& settings);
+
+}  // namespace dts::fleet::hub

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fleet/hub/users_file.h"
+
+#include <signal.h>
+
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+
+#include "files/toml_text.h"
+#include "files/whole_file.h"
+#include "fleet/wire/nkey.h"
+#include "fleet/wire/subjects.h"
+#include "record/replace_file.h"
+
+namespace dts::fleet::hub {
+namespace {
+
+constexpr std::size_t kMostUsersBytes = 64 * 1024 * 1024;
+constexpr mode_t kUsersMode = 0644;  // no secret: nats-server runs as another user
+
+std::string quoted_list(const std::vector<std::string>& texts) {
+  std::string list;
+  for (const std::string& text : texts) list += (list.empty() ? "\"" : ", \"") + text + "\"";
+  return "[" + list + "]";
+}
+
+std::string user_line(const std::string& public_key, const wire::Permissions& permissions) {
+  return "  {nkey: " + public_key + ", permissions: {publish: {allow: " + quoted_list(permissions.publish) +
+         "}, subscribe: {allow: " + quoted_list(permissions.subscribe) + "}, allow_responses: {max: 1, ttl: \"30s\"}}}\n";
+}
+
+}  // namespace
+
+std::string users_text(const std::string& hub_public_key, const std::vector<Clinic>& clinics) {
+  std::string text =
+      "# Written by dts-hub from the table clinic. Change it with dts-fleet clinic add and dts-fleet clinic revoke.\n"
+      "authorization {\n users = [\n";
+  text += user_line(hub_public_key, wire::hub_permissions());
+  for (const Clinic& clinic : clinics) {
+    // A line of the database that is not a name and a key must not become configuration.
+    if (clinic.is_revoked || !wire::is_clinic_name(clinic.id) || !wire::is_public_nkey(clinic.nkey)) continue;
+    text += user_line(clinic.nkey, wire::clinic_permissions(clinic.id));
+  }
+  return text + " ]\n}\n";
+}
+
+core::Result<bool> write_users(const Settings& settings, const std::string& hub_public_key, const std::vector<Clinic>& clinics) {
+  if (settings.users_file.empty()) return false;
+  const std::string text = users_text(hub_public_key, clinics);
+  const auto present = files::read_whole_file(settings.users_file, kMostUsersBytes);
+  if (present && *present == text) return false;
+  DTS_TRY(record::replace_file(settings.users_file, text, kUsersMode));
+  return true;
+}
+
+core::Status reload_nats(const std::string& pid_file) {
+  const auto text = files::read_whole_file(pid_file, 64);
+  pid_t number = 0;
+  if (text) std::from_chars(text->data(), text->data() + text->size(), number);
+  std::string program;
+  if (number > 1) std::getline(std::ifstream("/proc/" + std::to_string(number) + "/comm"), program);
+  if (program != "nats-server") {
+    return core::fail(core::ErrorCode::NotFound, "'" + pid_file + "' names no running nats-server",
+                      "start nats-server, with pid_file in its configuration; it reads the users at its start");
+  }
+  if (::kill(number, SIGHUP) == 0) return {};
+  return core::fail_errno(errno, "cannot send SIGHUP to nats-server", "let systemd reload it: systemd/README.md");
+}
+
+std::string enrolment_text(const std::string& clinic, const std::vector<std::string>& servers, const std::string& ca_pem) {
+  std::string list;
+  for (const std::string& server : servers) list += (list.empty() ? "" : ", ") + files::toml_quoted(server);
+  std::string text = "# For the clinic's PC: beside forward.toml, which names it as enrolment. It holds no secret.\n";
+  text += "clinic = " + files::toml_quoted(clinic) + "\nservers = [" + list + "]\n";
+  const bool is_plain = ca_pem.find_first_of("\\") == std::string::npos && ca_pem.find("\"\"\"") == std::string::npos;
+  if (!ca_pem.empty()) text += "ca = " + (is_plain ? "\"\"\"\n" + ca_pem + "\"\"\"" : files::toml_quoted(ca_pem)) + "\n";
+  return text;
+}
+
+}  // namespace dts::fleet::hub

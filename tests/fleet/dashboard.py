@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The dashboard of a centre in a real browser, with a clinic whose line fails.
+
+    dashboard.py    needs node, Chromium and the built dashboard; dashboard.mjs is what the person at the browser does"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+from centre import Centre
+from checks import SKIPPED, Checks, run_test
+from child import PROGRAMS, REPOSITORY, Child, program, wait_until
+from clinic import Clinic
+
+WEB_ROOT = os.environ.get("DTS_WEB_ROOT", str(PROGRAMS.parent / "share/dts-gateway/web"))
+PROTOCOL = """\
+name = "standing"
+title = "Standing"
+sentence = "Standing still for 3 s"
+rig_kind = "floor"
+[trials]
+order = "as-listed"
+trials_per_block = 1
+blocks = 1
+starts_by_itself = true
+settle_s = 0.5
+duration_s = 3
+[[trials.condition]]
+name = "eyes-open"
+title = "Eyes open"
+"""
+BROWSER_S = 300.0
+
+
+def gateway_of(centre: Centre) -> Child:
+    words = [program("dts-fleet-gateway"), "serve", "--config", centre.config, "--listen", "127.0.0.1:0", "--web-root", WEB_ROOT]
+    return Child("dts-fleet-gateway", words, centre.folder / "gateway.log")
+
+
+def address_of(gateway: Child) -> str | None:
+    gateway.expect_alive()
+    found = re.search(r"listening on (http://\S+)/", gateway.text())
+    return found.group(1) if found else None
+
+
+def dashboard(checks: Checks) -> None:
+    centre = Centre()
+    gateway = gateway_of(centre)
+    kent = Clinic(centre, "kent")
+    kent.protocols["standing"] = PROTOCOL
+    try:
+        centre.start()
+        kent.start("Kent and Canterbury")
+        gateway.start()
+        wait_until("the dashboard listens", lambda: address_of(gateway))
+        session = kent.dtsctl("session", "start", "--rig", "floor", "--protocol", "standing", "--subject", "P017").strip()
+        wait_until("the trial is measured", lambda: "MVELO" in centre.query("SELECT string_agg(name, ' ') FROM result"))
+        kent.dtsctl("session", "stop", "--rig", "floor")
+        wait_until("the recording has a receipt", lambda: centre.receipts())
+        browse(checks, kent, address_of(gateway) or "", session)
+        gateway.expect_alive()
+    finally:
+        gateway.stop()
+        kent.close()
+        centre.close(keep=checks.failed > 0)
+
+
+def browse(checks: Checks, kent: Clinic, address: str, session: str) -> None:
+    """Prints what the browser checks. The browser asks for the line to be cut and restored."""
+    with subprocess.Popen(["node", str(REPOSITORY / "tests/fleet/dashboard.mjs"), address, session], stdin=subprocess.PIPE,
+                          stdout=subprocess.PIPE, text=True) as browser:
+        assert browser.stdin is not None and browser.stdout is not None
+        for line in browser.stdout:
+            match line.split(maxsplit=1):
+                case ["cut"]:
+                    kent.line.cut()
+                case ["restore"]:
+                    kent.line.restore()
+                case ["ok" | "FAILED" as result, what]:
+                    checks.expect(what.rstrip(), result == "ok")
+                case _:
+                    print(line, end="", flush=True)
+                    continue
+            browser.stdin.write("done\n")
+            browser.stdin.flush()
+        status = browser.wait(timeout=BROWSER_S)
+    checks.expect("the browser came to its end", status == 0, status)
+
+
+if __name__ == "__main__":
+    for needed in ("node", os.environ.get("DTS_CHROMIUM", "chromium")):
+        if shutil.which(needed) is None:
+            print(f"skipped: {needed} is not installed")
+            sys.exit(SKIPPED)
+    if not os.path.exists(f"{WEB_ROOT}/index.html") or not (PROGRAMS / "dts-fleet-gateway").exists():
+        print("skipped: the dashboard is not built")
+        sys.exit(SKIPPED)
+    run_test(dashboard)

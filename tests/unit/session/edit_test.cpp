@@ -646,7 +646,11 @@ TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
     EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);
     EXPECT_EQ(checked.error().what.find(bad), std::string::npos) << "it may be a name";
   }
-  EXPECT_TRUE(check_label(rule, "text of the notes", std::string(1000, 'x'), 1000));
+  EXPECT_TRUE(check_notes(rule, std::string(1000, 'x'), 1000));
+  EXPECT_TRUE(check_notes(rule, "Tired. Left knee hurts! T2 repeated.", 1000));
+  EXPECT_FALSE(check_notes(rule, "Tired. Anna Schmidt helped.", 1000));
+  EXPECT_FALSE(check_notes(rule, "tired, Left knee", 1000)) << "a new sentence begins after '.', '!' or '?'";
+  EXPECT_TRUE(check_notes(rule, "", 1000));
   EXPECT_THAT(why_refused(check_label(rule, "marker", "Anna Schmidt"), core::ErrorCode::InvalidArgument),
               HasSubstr("the marker does not follow this clinic's rule for labels; Use words and numbers"));
 }

@@ -66,6 +66,7 @@ class PostgresServer {
   /// Starts it again with the same data.
   void start() {
     kill();
+    std::filesystem::remove(folder_.path() + "/postgres.log");  // it says that an earlier one is ready
     pid_ = spawn({"postgres", "-D", data(), "-k", folder_.path(), "-c", "listen_addresses=", "-c", "fsync=off", "-c", "shared_buffers=16MB",
                   "-c", "max_connections=40"});
     for (int tries = 0; tries < 3000; ++tries) {

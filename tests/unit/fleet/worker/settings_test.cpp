@@ -53,10 +53,10 @@ TEST_F(SettingsTest, All_AreRead_AndPathsAreRelativeToTheFile) {
 }
 
 TEST_F(SettingsTest, WhatIsMissingOrWrong_IsAProblem) {
-  static_cast<void>(read("[store]\ndirectory = \"/store\"\n"));
+  static_cast<void>(read("[database]\n[store]\ndirectory = \"/store\"\n"));
   EXPECT_THAT(problems(), HasSubstr("connection"));
   static_cast<void>(read("[database]\nconnection = \"dbname=x\"\n"));
-  EXPECT_THAT(problems(), HasSubstr("directory"));
+  EXPECT_THAT(problems(), HasSubstr("[store] is missing"));
   static_cast<void>(read(std::string(kLeast) + "[limits]\ntime_s = 0\nmemory_mib = 1\n"));
   EXPECT_THAT(problems(), HasSubstr("time_s"));
   EXPECT_THAT(problems(), HasSubstr("memory_mib"));

@@ -98,10 +98,16 @@ class WorkerTest : public database::CatalogueTest {
                         << limits << "\n[jobs]\nlease_s = 2\nretry_pause_s = 0\n";
     return file;
   }
-  /// Waits until the statement's number is at least this one.
+  /// Waits until the statement's number is at least this one; not after a minute without progress.
   void wait_for(const std::string& statement, std::int64_t least) {
-    for (int look = 0; look < 30'000 && number(statement) < least; ++look) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    ASSERT_GE(number(statement), least) << statement;
+    std::int64_t last = number(statement);
+    for (int looks = 0; looks < 6000 && last < least; ++looks) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const std::int64_t now = number(statement);
+      if (now != last) looks = 0;
+      last = now;
+    }
+    ASSERT_GE(last, least) << statement;
   }
   void wait_for_state(const std::string& session, const std::string& state) {
     wait_for("SELECT count(*) FROM job WHERE session = '" + session + "' AND state = '" + state + "'", 1);
@@ -233,12 +239,25 @@ TEST_F(WorkerTest, Signal_EndsTheWorker_AndGivesItsJobBack) {
   EXPECT_EQ(text("SELECT state || tries FROM job"), "waiting0");
 }
 
+TEST_F(WorkerTest, DatabaseThatEndsMeanwhile_HasTheResultAfterwards) {
+  store("long", "wait");
+  add_jobs();
+  Process worker(configuration());
+  wait_for_state("long", "running");
+  server()->kill();
+  go();
+  server()->start();
+  while (!database().run("SELECT 1")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  wait_for_state("long", "done");
+  EXPECT_EQ(results("long"), 1);
+}
+
 TEST_F(WorkerTest, OtherKinds_HaveTheirOwnResults) {
   store("part", "{\"is_identical\": true}");
   const std::string file = configuration();
   write_script(folder_.path() + "/dtslab",
                "[ \"$1\" = --version ] && echo 'dtslab 9.9' && exit\n"
-               "[ \"$1\" = replay ] && read -r text < \"$2\" && echo \"$text\" && exit\n"
+               "[ \"$1\" = replay ] && { read -r text < \"$2\"; echo \"$text\"; exit; }\n"
                "[ \"$1 $2\" = 'reach results' ] && echo '{\"summary\": [{\"name\": \"trials\", \"value\": 9, \"unit\": \"1\"}]}'");
   add_jobs("replay");
   add_jobs("reach");

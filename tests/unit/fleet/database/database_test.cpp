@@ -14,7 +14,7 @@ TEST_F(DatabaseTest, ServerThatEnds_IsUnreachable_UntilItIsBack) {
   Database listening({.connection = connection(), .name = "listening"});
   listening.listen("job");
   ASSERT_TRUE(listening.wait_notification(std::chrono::milliseconds(0)).value());
-  server()->kill();
+  server()->stop(SIGQUIT);
   for (Database* const each : {&database(), &listening}) {
     for (int statement = 0; statement < 3; ++statement) {
       const auto rows = each->run("SELECT 1");

@@ -5,16 +5,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
-#include <functional>
 #include <iostream>
+#include <memory>
 #include <random>
-#include <set>
 #include <thread>
+#include <vector>
 
+#include "files/whole_file.h"
 #include "fleet/database/jobs.h"
 #include "record/sha256.h"
+#include "support/sanitized.h"
 #include "unit/fleet/database/catalogue_fixture.h"
 #include "unit/fleet/worker/script_fixture.h"
 
@@ -244,7 +245,7 @@ TEST_F(WorkerTest, DatabaseThatEndsMeanwhile_HasTheResultAfterwards) {
   add_jobs();
   Process worker(configuration());
   wait_for_state("long", "running");
-  server()->kill();
+  server()->stop(SIGQUIT);
   go();
   server()->start();
   while (!database().run("SELECT 1")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -267,6 +268,25 @@ TEST_F(WorkerTest, OtherKinds_HaveTheirOwnResults) {
   EXPECT_EQ(text("SELECT name || ' ' || value FROM result WHERE analysis = 'reach 9.9'"), "trials 9");
 }
 
+TEST_F(WorkerTest, RealDtslab_RunsWithinItsLimits) {
+  if (test::kIsSanitized) GTEST_SKIP() << "the sanitizers need more address space than any limit allows";
+  const std::string recording = folder_.path() + "/simulated.xdf";
+  const std::string simulate = std::string(DTS_LAB) + " simulate floor --duration 12 --out " + recording + " > /dev/null";
+  ASSERT_EQ(std::system(simulate.c_str()), 0);
+  const std::string bytes = files::read_whole_file(recording, 100 << 20).value();
+  store("simulated", bytes);
+  const std::string file = configuration();
+  std::filesystem::remove(folder_.path() + "/dtslab");
+  std::filesystem::create_symlink(DTS_LAB, folder_.path() + "/dtslab");
+  for (const char* const kind : {"sway", "reach", "replay"}) {
+    ASSERT_TRUE(database::add_jobs(database(), {.kind = kind, .version = DTS_VERSION}));
+  }
+  Process worker(file);
+  wait_for("SELECT count(*) FROM job WHERE state IN ('done', 'failed')", 3);
+  EXPECT_EQ(text("SELECT string_agg(kind || ' ' || state || message, ', ' ORDER BY kind) FROM job"), "reach done, replay done, sway done");
+  EXPECT_EQ(text("SELECT name || ' ' || value FROM result WHERE analysis = 'replay " DTS_VERSION "'"), "replay/is_identical 1");
+}
+
 TEST_F(WorkerTest, NewDtslab_TakesTheJobsOfItsVersion) {
   store("new", "result");
   add_jobs();
@@ -280,6 +300,7 @@ TEST_F(WorkerTest, NewDtslab_TakesTheJobsOfItsVersion) {
   wait_for("SELECT count(*) FROM job WHERE version = '9.8' AND state = 'failed'", 2);
   EXPECT_EQ(number("SELECT count(*) FROM job WHERE version = '9.9' AND state = 'waiting'"), 1);
   std::filesystem::rename(real + ".9", real);
+  sql("NOTIFY job");  // else it looks 10 s later
   wait_for("SELECT count(*) FROM job WHERE version = '9.9' AND state = 'done'", 1);
 }
 

@@ -52,6 +52,13 @@ TEST_F(SettingsTest, All_AreRead_AndPathsAreRelativeToTheFile) {
   EXPECT_EQ(options.retry_pause, std::chrono::seconds(0));
 }
 
+TEST_F(SettingsTest, Example_IsRead) {
+  const WorkerOptions options = read_settings(std::string(DTS_SOURCE_DIR) + "/config/worker.toml", problems_);
+  EXPECT_EQ(problems(), "");
+  EXPECT_EQ(options.store, "/var/lib/dts-hub");
+  EXPECT_EQ(options.dtslab, "/usr/bin/dtslab");
+}
+
 TEST_F(SettingsTest, WhatIsMissingOrWrong_IsAProblem) {
   static_cast<void>(read("[database]\n[store]\ndirectory = \"/store\"\n"));
   EXPECT_THAT(problems(), HasSubstr("connection"));

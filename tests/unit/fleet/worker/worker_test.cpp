@@ -30,6 +30,7 @@ class Process {
   explicit Process(const std::string& configuration) : pid_(::fork()) {
     if (pid_ != 0) return;
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    ::setenv("TMPDIR", std::filesystem::path(configuration).parent_path().c_str(), 1);  // a worker that is killed leaves a folder there
     ::execl(DTS_WORKER, "dts-worker", "run", "--config", configuration.c_str(), static_cast<char*>(nullptr));
     ::_exit(127);
   }

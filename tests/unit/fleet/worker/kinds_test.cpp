@@ -75,6 +75,19 @@ TEST(KindsTest, MoreFiguresThanAnyAnalysisHas_AreSkipped) {
   EXPECT_EQ(found.skipped, 5U);
 }
 
+TEST(KindsTest, LargestOutput_NeedsNoTimeWithTheSquareOfItsSize) {
+  std::string list = "{}";
+  while (list.size() < (std::size_t{16} << 20U)) list += ",{}";
+  EXPECT_EQ(figures("sway", summary_of(list)).skipped, (list.size() + 1) / 3);  // with that square: hours
+}
+
+TEST(KindsTest, BracketsInTexts_AreNoDepth) {
+  const std::string name = "a\\\"" + std::string(100, '[');
+  const auto found = figures("sway", summary_of("{\"name\": \"" + name + "\", \"value\": 1, \"unit\": \"1\"}")).all;
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].name, "a\"" + std::string(100, '['));
+}
+
 TEST(KindsTest, Replay_IsOneOrZero_WithTheFirstDifference) {
   const auto same = figures("replay", R"({"is_identical": true, "streams": [{"stream": "cop"}]})").all;
   ASSERT_EQ(same.size(), 1U);

@@ -94,7 +94,8 @@ class Hub {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_connect_) return;
     next_connect_ = now + kRejectedPause;
-    if (link_) log_.warning("nats-server rejects the key of this hub: run dts-fleet users, and include its file in nats-server's configuration");
+    if (link_)
+      log_.warning("nats-server rejects the key of this hub: run dts-fleet users, and include its file in nats-server's configuration");
     if (const auto connected = connect(); !connected) log_.error(core::to_string(connected.error()));
   }
 
@@ -117,7 +118,8 @@ class Hub {
     DTS_TRY(add_desk(wire::Matter::Chunk, settings_.name, "chunk", chunks()));
     DTS_TRY(add_desk(wire::Matter::Commit, settings_.name, "commit", commits()));
     // Several, so that their commits share the wait for the disk; revisions make the order irrelevant.
-    for (int number = 1; number <= kFactsDesks; ++number) DTS_TRY(add_desk(wire::Matter::Facts, "", "facts-" + std::to_string(number), facts()));
+    for (int number = 1; number <= kFactsDesks; ++number)
+      DTS_TRY(add_desk(wire::Matter::Facts, "", "facts-" + std::to_string(number), facts()));
     DTS_TRY(add_desk(wire::Matter::Erase, "", "erase", erasures()));
     return add_desk(wire::Matter::Beat, "", "beat", beats());
   }

@@ -75,7 +75,8 @@ v1::UploadAnswer Ingest::later(const std::string& reason, std::uint32_t wait_s) 
 
 std::uint64_t Ingest::offered_bytes(const std::string& clinic) const {
   std::uint64_t bytes = 0;
-  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic; ++upload) {
+  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic;
+       ++upload) {
     bytes += upload->second.offer.bytes();
   }
   return bytes;
@@ -212,7 +213,8 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
   if (!is_sound || !*is_sound) {
-    log_.warning(described(name) + (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
+    log_.warning(described(name) +
+                 (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
     start_again(name, upload.is_in_store, catalogue);
     return is_sound ? upload_answer(0) : later(kDiskFailed, kDatabaseWaitS);
   }

@@ -51,7 +51,9 @@ class IngestTest : public DatabaseTest {
     offer.set_part(1);
     return offer;
   }
-  v1::UploadAnswer open(const v1::UploadOffer& offer, const std::string& clinic = "kent") { return ingest_->open(clinic, offer, *catalogue_); }
+  v1::UploadAnswer open(const v1::UploadOffer& offer, const std::string& clinic = "kent") {
+    return ingest_->open(clinic, offer, *catalogue_);
+  }
   v1::UploadAnswer take(const std::string& whole, std::uint64_t offset, std::size_t count, const std::string& clinic = "kent") {
     v1::UploadChunk chunk;
     chunk.set_sha256(sum_of(whole));
@@ -167,8 +169,8 @@ TEST_F(IngestTest, FullDisk_AndSpentQuotas_AreLater) {
   EXPECT_EQ(open(offer_of(bytes_)).later().reason(), "the disk of the centre is full");
   restart({.hub = "hub-1", .bytes_a_day = 1500, .staged_bytes = 3000});
   EXPECT_TRUE(open(offer_of(bytes_)).has_upload());
-  EXPECT_TRUE(open(offer_of(std::string(2500, 'x'))).has_later());     // both together are more than may be staged
-  EXPECT_TRUE(open(offer_of(std::string(3001, 'x'))).has_refusal());   // never possible
+  EXPECT_TRUE(open(offer_of(std::string(2500, 'x'))).has_later());    // both together are more than may be staged
+  EXPECT_TRUE(open(offer_of(std::string(3001, 'x'))).has_refusal());  // never possible
   EXPECT_TRUE(open(offer_of(std::string(2500, 'x')), "leeds").has_upload());
   EXPECT_EQ(take(bytes_, 0, 1500).upload().have(), 1500U);
   EXPECT_TRUE(take(bytes_, 1500, 10).has_later());
@@ -260,7 +262,8 @@ TEST_F(IngestTest, SecondHubWithTheSameName_IsRejected) {
 }
 
 TEST_F(IngestTest, TwoHubsWithTheSameFile_MakeOneReceipt) {
-  const auto second = Ingest::create({.hub = "hub-2"}, Staging::open(folder_.path() + "/staging/hub-2").value(), *store_, clock_, log_).value();
+  const auto second =
+      Ingest::create({.hub = "hub-2"}, Staging::open(folder_.path() + "/staging/hub-2").value(), *store_, clock_, log_).value();
   open(offer_of(bytes_));
   take(bytes_, 0, 5000);
   EXPECT_EQ(second->open("kent", offer_of(bytes_), *catalogue_).upload().worker(), "hub-2");

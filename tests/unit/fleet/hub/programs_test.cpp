@@ -38,9 +38,10 @@ class FleetProgramTest : public DatabaseTest {
     DatabaseTest::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     config_ = folder_.path() + "/hub.toml";
-    std::ofstream(config_) << "name = \"hub-1\"\n[nats]\nservers = [\"nats://127.0.0.1:1\"]\npublic_servers = [\"tls://hub.example:4222\"]\nkey = "
-                           << "\"hub.nk\"\nusers_file = \"users.conf\"\npid_file = \"none\"\n[database]\nconnection = \"" << connection_
-                           << "\"\n[store]\ndirectory = \"store\"\n";
+    std::ofstream(config_)
+        << "name = \"hub-1\"\n[nats]\nservers = [\"nats://127.0.0.1:1\"]\npublic_servers = [\"tls://hub.example:4222\"]\nkey = "
+        << "\"hub.nk\"\nusers_file = \"users.conf\"\npid_file = \"none\"\n[database]\nconnection = \"" << connection_
+        << "\"\n[store]\ndirectory = \"store\"\n";
   }
   int fleet(std::vector<std::string> words) {
     out_.str("");
@@ -49,8 +50,8 @@ class FleetProgramTest : public DatabaseTest {
     cli::Console console{.out = out_, .talk = talk_, .columns = 200};
     return run_fleet_program(words, console);
   }
-  int add(const std::string& name, const std::string& key) {
-    return fleet({"clinic", "add", name, "--title", "Kent clinic", "--key", key, "--out", folder_.path() + "/" + name + ".toml"});
+  int add(const std::string& name, const std::string& key, const std::string& file) {
+    return fleet({"clinic", "add", name, "--title", "Kent clinic", "--key", key, "--out", folder_.path() + "/" + file});
   }
 
   test::TemporaryFolder folder_;
@@ -61,15 +62,16 @@ class FleetProgramTest : public DatabaseTest {
 
 TEST_F(FleetProgramTest, ClinicAdd_WritesTheEnrolmentFile) {
   const auto key = wire::create_nkey().public_key;
-  ASSERT_EQ(add("kent", key), 0) << talk_.str();
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0) << talk_.str();
   EXPECT_THAT(content_of(folder_.path() + "/kent.toml"), HasSubstr("tls://hub.example:4222"));
-  EXPECT_EQ(add("kent", wire::create_nkey().public_key), 6);
+  EXPECT_EQ(add("leeds", wire::create_nkey().public_key, "kent.toml"), 2);
+  EXPECT_THAT(talk_.str(), HasSubstr("exists already"));
+  EXPECT_EQ(add("kent", wire::create_nkey().public_key, "again.toml"), 6);
   EXPECT_THAT(talk_.str(), HasSubstr("its name or its key exists already"));
-  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/kent.toml.new"));
-  EXPECT_EQ(add("Kent", key), 2);
-  EXPECT_EQ(add("leeds", "UABC"), 2);
+  EXPECT_EQ(add("Kent", key, "again.toml"), 2);
+  EXPECT_EQ(add("leeds", "UABC", "again.toml"), 2);
   EXPECT_THAT(talk_.str(), HasSubstr("dts-forward key"));
-  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/leeds.toml"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/again.toml"));
   ASSERT_EQ(fleet({"clinic", "list"}), 0);
   EXPECT_THAT(out_.str(), HasSubstr("Kent clinic"));
 }
@@ -84,7 +86,7 @@ TEST_F(FleetProgramTest, Users_AreWrittenWithoutANatsServer) {
 
 TEST_F(FleetProgramTest, Lists_AsTablesAndAsJsonLines) {
   const auto key = wire::create_nkey().public_key;
-  ASSERT_EQ(add("kent", key), 0);
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0);
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s2", 1)));
   v1::Beat beat;

@@ -40,7 +40,8 @@ directory = "store"
 };
 
 TEST_F(SettingsTest, FilesAreRelativeToTheConfiguration) {
-  const Settings settings = load(std::string(kSound) + "full_at_percent = 90\n[quota]\nbytes_a_day = 7\n[metrics]\nlisten = \"127.0.0.1:9464\"\n");
+  const Settings settings =
+      load(std::string(kSound) + "full_at_percent = 90\n[quota]\nbytes_a_day = 7\n[metrics]\nlisten = \"127.0.0.1:9464\"\n");
   EXPECT_TRUE(problems_.empty()) << files::to_string(problems_.front());
   EXPECT_EQ(settings.name, "hub-1");
   EXPECT_EQ(settings.ca_file, folder_.path() + "/ca.pem");

@@ -50,7 +50,8 @@ TEST_F(StoreTest, List_IgnoresWhatIsNoRecording) {
   ASSERT_TRUE(store_->put(name_, new_file("abc")));
   ASSERT_TRUE(store_->put({"leeds", name_.sha256}, new_file("abc")));
   fs::create_directories(folder_.path() + "/store/objects/Not a clinic");
-  fs::copy_file(**store_->file(name_), folder_.path() + "/store/objects/Not a clinic/" + fs::path(**store_->file(name_)).filename().string());
+  fs::copy_file(**store_->file(name_),
+                folder_.path() + "/store/objects/Not a clinic/" + fs::path(**store_->file(name_)).filename().string());
   std::ofstream(folder_.path() + "/store/objects/kent/notes.txt") << "x";
   auto names = store_->list().value();
   std::ranges::sort(names);

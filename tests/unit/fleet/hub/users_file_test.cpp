@@ -18,7 +18,8 @@ TEST(UsersFile, HasTheHubAndTheClinicsThatAreNotRevoked) {
   const auto hub = wire::create_nkey().public_key;
   const auto kent = wire::create_nkey().public_key;
   const auto leeds = wire::create_nkey().public_key;
-  const std::string text = users_text(hub, {{.id = "kent", .title = "", .nkey = kent}, {.id = "leeds", .title = "", .nkey = leeds, .is_revoked = true}});
+  const std::string text =
+      users_text(hub, {{.id = "kent", .title = "", .nkey = kent}, {.id = "leeds", .title = "", .nkey = leeds, .is_revoked = true}});
   EXPECT_NE(text.find(hub), std::string::npos);
   EXPECT_NE(text.find("{nkey: " + kent + ", permissions: {publish: {allow: [\"dts.v1.kent.up.>\""), std::string::npos) << text;
   EXPECT_EQ(text.find(leeds), std::string::npos);

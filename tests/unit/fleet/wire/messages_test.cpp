@@ -181,7 +181,8 @@ TEST(Messages, Hex_IsItsOwnReverse) {
   ASSERT_TRUE(bytes_of_hex(text));
   EXPECT_EQ(bytes_of_hex(text)->substr(0, 2), std::string("\0\xff", 2));
   EXPECT_EQ(hex_of(*bytes_of_hex(text)), text);
-  for (const std::string& wrong : {std::string(63, 'a'), std::string(66, 'a'), std::string(64, 'A'), std::string(63, 'a') + "g", std::string()}) {
+  for (const std::string& wrong :
+       {std::string(63, 'a'), std::string(66, 'a'), std::string(64, 'A'), std::string(63, 'a') + "g", std::string()}) {
     EXPECT_FALSE(bytes_of_hex(wrong)) << wrong;
   }
 }

@@ -104,6 +104,10 @@ HOUSE = [
     ("clients/fleet/link",       ["core", "fleet/wire"],                                  ["nats/"]),
     ("clients/fleet/forward",    ["cli", "core", "files", "libdts", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),
+    ("clients/fleet/forward/event_mask.cpp", [],                                          ["google/protobuf/", "nlohmann/"]),
+    ("clients/fleet/forward/store.cpp", [],                                               ["google/protobuf/"]),
+    ("clients/fleet/forward/forwarder.cpp", [],                                           ["malloc.h"]),
+    ("clients/fleet/forward/main.cpp", [],                                                ["google/protobuf/"]),
     ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),
 ]

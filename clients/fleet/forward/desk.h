@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <stop_token>
+#include <string>
+
+#include "core/log.h"
+#include "fleet/forward/store.h"
+#include "fleet/forward/transfer.h"
+#include "fleet/forward/uplink.h"
+
+namespace dts::fleet::forward {
+
+/// Sends facts and erasures of the store to the centre, one at a time, until the centre has answered each. Thread: one.
+class Desk {
+ public:
+  Desk(std::string clinic, Uplink& uplink, Store& store, core::Log log);
+
+  /// Sends what waits. Returns early if the centre does not answer or asks for a pause; the next call continues after it. `now`, `utc_ns`:
+  /// of this moment.
+  void serve(std::chrono::steady_clock::time_point now, const std::stop_token& stop);
+  /// Why it does not send; empty: nothing prevents it.
+  [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
+
+ private:
+  /// Returns false if the rest must wait.
+  bool send_facts(const v1::FleetSession& facts, const std::stop_token& stop);
+  bool send_erasure(const std::string& session, const std::stop_token& stop);
+  bool fail(const std::string& problem);
+  bool wait(const v1::Later& later);
+
+  std::string clinic_;
+  Uplink& uplink_;
+  Store& store_;
+  core::Log log_;
+  Backoff backoff_;
+  std::chrono::milliseconds pause_{0};
+  std::chrono::steady_clock::time_point not_before_{};
+  std::uint64_t connections_ = 0;
+  std::string problem_;
+};
+
+}  // namespace dts::fleet::forward

@@ -232,6 +232,16 @@ TEST_F(IngestTest, ErasedSession_IsRejected_AlsoInTheMiddle) {
   EXPECT_EQ(staged_files(), 0U);
 }
 
+TEST_F(IngestTest, SessionErasedByWayOfAnotherHub_IsDropped) {
+  open(offer_of(bytes_, "s1"));
+  open(offer_of("other", "s2"));
+  ASSERT_TRUE(catalogue_->erase_session("kent", "s1", 1));
+  ASSERT_TRUE(ingest_->drop_erased(*catalogue_));
+  EXPECT_TRUE(take(bytes_, 0, 10).has_later());
+  EXPECT_TRUE(take("other", 0, 2).has_upload());
+  EXPECT_EQ(staged_files(), 2U);
+}
+
 TEST_F(IngestTest, AbandonedUploads_AreRemovedAfterAWeek) {
   open(offer_of(bytes_));
   take(bytes_, 0, 100);

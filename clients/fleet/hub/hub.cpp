@@ -84,7 +84,9 @@ class Hub {
                      }));
     }
     keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, *ingest_, *store_, log_);
-    return connect();
+    const auto connected = connect();
+    // nats-server may close the first connection while it reads the users file: `serve` opens another one.
+    return connected.has_value() || connected.error().code != core::ErrorCode::InvalidArgument ? core::Status() : connected;
   }
 
   /// Opens the connection again if nats-server has rejected it: it may not have read the users file yet.
@@ -94,7 +96,8 @@ class Hub {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_connect_) return;
     next_connect_ = now + kRejectedPause;
-    if (link_) log_.warning("nats-server rejects the key of this hub: run dts-fleet users, and include its file in nats-server's configuration");
+    if (link_)
+      log_.warning("nats-server rejects the key of this hub: run dts-fleet users, and include its file in nats-server's configuration");
     if (const auto connected = connect(); !connected) log_.error(core::to_string(connected.error()));
   }
 
@@ -105,6 +108,14 @@ class Hub {
 
  private:
   [[nodiscard]] core::Status connect() {
+    const auto connected = open_desks();
+    if (connected) return {};
+    desks_.clear();
+    link_.reset();
+    return connected;
+  }
+
+  [[nodiscard]] core::Status open_desks() {
     desks_.clear();
     link_.reset();
     DTS_TRY_ASSIGN(link_, link::Link::open({.servers = settings_.servers,
@@ -117,7 +128,8 @@ class Hub {
     DTS_TRY(add_desk(wire::Matter::Chunk, settings_.name, "chunk", chunks()));
     DTS_TRY(add_desk(wire::Matter::Commit, settings_.name, "commit", commits()));
     // Several, so that their commits share the wait for the disk; revisions make the order irrelevant.
-    for (int number = 1; number <= kFactsDesks; ++number) DTS_TRY(add_desk(wire::Matter::Facts, "", "facts-" + std::to_string(number), facts()));
+    for (int number = 1; number <= kFactsDesks; ++number)
+      DTS_TRY(add_desk(wire::Matter::Facts, "", "facts-" + std::to_string(number), facts()));
     DTS_TRY(add_desk(wire::Matter::Erase, "", "erase", erasures()));
     return add_desk(wire::Matter::Beat, "", "beat", beats());
   }

@@ -85,6 +85,20 @@ class Disk:
         return b"".join(pages)[:size]
 
 
+def wait_for_upload(clinic: Clinic, share: float) -> None:
+    """Waits until this share of a file has arrived, or all of it."""
+    centre = clinic.centre
+
+    def has_arrived() -> bool:
+        waiting = clinic.undelivered()
+        if not waiting:
+            return not clinic.is_recording()
+        largest = max(part["bytes"] for part in clinic.recorded().values() if part["sha256"] in waiting)
+        return any(path.stat().st_size >= share * largest for path in centre.staged() if path.suffix == ".part" and path.exists())
+
+    wait_until(f"{share:.0%} of a file has arrived", has_arrived)
+
+
 def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
     if not LIBRARY.exists():
         raise Failure(f"{LIBRARY} is not built: ninja -C build/release dts_synchronised")
@@ -98,14 +112,16 @@ def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
     clinic = Clinic(centre, "kent", rigs=(LARGE_FLOOR,), bytes_per_s=500_000.0)
     broken: set[str] = set()
     during = 0
+    is_good = False
     try:
         centre.start()
         clinic.start()
         for _ in range(words.cuts):
-            if clinic.undelivered() == set() and not clinic.is_recording():
-                clinic.record(chance.uniform(1.0, 2.0), "floor", "--subject", "P001")
-            wait_until("something is on its way", lambda: clinic.undelivered() and any(centre.staged()))
-            time.sleep(chance.uniform(0, 1.5))
+            if not clinic.undelivered() and not clinic.is_recording():
+                clinic.record(chance.uniform(2.0, 4.0), "floor", "--subject", "P001")
+            # Half of the cuts are near the commit, when the file is whole and its row and receipt are being made.
+            wait_for_upload(clinic, chance.choice([chance.random(), 1.0]))
+            time.sleep(chance.choice([0.0, 0.01, 0.03]) * chance.random())
             during += any(centre.staged())
             centre.hub.kill()
             if chance.random() < 0.3:
@@ -125,10 +141,11 @@ def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
         checks.expect("files, rows and receipts are the same",
                       set(centre.objects()) == set(centre.parts()) == centre.receipts() and len(centre.objects()) == len(clinic.recorded()))
         checks.expect("the cuts took something away", disk.lost)
+        is_good = not checks.failed
         print(f"        {len(centre.objects())} recordings; {during} cuts during an upload; {disk.lost} names or files that were not synchronised")
     finally:
         clinic.close()
-        centre.close(keep=checks.failed > 0)
+        centre.close(keep=not is_good)
 
 
 if __name__ == "__main__":

@@ -78,7 +78,8 @@ bool Desk::send_erasure(const std::string& session, const std::stop_token& stop)
   if (!answer) return fail(core::to_string(answer.error()));
   if (answer->has_later()) return wait(answer->later());
   if (answer->has_refusal()) {  // sent again: an erasure must not be forgotten
-    log_.error("the centre rejected the erasure of session " + session + ": " + answer->refusal().reason() + ". Ask the centre to erase it");
+    log_.error("the centre rejected the erasure of session " + session + ": " + answer->refusal().reason() +
+               ". Ask the centre to erase it");
     return fail("the centre rejected the erasure of session " + session);
   }
   log_.info("the centre has erased session " + session + " (" + std::to_string(answer->files()) + " files)");

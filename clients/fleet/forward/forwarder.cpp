@@ -209,6 +209,7 @@ void Forwarder::send_beat(const std::stop_token& stop) {
   const v1::Beat beat = beat_of(status.get(), backlog ? *backlog : v1::Backlog(), DTS_VERSION, sent_at);
   const auto answered =
       ask(*talk_, wire::to_text({.clinic = settings_.clinic, .matter = wire::Matter::Beat}), beat.SerializeAsString(), kBeatTimeout, stop);
+  if (!stop.stop_requested()) board_.set_word(words::kBeatProblem, answered ? "" : answered.error().what);
   if (!answered) return;
   const auto answer = wire::decode_beat_answer(*answered);
   if (!answer) return log_.warning("answer to a beat: " + core::to_string(answer.error()));

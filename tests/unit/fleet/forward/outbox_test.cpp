@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "fleet/wire/messages.h"
 #include "support/temporary_folder.h"
 #include "unit/fleet/forward/fake_clinic.h"

@@ -23,8 +23,8 @@
 
 namespace dts::test {
 
-/// A real PostgreSQL in a folder of its own, with a Unix socket and no network address. It ends with this object or with the test. PostgreSQL
-/// does not run as root: there it runs as user postgres.
+/// A real PostgreSQL in a folder of its own, with a Unix socket and no network address. It ends with this object or with the test.
+/// PostgreSQL does not run as root: there it runs as user postgres.
 class PostgresServer {
  public:
   /// Returns the folder of the programs, or nothing if they are not installed: then the test is skipped.
@@ -50,7 +50,8 @@ class PostgresServer {
         if (::chown((folder_.path() + name).c_str(), user_, group_) != 0) throw std::runtime_error("cannot change the owner");
       }
     }
-    const pid_t made = spawn({*programs() + "/initdb", "-D", data(), "-U", "dts_hub", "-A", "trust", "-E", "UTF8", "--locale=C", "--no-sync"});
+    const pid_t made =
+        spawn({*programs() + "/initdb", "-D", data(), "-U", "dts_hub", "-A", "trust", "-E", "UTF8", "--locale=C", "--no-sync"});
     int status = 0;
     if (::waitpid(made, &status, 0) != made || status != 0) throw std::runtime_error("initdb failed: " + log_text());
     start();
@@ -63,7 +64,8 @@ class PostgresServer {
     pid_ = spawn({*programs() + "/postgres", "-D", data(), "-k", folder_.path() + "/socket", "-c", "listen_addresses=", "-c",
                   "shared_buffers=16MB", "-c", "autovacuum=off"});
     for (int tries = 0; tries < 2000; ++tries) {
-      if (std::filesystem::exists(folder_.path() + "/socket/.s.PGSQL.5432") && log_text().find("ready to accept connections") != std::string::npos) {
+      if (std::filesystem::exists(folder_.path() + "/socket/.s.PGSQL.5432") &&
+          log_text().find("ready to accept connections") != std::string::npos) {
         return;
       }
       if (::waitpid(pid_, nullptr, WNOHANG) == pid_) break;

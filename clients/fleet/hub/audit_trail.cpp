@@ -61,7 +61,8 @@ core::Result<std::uint64_t> verify_audit(Database& database) {
     for (std::size_t row = 0; row < rows.size(); ++row) {
       DTS_TRY_ASSIGN(const auto entry, audit_entry(rows, row));
       if (entry.number != entries + 1) return broken_audit(entries + 1, "is missing");
-      if (entry.hash != record::audit_hash(before, entry)) return broken_audit(entry.number, "does not fit: it or the one before it was changed");
+      if (entry.hash != record::audit_hash(before, entry))
+        return broken_audit(entry.number, "does not fit: it or the one before it was changed");
       before = entry.hash;
       ++entries;
     }

@@ -20,7 +20,8 @@ std::string word_of(std::string_view name, std::string_view prefix) {
   if (name.starts_with(prefix)) name.remove_prefix(prefix.size());
   if (name == "UNSPECIFIED") return {};
   std::string word(name);
-  std::ranges::transform(word, word.begin(), [](char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter; });
+  std::ranges::transform(word, word.begin(),
+                         [](char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter; });
   return word;
 }
 
@@ -47,9 +48,8 @@ tl::unexpected<core::Error> erased_before(const std::string& session) {
 }  // namespace
 
 core::Result<std::vector<Clinic>> Catalogue::clinics() {
-  DTS_TRY_ASSIGN(const Rows rows,
-                 database_->run("SELECT id, title, nkey, state = 'revoked', to_char(added, 'YYYY-MM-DD HH24:MI'), "
-                                "to_char(revoked, 'YYYY-MM-DD HH24:MI') FROM clinic ORDER BY id"));
+  DTS_TRY_ASSIGN(const Rows rows, database_->run("SELECT id, title, nkey, state = 'revoked', to_char(added, 'YYYY-MM-DD HH24:MI'), "
+                                                 "to_char(revoked, 'YYYY-MM-DD HH24:MI') FROM clinic ORDER BY id"));
   std::vector<Clinic> clinics;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     clinics.push_back({.id = rows.text(row, 0),
@@ -99,10 +99,9 @@ core::Status Catalogue::lock_recording(const RecordingName& name) {
 core::Result<std::uint64_t> Catalogue::put_session(const std::string& clinic, const v1::FleetSession& session) {
   return database_->transaction([&]() -> core::Result<std::uint64_t> {
     DTS_TRY(lock_session(clinic, session.session_id()));
-    DTS_TRY_ASSIGN(const Rows known,
-                   database_->run("SELECT (SELECT revision FROM session WHERE clinic = $1 AND id = $2), "
-                                  "EXISTS (SELECT FROM erased WHERE clinic = $1 AND session = $2)",
-                                  {clinic, session.session_id()}));
+    DTS_TRY_ASSIGN(const Rows known, database_->run("SELECT (SELECT revision FROM session WHERE clinic = $1 AND id = $2), "
+                                                    "EXISTS (SELECT FROM erased WHERE clinic = $1 AND session = $2)",
+                                                    {clinic, session.session_id()}));
     if (known.boolean(0, 1)) return erased_before(session.session_id());
     DTS_TRY_ASSIGN(const std::int64_t revision, known.integer(0, 0));
     if (static_cast<std::uint64_t>(revision) >= session.revision()) return static_cast<std::uint64_t>(revision);
@@ -128,9 +127,8 @@ core::Result<std::uint64_t> Catalogue::put_session_rows(const std::string& clini
       "fields = excluded.fields, received = now() WHERE session.revision < excluded.revision";
   DTS_TRY(database_->run(
       kPut, {clinic, session.session_id(), session.revision(), session.rig(), session.protocol(), text_or_null(session.subject()),
-             session.state(), session.started_utc_ns(),
-             session.has_ended_utc_ns() ? std::optional(session.ended_utc_ns()) : std::nullopt, session.planned_trials(),
-             session.is_deleted(), session.has_label() ? std::optional(session.label()) : std::nullopt,
+             session.state(), session.started_utc_ns(), session.has_ended_utc_ns() ? std::optional(session.ended_utc_ns()) : std::nullopt,
+             session.planned_trials(), session.is_deleted(), session.has_label() ? std::optional(session.label()) : std::nullopt,
              session.has_notes() ? std::optional(session.notes()) : std::nullopt, names.parameter(), values.parameter()}));
   DTS_TRY(put_parts(clinic, session));
   DTS_TRY(put_trials(clinic, session));
@@ -173,9 +171,9 @@ core::Status Catalogue::put_parts(const std::string& clinic, const v1::FleetSess
       "bytes = CASE WHEN excluded.sha256 IS NULL AND part.sha256 IS NOT NULL THEN part.bytes ELSE excluded.bytes END, "
       "stored_utc = CASE WHEN excluded.sha256 IS NULL THEN part.stored_utc ELSE excluded.stored_utc END, "
       "store_key = CASE WHEN excluded.sha256 IS NULL THEN part.store_key ELSE excluded.store_key END";
-  DTS_TRY(database_->run(kPut, {clinic, session.session_id(), numbers.parameter(), sums.parameter(), recorded_sums.parameter(),
-                                bytes.parameter(), states.parameter(), scans.parameter(), durations.parameter(), lost.parameter(),
-                                unknown.parameter(), valid.parameter()}));
+  DTS_TRY(database_->run(
+      kPut, {clinic, session.session_id(), numbers.parameter(), sums.parameter(), recorded_sums.parameter(), bytes.parameter(),
+             states.parameter(), scans.parameter(), durations.parameter(), lost.parameter(), unknown.parameter(), valid.parameter()}));
   return {};
 }
 
@@ -193,10 +191,11 @@ core::Status Catalogue::put_trials(const std::string& clinic, const v1::FleetSes
   }
   DTS_TRY(database_->run("DELETE FROM trial WHERE clinic = $1 AND session = $2", {clinic, session.session_id()}));
   if (session.trials().empty()) return {};
-  DTS_TRY(database_->run("INSERT INTO trial SELECT $1, $2, * FROM unnest($3::bigint[], $4::bigint[], $5::bigint[], $6::bigint[], "
-                         "$7::text[], $8::text[], $9::text[], $10::text[])",
-                         {clinic, session.session_id(), parts.parameter(), numbers.parameter(), attempts.parameter(), blocks.parameter(),
-                          conditions.parameter(), outcomes.parameter(), recorded.parameter(), faults.parameter()}));
+  DTS_TRY(
+      database_->run("INSERT INTO trial SELECT $1, $2, * FROM unnest($3::bigint[], $4::bigint[], $5::bigint[], $6::bigint[], "
+                     "$7::text[], $8::text[], $9::text[], $10::text[])",
+                     {clinic, session.session_id(), parts.parameter(), numbers.parameter(), attempts.parameter(), blocks.parameter(),
+                      conditions.parameter(), outcomes.parameter(), recorded.parameter(), faults.parameter()}));
   return {};
 }
 
@@ -209,9 +208,10 @@ core::Status Catalogue::put_results(const std::string& clinic, const v1::FleetSe
   }
   DTS_TRY(database_->run("DELETE FROM result WHERE clinic = $1 AND session = $2 AND analysis = 'clinic'", {clinic, session.session_id()}));
   if (session.results().empty()) return {};
-  DTS_TRY(database_->run("INSERT INTO result (clinic, session, name, analysis, value, unit) SELECT $1, $2, u.name, 'clinic', u.value, u.unit "
-                         "FROM unnest($3::text[], $4::float8[], $5::text[]) AS u (name, value, unit)",
-                         {clinic, session.session_id(), names.parameter(), values.parameter(), units.parameter()}));
+  DTS_TRY(
+      database_->run("INSERT INTO result (clinic, session, name, analysis, value, unit) SELECT $1, $2, u.name, 'clinic', u.value, u.unit "
+                     "FROM unnest($3::text[], $4::float8[], $5::text[]) AS u (name, value, unit)",
+                     {clinic, session.session_id(), names.parameter(), values.parameter(), units.parameter()}));
   return {};
 }
 
@@ -231,10 +231,11 @@ core::Result<std::vector<RecordingName>> Catalogue::erase_session(const std::str
     DTS_TRY_ASSIGN(const Rows added,
                    database_->run("INSERT INTO erased (clinic, session) VALUES ($1, $2) ON CONFLICT DO NOTHING", {clinic, session}));
     // The rows go first, and name what has to be removed from the store: a receipt without a recording must never exist.
-    DTS_TRY(database_->run("INSERT INTO erased_file (clinic, sha256) SELECT clinic, sha256 FROM part WHERE clinic = $1 AND session = $2 AND "
-                           "sha256 IS NOT NULL UNION SELECT clinic, sha256 FROM receipt WHERE clinic = $1 AND session = $2 "
-                           "ON CONFLICT DO NOTHING",
-                           {clinic, session}));
+    DTS_TRY(
+        database_->run("INSERT INTO erased_file (clinic, sha256) SELECT clinic, sha256 FROM part WHERE clinic = $1 AND session = $2 AND "
+                       "sha256 IS NOT NULL UNION SELECT clinic, sha256 FROM receipt WHERE clinic = $1 AND session = $2 "
+                       "ON CONFLICT DO NOTHING",
+                       {clinic, session}));
     for (const char* sql : {"DELETE FROM receipt WHERE clinic = $1 AND session = $2", "DELETE FROM part WHERE clinic = $1 AND session = $2",
                             "DELETE FROM job WHERE clinic = $1 AND session = $2", "DELETE FROM session WHERE clinic = $1 AND id = $2"}) {
       DTS_TRY(database_->run(sql, {clinic, session}));
@@ -286,18 +287,18 @@ core::Result<v1::Receipt> Catalogue::put_recording(const RecordingName& name, co
     if (!file) return core::fail(core::ErrorCode::DataDamaged, "recording " + store.key(name) + " is no longer in the store");
     const std::string store_key = store.key(name);
     // A newer recording of this part that the facts have announced stays announced.
-    static const std::string kPutPart = "INSERT INTO part (clinic, session, part, sha256, bytes, stored_utc, store_key) VALUES ($1, $2, $3, $4, $5, " +
-                                        time_of("$6") +
-                                        ", $7) ON CONFLICT (clinic, session, part) DO UPDATE SET sha256 = excluded.sha256, "
-                                        "bytes = excluded.bytes, stored_utc = coalesce(part.stored_utc, excluded.stored_utc), "
-                                        "store_key = excluded.store_key WHERE part.sha256 IS NULL OR part.sha256 = excluded.sha256";
+    static const std::string kPutPart =
+        "INSERT INTO part (clinic, session, part, sha256, bytes, stored_utc, store_key) VALUES ($1, $2, $3, $4, $5, " + time_of("$6") +
+        ", $7) ON CONFLICT (clinic, session, part) DO UPDATE SET sha256 = excluded.sha256, "
+        "bytes = excluded.bytes, stored_utc = coalesce(part.stored_utc, excluded.stored_utc), "
+        "store_key = excluded.store_key WHERE part.sha256 IS NULL OR part.sha256 = excluded.sha256";
     static const std::string kPutReceipt =
-        "INSERT INTO receipt (clinic, sha256, bytes, session, part, stored_utc, hub, store_key) VALUES ($1, $2, $3, $4, $5, " + time_of("$6") +
-        ", $7, $8) ON CONFLICT DO NOTHING";
+        "INSERT INTO receipt (clinic, sha256, bytes, session, part, stored_utc, hub, store_key) VALUES ($1, $2, $3, $4, $5, " +
+        time_of("$6") + ", $7, $8) ON CONFLICT DO NOTHING";
     const auto sum = Parameter::binary(name.sha256);
     DTS_TRY(database_->run(kPutPart, {name.clinic, offer.session_id(), offer.part(), sum, offer.bytes(), stored_utc_ns, store_key}));
-    DTS_TRY(database_->run(kPutReceipt,
-                           {name.clinic, sum, offer.bytes(), offer.session_id(), offer.part(), stored_utc_ns, hub, store_key}));
+    DTS_TRY(
+        database_->run(kPutReceipt, {name.clinic, sum, offer.bytes(), offer.session_id(), offer.part(), stored_utc_ns, hub, store_key}));
     return find_receipt(name);
   }));
   if (receipt) return *std::move(receipt);
@@ -306,7 +307,8 @@ core::Result<v1::Receipt> Catalogue::put_recording(const RecordingName& name, co
 
 core::Status Catalogue::put_header(const std::string& clinic, const record::SessionFacts& facts) {
   static const std::string kPut =
-      "INSERT INTO session (clinic, id, revision, rig, protocol, subject, state, started, planned_trials, is_deleted, fields) VALUES ($1, $2, 0, "
+      "INSERT INTO session (clinic, id, revision, rig, protocol, subject, state, started, planned_trials, is_deleted, fields) VALUES ($1, "
+      "$2, 0, "
       "$3, $4, $5, 'unknown', " +
       time_of("$6") + ", 0, false, '{}') ON CONFLICT DO NOTHING";
   DTS_TRY(database_->run(kPut, {clinic, facts.session_id, facts.rig, facts.protocol, text_or_null(facts.subject), facts.started_utc_ns}));
@@ -332,11 +334,12 @@ core::Result<std::string> Catalogue::put_beat(const std::string& clinic, const v
       "least_disk_free_bytes = least(h.least_disk_free_bytes, excluded.least_disk_free_bytes)) "
       "SELECT (SELECT hash FROM audit ORDER BY number DESC LIMIT 1)";
   const auto& backlog = beat.backlog();
-  DTS_TRY_ASSIGN(const Rows rows,
-                 database_->run(kPut, {clinic, received_utc_ns, offset_s, beat.forwarder_version(), beat.has_daemon(), beat.daemon_version(),
-                                       word_of(v1::DiskState_Name(beat.disk().state()), "DISK_STATE_"), beat.disk().free_bytes(),
-                                       beat.disk().recordable_s(), backlog.files(), backlog.bytes(), time_or_null(backlog.oldest_utc_ns()),
-                                       time_or_null(backlog.last_receipt_utc_ns()), backlog.held_files()}));
+  DTS_TRY_ASSIGN(
+      const Rows rows,
+      database_->run(kPut, {clinic, received_utc_ns, offset_s, beat.forwarder_version(), beat.has_daemon(), beat.daemon_version(),
+                            word_of(v1::DiskState_Name(beat.disk().state()), "DISK_STATE_"), beat.disk().free_bytes(),
+                            beat.disk().recordable_s(), backlog.files(), backlog.bytes(), time_or_null(backlog.oldest_utc_ns()),
+                            time_or_null(backlog.last_receipt_utc_ns()), backlog.held_files()}));
   if (!beat.rigs().empty()) DTS_TRY(put_rigs(clinic, beat, received_utc_ns));
   if (rows.is_null(0, 0)) return std::string();
   return wire::bytes_of_hex(rows.text(0, 0));

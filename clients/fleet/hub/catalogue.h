@@ -35,8 +35,8 @@ class Catalogue {
   /// Fails with NotFound, and with WrongState if the clinic is revoked already.
   [[nodiscard]] core::Status revoke_clinic(const std::string& clinic, const std::string& who, std::int64_t utc_ns);
 
-  /// Replaces what is known of a session, unless a revision that is not smaller is known. Returns the revision that is known now. Fails with
-  /// NotFound if the clinic has erased the session, and with WrongState if a recording belongs to another part.
+  /// Replaces what is known of a session, unless a revision that is not smaller is known. Returns the revision that is known now. Fails
+  /// with NotFound if the clinic has erased the session, and with WrongState if a recording belongs to another part.
   [[nodiscard]] core::Result<std::uint64_t> put_session(const std::string& clinic, const v1::FleetSession& session);
   /// Removes a session and keeps its ID, so that it does not appear again. Returns the recordings that must be removed from the store,
   /// also those of earlier erasures.

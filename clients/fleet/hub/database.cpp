@@ -117,10 +117,10 @@ core::Status Database::connect() {
                                " -c idle_in_transaction_session_timeout=60000 -c client_min_messages=warning -c timezone=UTC" +
                                " -c synchronous_commit=" + (options_.is_durable ? "on" : "off");
   // The user's text expands within "dbname", so that all else holds unless the user's text says otherwise.
-  const std::array<const char*, 8> keys = {"connect_timeout", "tcp_user_timeout", "keepalives_idle", "client_encoding",
-                                           "application_name", "options",         "dbname",          nullptr};
-  const std::array<const char*, 8> values = {"2",     "5000", "10", "UTF8", options_.name.c_str(), settings.c_str(), options_.connection.c_str(),
-                                             nullptr};
+  const std::array<const char*, 8> keys = {"connect_timeout",  "tcp_user_timeout", "keepalives_idle", "client_encoding",
+                                           "application_name", "options",          "dbname",          nullptr};
+  const std::array<const char*, 8> values = {
+      "2", "5000", "10", "UTF8", options_.name.c_str(), settings.c_str(), options_.connection.c_str(), nullptr};
   auto opened = std::make_unique<Connection>(PQconnectdbParams(keys.data(), values.data(), 1));
   if (!opened->is_sound()) {
     last_problem_ = "PostgreSQL: " + opened->problem();
@@ -157,8 +157,8 @@ core::Result<Rows> Database::run(const std::string& sql, std::initializer_list<P
       if (PQgetisnull(result.get(), number, column) != 0) {
         cells[row].emplace_back(std::nullopt);
       } else {
-        cells[row].emplace_back(std::string(PQgetvalue(result.get(), number, column),
-                                            static_cast<std::size_t>(PQgetlength(result.get(), number, column))));
+        cells[row].emplace_back(
+            std::string(PQgetvalue(result.get(), number, column), static_cast<std::size_t>(PQgetlength(result.get(), number, column))));
       }
     }
   }

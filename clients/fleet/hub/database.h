@@ -75,9 +75,9 @@ class Rows {
 };
 
 struct DatabaseOptions {
-  std::string connection;    ///< As libpq understands it: "host=/run/postgresql dbname=dts_fleet user=dts_hub".
-  std::string name;          ///< Shown in pg_stat_activity: "dts-hub facts".
-  bool is_durable = true;    ///< false: a commit does not wait for the disk; the newest rows may be lost with the power.
+  std::string connection;  ///< As libpq understands it: "host=/run/postgresql dbname=dts_fleet user=dts_hub".
+  std::string name;        ///< Shown in pg_stat_activity: "dts-hub facts".
+  bool is_durable = true;  ///< false: a commit does not wait for the disk; the newest rows may be lost with the power.
   std::chrono::milliseconds statement_timeout{10'000};
 };
 

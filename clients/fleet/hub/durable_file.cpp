@@ -39,7 +39,8 @@ std::string folder_of(const std::string& path) { return std::filesystem::path(pa
 
 core::Status synchronise(const std::string& path) {
   const Descriptor file(path, O_RDONLY);
-  if (file.number() < 0 || ::fsync(file.number()) != 0) return core::fail_errno(errno, "cannot synchronise '" + path + "'", "check the disk");
+  if (file.number() < 0 || ::fsync(file.number()) != 0)
+    return core::fail_errno(errno, "cannot synchronise '" + path + "'", "check the disk");
   return {};
 }
 

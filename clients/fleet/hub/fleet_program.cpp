@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 
 #include "cli/exit_status.h"
@@ -141,65 +142,69 @@ int clinic_list(const Arguments& arguments, cli::Console& console) {
 }
 
 int rig_list(const Arguments& arguments, cli::Console& console) {
-  return list(arguments, console,
-              {{"CLINIC", "clinic"},
-               {"RIG", "rig"},
-               {"KIND", "kind"},
-               {"DEVICE", "device"},
-               {">RATE (Hz)", "measured_rate_hz"},
-               {">LOST SCANS", "lost_scans_total", Kind::Count},
-               {">GAPS", "gaps_total", Kind::Count},
-               {"SESSION", "session_state"},
-               {"CALIBRATION", "calibration"},
-               {">SINCE", "calibration_age_s", Kind::Seconds},
-               {">LAST BEAT", "beat_age_s", Kind::Seconds},
-               {"", "sensors", Kind::Count},
-               {"", "session"}},
-              "SELECT rig.clinic, rig.id, kind, device, round(measured_rate_hz::numeric, 1)::text, lost_scans_total, gaps_total, session_state, "
-              "CASE WHEN calibration = '' THEN 'plate model' ELSE calibration END, " +
-                  age("calibration_since") + ", " + age("rig.at") +
-                  ", sensors, session FROM rig JOIN clinic ON clinic.id = rig.clinic WHERE state = 'active' ORDER BY rig.clinic, rig.id");
+  return list(
+      arguments, console,
+      {{"CLINIC", "clinic"},
+       {"RIG", "rig"},
+       {"KIND", "kind"},
+       {"DEVICE", "device"},
+       {">RATE (Hz)", "measured_rate_hz"},
+       {">LOST SCANS", "lost_scans_total", Kind::Count},
+       {">GAPS", "gaps_total", Kind::Count},
+       {"SESSION", "session_state"},
+       {"CALIBRATION", "calibration"},
+       {">SINCE", "calibration_age_s", Kind::Seconds},
+       {">LAST BEAT", "beat_age_s", Kind::Seconds},
+       {"", "sensors", Kind::Count},
+       {"", "session"}},
+      "SELECT rig.clinic, rig.id, kind, device, round(measured_rate_hz::numeric, 1)::text, lost_scans_total, gaps_total, session_state, "
+      "CASE WHEN calibration = '' THEN 'plate model' ELSE calibration END, " +
+          age("calibration_since") + ", " + age("rig.at") +
+          ", sensors, session FROM rig JOIN clinic ON clinic.id = rig.clinic WHERE state = 'active' ORDER BY rig.clinic, rig.id");
 }
 
 int session_list(const Arguments& arguments, cli::Console& console) {
-  return list(arguments, console,
-              {{"CLINIC", "clinic"},
-               {"SESSION", "session"},
-               {"RIG", "rig"},
-               {"PROTOCOL", "protocol"},
-               {"SUBJECT", "subject"},
-               {"STATE", "state"},
-               {"STARTED (UTC)", "started_utc"},
-               {">PARTS", "parts", Kind::Count},
-               {">STORED", "stored_parts", Kind::Count},
-               {"", "revision", Kind::Count}},
-              "SELECT s.clinic, s.id, s.rig, s.protocol, s.subject, s.state, " + utc("s.started") +
-                  ", (SELECT count(*) FROM part p WHERE p.clinic = s.clinic AND p.session = s.id), (SELECT count(store_key) FROM part p WHERE "
-                  "p.clinic = s.clinic AND p.session = s.id), s.revision FROM session s WHERE NOT s.is_deleted AND ($1 = '' OR s.clinic = $1) AND "
-                  "($2 = '' OR s.rig = $2) AND ($3 = '' OR s.protocol = $3) AND ($4 = '' OR s.subject = $4) ORDER BY s.started DESC LIMIT $5",
-              {arguments.clinic, arguments.rig, arguments.protocol, arguments.subject, arguments.limit});
+  return list(
+      arguments, console,
+      {{"CLINIC", "clinic"},
+       {"SESSION", "session"},
+       {"RIG", "rig"},
+       {"PROTOCOL", "protocol"},
+       {"SUBJECT", "subject"},
+       {"STATE", "state"},
+       {"STARTED (UTC)", "started_utc"},
+       {">PARTS", "parts", Kind::Count},
+       {">STORED", "stored_parts", Kind::Count},
+       {"", "revision", Kind::Count}},
+      "SELECT s.clinic, s.id, s.rig, s.protocol, s.subject, s.state, " + utc("s.started") +
+          ", (SELECT count(*) FROM part p WHERE p.clinic = s.clinic AND p.session = s.id), (SELECT count(store_key) FROM part p WHERE "
+          "p.clinic = s.clinic AND p.session = s.id), s.revision FROM session s WHERE NOT s.is_deleted AND ($1 = '' OR s.clinic = $1) AND "
+          "($2 = '' OR s.rig = $2) AND ($3 = '' OR s.protocol = $3) AND ($4 = '' OR s.subject = $4) ORDER BY s.started DESC LIMIT $5",
+      {arguments.clinic, arguments.rig, arguments.protocol, arguments.subject, arguments.limit});
 }
 
 int receipt_list(const Arguments& arguments, cli::Console& console) {
-  return list(arguments, console,
-              {{"CLINIC", "clinic"},
-               {"SESSION", "session"},
-               {">PART", "part", Kind::Count},
-               {">SIZE", "bytes", Kind::Bytes},
-               {"STORED (UTC)", "stored_utc"},
-               {"HUB", "hub"},
-               {"SHA-256", "sha256"},
-               {"", "store_key"}},
-              "SELECT clinic, session, part, bytes, " + utc("stored_utc") +
-                  ", hub, encode(sha256, 'hex'), store_key FROM receipt WHERE $1 = '' OR clinic = $1 ORDER BY receipt.stored_utc DESC LIMIT $2",
-              {arguments.clinic, arguments.limit});
+  return list(
+      arguments, console,
+      {{"CLINIC", "clinic"},
+       {"SESSION", "session"},
+       {">PART", "part", Kind::Count},
+       {">SIZE", "bytes", Kind::Bytes},
+       {"STORED (UTC)", "stored_utc"},
+       {"HUB", "hub"},
+       {"SHA-256", "sha256"},
+       {"", "store_key"}},
+      "SELECT clinic, session, part, bytes, " + utc("stored_utc") +
+          ", hub, encode(sha256, 'hex'), store_key FROM receipt WHERE $1 = '' OR clinic = $1 ORDER BY receipt.stored_utc DESC LIMIT $2",
+      {arguments.clinic, arguments.limit});
 }
 
 int audit_list(const Arguments& arguments, cli::Console& console) {
   return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) -> core::Status {
-    DTS_TRY_ASSIGN(const Rows rows, database.run("SELECT * FROM (SELECT number, " + utc("'epoch'::timestamptz + utc_ns / 1000 * interval '1 us'") +
-                                                     ", who, what, target, result, hash FROM audit ORDER BY number DESC LIMIT $1) newest ORDER BY number",
-                                                 {arguments.limit}));
+    DTS_TRY_ASSIGN(const Rows rows,
+                   database.run("SELECT * FROM (SELECT number, " + utc("'epoch'::timestamptz + utc_ns / 1000 * interval '1 us'") +
+                                    ", who, what, target, result, hash FROM audit ORDER BY number DESC LIMIT $1) newest ORDER BY number",
+                                {arguments.limit}));
     print_list({{">NUMBER", "number", Kind::Count},
                 {"TIME (UTC)", "utc"},
                 {"WHO", "who"},
@@ -216,7 +221,8 @@ int audit_list(const Arguments& arguments, cli::Console& console) {
 
 core::Status check_new_clinic(const Clinic& clinic) {
   if (!wire::is_clinic_name(clinic.id)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + clinic.id + "' is not a name of a clinic", "use 1 to 32 of the characters a-z, 0-9 and -");
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + clinic.id + "' is not a name of a clinic",
+                      "use 1 to 32 of the characters a-z, 0-9 and -");
   }
   if (!wire::is_public_nkey(clinic.nkey)) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + clinic.nkey + "' is not a public key",
@@ -228,6 +234,9 @@ core::Status check_new_clinic(const Clinic& clinic) {
 core::Status add_clinic(const Arguments& arguments, const Settings& settings, Database& database) {
   const Clinic& clinic = arguments.added;
   DTS_TRY(check_new_clinic(clinic));
+  if (std::filesystem::exists(arguments.out)) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + arguments.out + "' exists already", "name another file in --out");
+  }
   DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(settings));
   DTS_TRY(files::write_whole_file(arguments.out, enrolment_text(clinic.id, settings.public_servers, ca_pem)));
   auto added = Catalogue(database).add_clinic(clinic, local_user(), utc_now_ns());
@@ -264,9 +273,7 @@ struct FleetLine : cli::CommandLine {
   Arguments arguments{};
 };
 
-void add_json(CLI::App& command, Arguments& arguments) {
-  command.add_flag("--json", arguments.is_json, "Print JSON, one object a line");
-}
+void add_json(CLI::App& command, Arguments& arguments) { command.add_flag("--json", arguments.is_json, "Print JSON, one object a line"); }
 
 void add_limit(CLI::App& command, Arguments& arguments) {
   command.add_option("--limit", arguments.limit, "Number of entries, the newest. Default: 100")
@@ -276,15 +283,14 @@ void add_limit(CLI::App& command, Arguments& arguments) {
 
 void add_clinic_commands(FleetLine& line) {
   Arguments& arguments = line.arguments;
-  CLI::App* clinic = cli::add_group(line.app, "clinic", "Add, revoke and list clinics",
-                                    "dts-fleet clinic list | with what each has not delivered\n");
+  CLI::App* clinic =
+      cli::add_group(line.app, "clinic", "Add, revoke and list clinics", "dts-fleet clinic list | with what each has not delivered\n");
   CLI::App* add = cli::add_command(
       line, *clinic, "add", "Let a clinic deliver, and write the file with which it connects",
       "dts-fleet clinic add kent --title \"Kent clinic\" --key UABC --out kent.enrolment.toml | then carry the file to the clinic\n",
       [&arguments](cli::Console& console) {
-        const int status = with_database(arguments, console, [&](const Settings& settings, Database& database) {
-          return add_clinic(arguments, settings, database);
-        });
+        const int status = with_database(
+            arguments, console, [&](const Settings& settings, Database& database) { return add_clinic(arguments, settings, database); });
         if (status == cli::kOk) cli::print_hint(console, "carry " + arguments.out + " to the clinic: it belongs beside forward.toml");
         return status;
       });
@@ -292,12 +298,13 @@ void add_clinic_commands(FleetLine& line) {
   add->add_option("--title", arguments.added.title, "Name for people")->required()->option_text("TEXT")->check(cli::text_of(1, 200));
   add->add_option("--key", arguments.added.nkey, "Public key, as dts-forward key prints it at the clinic")->required()->option_text("KEY");
   add->add_option("--out", arguments.out, "File to write for the clinic")->required()->option_text("FILE");
-  CLI::App* revoke = cli::add_command(line, *clinic, "revoke", "Stop accepting anything from a clinic; what it has delivered stays",
-                                      "dts-fleet clinic revoke kent | its connections end within 2 s\n", [&arguments](cli::Console& console) {
-                                        return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) {
-                                          return Catalogue(database).revoke_clinic(arguments.added.id, local_user(), utc_now_ns());
-                                        });
-                                      });
+  CLI::App* revoke =
+      cli::add_command(line, *clinic, "revoke", "Stop accepting anything from a clinic; what it has delivered stays",
+                       "dts-fleet clinic revoke kent | its connections end within 2 s\n", [&arguments](cli::Console& console) {
+                         return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) {
+                           return Catalogue(database).revoke_clinic(arguments.added.id, local_user(), utc_now_ns());
+                         });
+                       });
   revoke->add_option("name", arguments.added.id, "Name of the clinic")->required()->option_text("NAME");
   CLI::App* listed = cli::add_command(line, *clinic, "list", "List the clinics, and what each has not delivered",
                                       "dts-fleet clinic list --json | for scripts\n",
@@ -307,8 +314,9 @@ void add_clinic_commands(FleetLine& line) {
 
 void add_lists(FleetLine& line) {
   Arguments& arguments = line.arguments;
-  CLI::App* rigs = cli::add_command(line, line.app, "rigs", "List the rigs of all clinics", "dts-fleet rigs | as their clinics reported last\n",
-                                    [&arguments](cli::Console& console) { return rig_list(arguments, console); });
+  CLI::App* rigs =
+      cli::add_command(line, line.app, "rigs", "List the rigs of all clinics", "dts-fleet rigs | as their clinics reported last\n",
+                       [&arguments](cli::Console& console) { return rig_list(arguments, console); });
   add_json(*rigs, arguments);
   CLI::App* sessions = cli::add_command(line, line.app, "sessions", "List sessions of all clinics, newest first",
                                         "dts-fleet sessions --protocol romberg --limit 20 | of one protocol\n"
@@ -334,14 +342,14 @@ void add_lists(FleetLine& line) {
 }  // namespace
 
 std::unique_ptr<cli::CommandLine> make_fleet_tree() {
-  auto line = std::make_unique<FleetLine>(
-      cli::Program{.name = "dts-fleet",
-                   .version = DTS_VERSION,
-                   .description = "Looks after the centre of a fleet of clinics",
-                   .examples = "dts-fleet clinic add kent --title \"Kent clinic\" --key UABC --out kent.enrolment.toml | let a clinic deliver\n"
-                               "dts-fleet clinic list | what each clinic has not delivered\n"
-                               "dts-fleet rigs | which rigs work\n"
-                               "dts-fleet sessions --clinic kent | newest first\n"});
+  auto line = std::make_unique<FleetLine>(cli::Program{
+      .name = "dts-fleet",
+      .version = DTS_VERSION,
+      .description = "Looks after the centre of a fleet of clinics",
+      .examples = "dts-fleet clinic add kent --title \"Kent clinic\" --key UABC --out kent.enrolment.toml | let a clinic deliver\n"
+                  "dts-fleet clinic list | what each clinic has not delivered\n"
+                  "dts-fleet rigs | which rigs work\n"
+                  "dts-fleet sessions --clinic kent | newest first\n"});
   add_config_option(*line, line->arguments.config);
   Arguments& arguments = line->arguments;
   cli::add_command(*line, line->app, "users", "Write the users of nats-server, before its first start",
@@ -350,13 +358,14 @@ std::unique_ptr<cli::CommandLine> make_fleet_tree() {
   add_clinic_commands(*line);
   add_lists(*line);
   cli::add_common(*line);
-  line->manual = {.summary = "administration of a fleet of clinics",
-                  .description = "Adds and revokes clinics, and lists what the centre knows of them. It connects to the database of\n.BR dts-hub (1).",
-                  .environment = {},
-                  .exit_statuses = {0, 1, 2, 3, 4, 5, 6, 7, 130},
-                  .further_sections = {},
-                  .files = {{"/etc/dts-hub/hub.toml", "Configuration."}},
-                  .see_also = {{"dts-hub", 1}}};
+  line->manual = {
+      .summary = "administration of a fleet of clinics",
+      .description = "Adds and revokes clinics, and lists what the centre knows of them. It connects to the database of\n.BR dts-hub (1).",
+      .environment = {},
+      .exit_statuses = {0, 1, 2, 3, 4, 5, 6, 7, 130},
+      .further_sections = {},
+      .files = {{"/etc/dts-hub/hub.toml", "Configuration."}},
+      .see_also = {{"dts-hub", 1}}};
   return line;
 }
 

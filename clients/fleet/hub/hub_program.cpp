@@ -82,8 +82,9 @@ std::unique_ptr<cli::CommandLine> make_hub_tree() {
                    [&config](cli::Console& console) { return rebuild_command(config, console); });
   cli::add_common(*line);
   line->manual = {.summary = "centre of a fleet of clinics",
-                  .description = "Receives recordings and facts from\n.BR dts-forward (8)\nof each clinic through nats-server, keeps the "
-                                 "recordings in a folder and their catalogue in PostgreSQL.",
+                  .description =
+                      "Receives recordings and facts from\n.BR dts-forward (8)\nof each clinic through nats-server, keeps the "
+                      "recordings in a folder and their catalogue in PostgreSQL.",
                   .environment = {},
                   .exit_statuses = {0, 1, 2, 4, 5, 7, 130},
                   .further_sections = {},

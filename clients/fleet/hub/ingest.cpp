@@ -16,6 +16,8 @@ constexpr std::int64_t kDayNs = 24LL * 3600 * core::kNanosecondsPerSecond;
 constexpr std::size_t kMostUploads = 64;  // of a clinic
 constexpr const char* kDatabaseAway = "the catalogue of the centre does not answer";
 constexpr const char* kDiskFull = "the disk of the centre is full";
+constexpr std::uint32_t kUnknownWaitS = 1;
+constexpr const char* kUnknown = "the hub does not know this file: offer it again";  // for example after its staging was removed
 constexpr const char* kDiskFailed = "the disk of the centre failed";
 
 v1::UploadAnswer upload_refusal(const std::string& reason) {
@@ -73,7 +75,8 @@ v1::UploadAnswer Ingest::later(const std::string& reason, std::uint32_t wait_s) 
 
 std::uint64_t Ingest::offered_bytes(const std::string& clinic) const {
   std::uint64_t bytes = 0;
-  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic; ++upload) {
+  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic;
+       ++upload) {
     bytes += upload->second.offer.bytes();
   }
   return bytes;
@@ -141,7 +144,10 @@ v1::UploadAnswer Ingest::take(const std::string& clinic, const v1::UploadChunk& 
   if (is_full()) return later(kDiskFull, kFullWaitS);
   std::unique_lock lock(mutex_);
   const auto found = uploads_.find(name);
-  if (found == uploads_.end()) return upload_refusal("the hub does not know this file: offer it first");
+  if (found == uploads_.end()) {
+    lock.unlock();
+    return later(kUnknown, kUnknownWaitS);
+  }
   Upload& upload = found->second;
   if (upload.is_committing || upload.is_in_store || chunk.offset() != upload.have) return upload_answer(upload.have);
   if (chunk.data().size() > upload.offer.bytes() - upload.have) return upload_refusal("the file is longer than its offer");
@@ -171,9 +177,12 @@ v1::UploadAnswer Ingest::commit(const std::string& clinic, const v1::UploadCommi
   }
   Upload upload;
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     const auto found = uploads_.find(name);
-    if (found == uploads_.end()) return upload_refusal("the hub does not know this file: offer it first");
+    if (found == uploads_.end()) {
+      lock.unlock();
+      return later(kUnknown, kUnknownWaitS);
+    }
     if (found->second.have < found->second.offer.bytes()) return upload_answer(found->second.have);
     found->second.is_committing = true;
     upload = found->second;
@@ -204,7 +213,8 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
   if (!is_sound || !*is_sound) {
-    log_.warning(described(name) + (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
+    log_.warning(described(name) +
+                 (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
     start_again(name, upload.is_in_store, catalogue);
     return is_sound ? upload_answer(0) : later(kDiskFailed, kDatabaseWaitS);
   }

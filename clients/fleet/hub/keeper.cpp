@@ -14,7 +14,7 @@ namespace {
 
 using SteadyTime = std::chrono::steady_clock::time_point;
 
-constexpr auto kTurn = std::chrono::milliseconds(200);  // until a stop is noticed
+constexpr auto kTurn = std::chrono::milliseconds(200);   // until a stop is noticed
 constexpr auto kFollowPause = std::chrono::seconds(30);  // if a notification was lost
 constexpr auto kCleanPause = std::chrono::minutes(10);
 constexpr auto kRetry = std::chrono::seconds(1);
@@ -22,7 +22,8 @@ constexpr const char* kClinicChannel = "clinic";
 
 }  // namespace
 
-Keeper::Keeper(const Settings& settings, std::string hub_public_key, ClinicList& clinics, Ingest& ingest, Store& store, const core::Log& log)
+Keeper::Keeper(const Settings& settings, std::string hub_public_key, ClinicList& clinics, Ingest& ingest, Store& store,
+               const core::Log& log)
     : settings_(settings),
       hub_public_key_(std::move(hub_public_key)),
       clinics_(clinics),

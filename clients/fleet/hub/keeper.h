@@ -15,8 +15,8 @@
 
 namespace dts::fleet::hub {
 
-/// The thread that keeps the hub in order: creates and migrates the tables, follows the table `clinic` (at once, by NOTIFY), writes the users
-/// file and lets nats-server read it, removes what erasures have left, abandoned uploads and old history.
+/// The thread that keeps the hub in order: creates and migrates the tables, follows the table `clinic` (at once, by NOTIFY), writes the
+/// users file and lets nats-server read it, removes what erasures have left, abandoned uploads and old history.
 class Keeper {
  public:
   /// All references must outlive this object.

@@ -38,7 +38,9 @@ class Family {
   std::string name_;
 };
 
-void add_one(std::string& text, const char* name, const char* type, const char* help, double value) { Family(text, name, type, help).add(value); }
+void add_one(std::string& text, const char* name, const char* type, const char* help, double value) {
+  Family(text, name, type, help).add(value);
+}
 
 struct ClinicFamily {
   const char* name;
@@ -65,13 +67,15 @@ std::string metrics_text(const IngestCounts& counts, const DeskCounts& letters, 
   add_one(text, "dts_hub_uploads", "gauge", "Recordings that are not whole yet", number(counts.uploads));
   add_one(text, "dts_hub_staged_bytes", "gauge", "Bytes of recordings that are not whole yet", number(counts.staged_bytes));
   add_one(text, "dts_hub_letters_total", "counter", "Messages of clinics", number(letters.letters_total));
-  add_one(text, "dts_hub_rejected_letters_total", "counter", "Messages without a valid clinic or reply subject", number(letters.rejected_total));
+  add_one(text, "dts_hub_rejected_letters_total", "counter", "Messages without a valid clinic or reply subject",
+          number(letters.rejected_total));
   add_one(text, "dts_hub_dropped_letters_total", "counter", "Messages that a full queue dropped", number(letters.dropped_total));
   add_one(text, "dts_hub_store_used_ratio", "gauge", "Used part of the store", store.used_percent() / 100.0);
   add_one(text, "dts_hub_store_free_bytes", "gauge", "Free bytes of the store", number(store.free_bytes()));
   add_one(text, "dts_hub_nats_connected", "gauge", "1 if there is a connection to nats-server", is_connected ? 1.0 : 0.0);
   const auto rows = database.run(
-      "SELECT id, extract(epoch FROM now() - at)::float8, backlog_files::float8, backlog_bytes::float8, held_files::float8, clock_offset_s, "
+      "SELECT id, extract(epoch FROM now() - at)::float8, backlog_files::float8, backlog_bytes::float8, held_files::float8, "
+      "clock_offset_s, "
       "has_daemon::int::float8 FROM clinic JOIN beat ON beat.clinic = id WHERE state = 'active' ORDER BY id");
   add_one(text, "dts_hub_database_up", "gauge", "1 if PostgreSQL answers", rows ? 1.0 : 0.0);
   if (!rows || rows->empty()) return text;
@@ -145,9 +149,10 @@ void MetricsListener::answer(int peer) const try {
   }
   const bool is_known = request.starts_with("GET /metrics ");
   const std::string body = is_known ? text_() : "not found: GET /metrics\n";
-  const std::string head = std::string("HTTP/1.1 ") + (is_known ? "200 OK" : "404 Not Found") +
-                           "\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\nConnection: close\r\nContent-Length: " +
-                           std::to_string(body.size()) + "\r\n\r\n";
+  const std::string head =
+      std::string("HTTP/1.1 ") + (is_known ? "200 OK" : "404 Not Found") +
+      "\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\nConnection: close\r\nContent-Length: " + std::to_string(body.size()) +
+      "\r\n\r\n";
   for (std::string_view rest : {std::string_view(head), std::string_view(body)}) {
     while (!rest.empty()) {
       const ssize_t sent = ::send(peer, rest.data(), rest.size(), MSG_NOSIGNAL);

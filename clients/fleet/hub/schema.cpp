@@ -258,10 +258,10 @@ core::Result<bool> migrate_once(Database& database) {
   DTS_TRY_ASSIGN(const Rows rows, database.run("SELECT coalesce(max(version), 0) FROM schema_version"));
   DTS_TRY_ASSIGN(const std::int64_t version, rows.integer(0, 0));
   if (version > kSchemaVersion) {
-    return core::fail(core::ErrorCode::Unsupported,
-                      "the database has tables of version " + std::to_string(version) + ", this dts-hub knows version " +
-                          std::to_string(kSchemaVersion),
-                      "install the newer dts-hub again");
+    return core::fail(
+        core::ErrorCode::Unsupported,
+        "the database has tables of version " + std::to_string(version) + ", this dts-hub knows version " + std::to_string(kSchemaVersion),
+        "install the newer dts-hub again");
   }
   if (version == kSchemaVersion) return false;
   DTS_TRY(database.run_script(kVersions.at(static_cast<std::size_t>(version))));
@@ -275,7 +275,8 @@ core::Status migrate(Database& database) {
   while (true) {
     auto applied = database.transaction([&] { return migrate_once(database); });
     if (!applied && applied.error().code == core::ErrorCode::NotAllowed) {
-      applied.error().hint = "let the database's user create roles and schemas: ALTER ROLE dts_hub CREATEROLE, and make it the owner of the database";
+      applied.error().hint =
+          "let the database's user create roles and schemas: ALTER ROLE dts_hub CREATEROLE, and make it the owner of the database";
     }
     DTS_TRY(applied);
     if (!*applied) return {};

@@ -52,7 +52,8 @@ core::Result<std::unique_ptr<Staging>> Staging::open(const std::string& folder) 
   if (lock < 0) return core::fail_errno(errno, "cannot open '" + file + "'", "check that the folder is writable for the hub");
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
     ::close(lock);
-    return core::fail(core::ErrorCode::WrongState, "another dts-hub uses '" + folder + "'", "give each hub a 'name' of its own in hub.toml");
+    return core::fail(core::ErrorCode::WrongState, "another dts-hub uses '" + folder + "'",
+                      "give each hub a 'name' of its own in hub.toml");
   }
   return std::unique_ptr<Staging>(new Staging(folder, lock));
 }
@@ -117,7 +118,9 @@ void Staging::remove(const RecordingName& name) {
   static_cast<void>(::unlink(offer_file(name).c_str()));
 }
 
-std::string Staging::file(const RecordingName& name) const { return folder_ + "/" + name.clinic + "/" + wire::hex_of(name.sha256) + ".part"; }
+std::string Staging::file(const RecordingName& name) const {
+  return folder_ + "/" + name.clinic + "/" + wire::hex_of(name.sha256) + ".part";
+}
 
 std::string Staging::offer_file(const RecordingName& name) const {
   return folder_ + "/" + name.clinic + "/" + wire::hex_of(name.sha256) + ".offer";

@@ -54,9 +54,7 @@ class Check {
     return that(id.size() >= least && id.size() <= kLongestId && std::ranges::all_of(id, is_letter), field);
   }
   Check& sha256(const std::string& bytes, const char* field) { return that(bytes.size() == kSha256Bytes, field); }
-  Check& optional_sha256(const std::string& bytes, const char* field) {
-    return that(bytes.empty() || bytes.size() == kSha256Bytes, field);
-  }
+  Check& optional_sha256(const std::string& bytes, const char* field) { return that(bytes.empty() || bytes.size() == kSha256Bytes, field); }
   Check& count(std::uint64_t value, const char* field, std::uint64_t largest = kLargestCount, std::uint64_t least = 0) {
     return that(value >= least && value <= largest, field);
   }
@@ -188,7 +186,7 @@ core::Result<v1::UploadAnswer> decode_upload_answer(std::string_view bytes) {
 core::Result<v1::FleetSession> decode_session(std::string_view bytes) {
   DTS_TRY_ASSIGN(auto session, parsed<v1::FleetSession>(bytes, "FleetSession"));
   Check check("FleetSession");
-  check.id(session.session_id(), "session_id").count(session.revision(), "revision", kLargestCount, 1).id(session.rig(), "rig");
+  check.id(session.session_id(), "session_id").count(session.revision(), "revision", kLargestCount, 1).id(session.rig(), "rig", 0);
   check.word(session.protocol(), "protocol").word(session.subject(), "subject").that(is_session_state(session.state()), "state");
   check.utc(session.started_utc_ns(), "started_utc_ns").utc(session.ended_utc_ns(), "ended_utc_ns");
   check.count(session.planned_trials(), "planned_trials", kLargestNumber);

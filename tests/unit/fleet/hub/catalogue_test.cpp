@@ -51,8 +51,9 @@ TEST_F(CatalogueTest, Migrate_TablesOfANewerHub_AreRejected) {
 
 TEST_F(CatalogueTest, Facts_AreStoredAsTheyAre) {
   ASSERT_EQ(catalogue_->put_session("kent", session_of("s1", 3)), 3U);
-  EXPECT_EQ(value("SELECT concat_ws('|', revision, rig, protocol, subject, state, started, ended, planned_trials, fields, label) FROM session"),
-            R"(3|floor|romberg|P017|complete|2025-11-21 14:45:25.125+00|2025-11-21 14:46:25+00|2|{"arm_length_cm": "71"})");
+  EXPECT_EQ(
+      value("SELECT concat_ws('|', revision, rig, protocol, subject, state, started, ended, planned_trials, fields, label) FROM session"),
+      R"(3|floor|romberg|P017|complete|2025-11-21 14:45:25.125+00|2025-11-21 14:46:25+00|2|{"arm_length_cm": "71"})");
   EXPECT_EQ(value("SELECT concat_ws('|', part, state, bytes, scans, duration_s, store_key) FROM part"), "1|complete|1000|100|1.5");
   EXPECT_EQ(value("SELECT concat_ws('|', part, trial, attempt, condition, outcome, recorded_outcome, fault) FROM trial"),
             R"(1|1|1|eyes "open", \ both|done||)");
@@ -73,7 +74,8 @@ TEST_F(CatalogueTest, Facts_LateOrDoubled_ChangeNothing) {
 
 TEST_F(CatalogueTest, Facts_NewerRevision_ReplacesTheWholeSession) {
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
-  ASSERT_TRUE(database_->run("INSERT INTO result (clinic, session, name, analysis, value, unit) VALUES ('kent', 's1', 'MVELO', 'sway 1', 1, '')"));
+  ASSERT_TRUE(
+      database_->run("INSERT INTO result (clinic, session, name, analysis, value, unit) VALUES ('kent', 's1', 'MVELO', 'sway 1', 1, '')"));
   auto newer = session_of("s1", 2);
   newer.clear_trials();
   newer.clear_parts();
@@ -99,7 +101,8 @@ TEST_F(CatalogueTest, Recording_BeforeItsFacts_IsFoundByThem) {
   EXPECT_EQ(receipt->bytes(), 15U);
   EXPECT_EQ(receipt->hub(), "hub-1");
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
-  EXPECT_EQ(value("SELECT concat_ws('|', state, scans, store_key IS NOT NULL, stored_utc) FROM part"), "complete|100|t|2025-11-21 14:46:40.123456+00");
+  EXPECT_EQ(value("SELECT concat_ws('|', state, scans, store_key IS NOT NULL, stored_utc) FROM part"),
+            "complete|100|t|2025-11-21 14:46:40.123456+00");
 }
 
 TEST_F(CatalogueTest, Recording_AfterItsFacts_CompletesThem) {
@@ -209,7 +212,8 @@ TEST_F(CatalogueTest, Beat_KeepsTheNewestAndADay) {
   EXPECT_EQ(second->size(), 32U);
   EXPECT_EQ(value("SELECT concat_ws('|', clinic, clock_offset_s, daemon_version, disk_state, backlog_bytes, backlog_oldest) FROM beat"),
             "kent|-10|0.2.0|low|100");
-  EXPECT_EQ(value("SELECT concat_ws('|', day, beats, largest_clock_offset_s, largest_backlog_bytes) FROM beat_history"), "2001-09-09|2|10|500");
+  EXPECT_EQ(value("SELECT concat_ws('|', day, beats, largest_clock_offset_s, largest_backlog_bytes) FROM beat_history"),
+            "2001-09-09|2|10|500");
   EXPECT_EQ(value("SELECT concat_ws('|', id, device, calibration, streams, at - calibration_since) FROM rig"),
             "floor|streaming|cop-1|{cop,sway}|00:00:07.5");
   ASSERT_TRUE(catalogue_->prune_history());
@@ -249,7 +253,10 @@ TEST_F(CatalogueTest, Notification_WakesTheListener) {
 
 TEST_F(CatalogueTest, LostConnection_IsOpenedAgain_ButNotWithinATransaction) {
   const auto main = open_database();
-  const auto end_it = [&] { return main->run("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND datname = current_database()"); };
+  const auto end_it = [&] {
+    return main->run(
+        "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE pid <> pg_backend_pid() AND datname = current_database()");
+  };
   const auto done = database_->transaction([&]() -> core::Status {
     DTS_TRY(database_->run("INSERT INTO erased (clinic, session) VALUES ('kent', 's1')"));
     EXPECT_TRUE(end_it());
@@ -271,8 +278,9 @@ TEST_F(CatalogueTest, Reader_SeesPermittedSessions_WithoutSubjects) {
   auto other = session_of("s3", 1);
   other.set_protocol("reach");
   ASSERT_TRUE(catalogue_->put_session("leeds", other));
-  ASSERT_TRUE(database_->run_script("DO $$ BEGIN CREATE ROLE anna LOGIN IN ROLE reader; EXCEPTION WHEN duplicate_object THEN NULL; END $$;"
-                                    "INSERT INTO permit VALUES ('anna', 'leeds', 'romberg')"));
+  ASSERT_TRUE(
+      database_->run_script("DO $$ BEGIN CREATE ROLE anna LOGIN IN ROLE reader; EXCEPTION WHEN duplicate_object THEN NULL; END $$;"
+                            "INSERT INTO permit VALUES ('anna', 'leeds', 'romberg')"));
   Database anna({.connection = connection_ + " user=anna", .name = "anna"});
   const auto first = [&](const std::string& sql) {
     const auto rows = anna.run(sql);

@@ -51,7 +51,9 @@ class IngestTest : public DatabaseTest {
     offer.set_part(1);
     return offer;
   }
-  v1::UploadAnswer open(const v1::UploadOffer& offer, const std::string& clinic = "kent") { return ingest_->open(clinic, offer, *catalogue_); }
+  v1::UploadAnswer open(const v1::UploadOffer& offer, const std::string& clinic = "kent") {
+    return ingest_->open(clinic, offer, *catalogue_);
+  }
   v1::UploadAnswer take(const std::string& whole, std::uint64_t offset, std::size_t count, const std::string& clinic = "kent") {
     v1::UploadChunk chunk;
     chunk.set_sha256(sum_of(whole));
@@ -140,9 +142,12 @@ TEST_F(IngestTest, FileThatIsNotWhatWasOffered_StartsAgain) {
   EXPECT_TRUE(commit(bytes_).has_stored());
 }
 
-TEST_F(IngestTest, MoreThanOffered_OrUnknown_IsRejected) {
-  EXPECT_TRUE(take(bytes_, 0, 10).has_refusal());
-  EXPECT_TRUE(commit(bytes_).has_refusal());
+TEST_F(IngestTest, UnknownFile_IsLater_SoThatTheClinicOffersItAgain) {
+  EXPECT_TRUE(take(bytes_, 0, 10).has_later());
+  EXPECT_TRUE(commit(bytes_).has_later());
+}
+
+TEST_F(IngestTest, MoreThanOffered_IsRejected) {
   auto offer = offer_of(bytes_);
   offer.set_bytes(100);
   open(offer);
@@ -152,9 +157,9 @@ TEST_F(IngestTest, MoreThanOffered_OrUnknown_IsRejected) {
 
 TEST_F(IngestTest, ClinicsWithTheSameFile_StayApart) {
   open(offer_of(bytes_), "kent");
-  EXPECT_TRUE(take(bytes_, 0, 10, "leeds").has_refusal());
+  EXPECT_TRUE(take(bytes_, 0, 10, "leeds").has_later());
   take(bytes_, 0, 5000, "kent");
-  EXPECT_TRUE(commit(bytes_, "leeds").has_refusal());
+  EXPECT_TRUE(commit(bytes_, "leeds").has_later());
   EXPECT_TRUE(commit(bytes_, "kent").has_stored());
   EXPECT_TRUE(open(offer_of(bytes_), "leeds").has_upload());
 }
@@ -164,8 +169,8 @@ TEST_F(IngestTest, FullDisk_AndSpentQuotas_AreLater) {
   EXPECT_EQ(open(offer_of(bytes_)).later().reason(), "the disk of the centre is full");
   restart({.hub = "hub-1", .bytes_a_day = 1500, .staged_bytes = 3000});
   EXPECT_TRUE(open(offer_of(bytes_)).has_upload());
-  EXPECT_TRUE(open(offer_of(std::string(2500, 'x'))).has_later());     // both together are more than may be staged
-  EXPECT_TRUE(open(offer_of(std::string(3001, 'x'))).has_refusal());   // never possible
+  EXPECT_TRUE(open(offer_of(std::string(2500, 'x'))).has_later());    // both together are more than may be staged
+  EXPECT_TRUE(open(offer_of(std::string(3001, 'x'))).has_refusal());  // never possible
   EXPECT_TRUE(open(offer_of(std::string(2500, 'x')), "leeds").has_upload());
   EXPECT_EQ(take(bytes_, 0, 1500).upload().have(), 1500U);
   EXPECT_TRUE(take(bytes_, 1500, 10).has_later());
@@ -236,7 +241,7 @@ TEST_F(IngestTest, AbandonedUploads_AreRemovedAfterAWeek) {
   clock_.moved_ns = 169 * kHourNs;
   ingest_->drop_abandoned();
   EXPECT_EQ(staged_files(), 0U);
-  EXPECT_TRUE(take(bytes_, 100, 100).has_refusal());
+  EXPECT_TRUE(take(bytes_, 100, 100).has_later());
 }
 
 TEST_F(IngestTest, StopDuringACommit_IsLater_AndNothingIsLost) {
@@ -257,7 +262,8 @@ TEST_F(IngestTest, SecondHubWithTheSameName_IsRejected) {
 }
 
 TEST_F(IngestTest, TwoHubsWithTheSameFile_MakeOneReceipt) {
-  const auto second = Ingest::create({.hub = "hub-2"}, Staging::open(folder_.path() + "/staging/hub-2").value(), *store_, clock_, log_).value();
+  const auto second =
+      Ingest::create({.hub = "hub-2"}, Staging::open(folder_.path() + "/staging/hub-2").value(), *store_, clock_, log_).value();
   open(offer_of(bytes_));
   take(bytes_, 0, 5000);
   EXPECT_EQ(second->open("kent", offer_of(bytes_), *catalogue_).upload().worker(), "hub-2");
@@ -322,7 +328,7 @@ TEST_F(IngestTest, DamagedStaging_IsRemovedAtTheStart) {
   std::ofstream(folder + "nobody.part") << "x";
   restart({.hub = "hub-1"});
   EXPECT_EQ(staged_files(), 0U);
-  EXPECT_TRUE(take(bytes_, 100, 10).has_refusal());
+  EXPECT_TRUE(take(bytes_, 100, 10).has_later());
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ class Disk:
         self.store = store
         self.copies = copies
         self.random = chance
+        self.kept_share = 0.5  # of what was not synchronised
         self.lost = 0  # files and bytes that a cut took, counted as occasions
 
     def cut(self) -> None:
@@ -57,7 +58,7 @@ class Disk:
         durable = dict(reversed(line.split(" ", 1)) for line in names.read_text().splitlines()) if names.exists() else {}
         for name in sorted(current.keys() | durable.keys()):
             is_same = name in current and durable.get(name) == str(current[name].stat().st_ino)
-            if is_same or self.random.random() < 0.5:  # by chance as it is now
+            if is_same or self.random.random() < self.kept_share:  # by chance as it is now
                 source = current.get(name)
             else:
                 source = by_inode.get(int(durable[name])) if name in durable else None
@@ -77,10 +78,10 @@ class Disk:
         if current == durable:
             return current
         self.lost += 1
-        size = self.random.choice([len(current), len(durable), self.random.randint(0, len(current))])
+        size = self.random.choice([len(current), len(durable), self.random.randint(0, len(current))]) if self.kept_share else len(durable)
         pages = []
         for offset in range(0, size, PAGE):
-            page = (current if self.random.random() < 0.5 else durable)[offset:offset + PAGE]
+            page = (current if self.random.random() < self.kept_share else durable)[offset:offset + PAGE]
             pages.append(page.ljust(PAGE, b"\0"))
         return b"".join(pages)[:size]
 
@@ -97,6 +98,25 @@ def wait_for_upload(clinic: Clinic, share: float) -> None:
         return any(path.stat().st_size >= share * largest for path in centre.staged() if path.suffix == ".part" and path.exists())
 
     wait_until(f"{share:.0%} of a file has arrived", has_arrived)
+
+
+def expect_name_is_kept(checks: Checks, disk: Disk, clinic: Clinic) -> None:
+    """dts-hub dies after it has moved a file into the folder of recordings, and before it has synchronised that folder. The next one finds
+    the file there and sends the receipt. Then the power fails, and takes all that was not synchronised."""
+    centre = clinic.centre
+    centre.hub.kill()
+    centre.hub.add_environment({"DTS_POWER_DIE": str(centre.store / "objects" / clinic.name)})
+    centre.hub.start()
+    clinic.record(0.5, "floor", "--subject", "P001")
+    wait_until("dts-hub has died before it synchronised the folder", lambda: not centre.hub.is_alive())
+    centre.hub.add_environment({"DTS_POWER_DIE": ""})
+    centre.hub.start()
+    wait_until("the recording has a receipt", lambda: not clinic.is_recording() and not clinic.undelivered())
+    centre.hub.kill()
+    disk.kept_share = 0.0
+    disk.cut()
+    lost = [pair for pair in centre.receipts() or () if not centre.object_path(*pair).exists()]
+    checks.expect("a receipt of a file that an earlier hub moved outlives a power cut", not lost, lost)
 
 
 def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
@@ -140,6 +160,7 @@ def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
         checks.expect(f"no receipt without its whole file after any of {words.cuts} power cuts", not broken, sorted(broken))
         checks.expect("files, rows and receipts are the same",
                       set(centre.objects()) == set(centre.parts()) == centre.receipts() and len(centre.objects()) == len(clinic.recorded()))
+        expect_name_is_kept(checks, disk, clinic)
         checks.expect("the cuts took something away", disk.lost)
         is_good = not checks.failed
         print(f"        {len(centre.objects())} recordings; {during} cuts during an upload; {disk.lost} names or files that were not synchronised")

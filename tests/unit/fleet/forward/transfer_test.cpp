@@ -196,6 +196,18 @@ TEST_F(TransferTest, CommitOfDamagedBytes_StartsAgainAfterAPause) {
   EXPECT_THAT(chunks(), testing::ElementsAre(0));
 }
 
+TEST_F(TransferTest, CommitOfALargeFile_GetsTimeForReadingIt) {
+  bytes_ = 1'000'000'000;
+  Transfer large("kent", sha256_, bytes_, 1);
+  ASSERT_EQ(large.next(now_).kind, Kind::Open);
+  large.handle(upload(bytes_), now_);
+  ASSERT_EQ(large.next(now_).kind, Kind::Commit);
+  EXPECT_EQ(large.next(now_ + std::chrono::seconds(54)).until, now_ + std::chrono::seconds(55));
+  EXPECT_EQ(large.problem(), "");
+  (void)large.next(now_ + std::chrono::seconds(55));
+  EXPECT_EQ(large.problem(), "the centre does not answer");
+}
+
 TEST_F(TransferTest, MoreBytesThanTheFileHas_AreNotBelieved) {
   ASSERT_EQ(transfer_.next(now_).kind, Kind::Open);
   transfer_.handle(upload(bytes_ + 1), now_);

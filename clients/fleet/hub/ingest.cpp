@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "fleet/hub/durable_file.h"
@@ -206,6 +207,8 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
   }
   DTS_TRY(synchronise(file));
   options_.reached("synchronised");
+  std::error_code error;
+  if (std::filesystem::file_size(file, error) != upload.offer.bytes() || error) return false;
   auto sum = sha256_from_disk(file, stop);
   if (!sum && sum.error().code == core::ErrorCode::NotFound) return false;
   DTS_TRY(sum);

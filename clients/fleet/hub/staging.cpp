@@ -15,7 +15,6 @@
 #include "fleet/hub/durable_file.h"
 #include "fleet/wire/messages.h"
 #include "fleet/wire/subjects.h"
-#include "record/replace_file.h"
 
 namespace dts::fleet::hub {
 namespace {
@@ -41,6 +40,24 @@ std::optional<Staging::Upload> read_staged(const fs::path& file) {
   upload.changed_utc_ns = std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
   if (upload.have > upload.offer.bytes()) return std::nullopt;
   return upload;
+}
+
+/// Writes without synchronising. If this fails, the file has `offset` bytes.
+core::Status write_at(const std::string& path, std::uint64_t offset, std::string_view data) {
+  const int opened = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kStagedMode);
+  if (opened < 0) return core::fail_errno(errno, "cannot open '" + path + "'", "check the disk");
+  int error = 0;
+  std::size_t written = 0;
+  while (written < data.size() && error == 0) {
+    const ssize_t count = ::pwrite(opened, data.data() + written, data.size() - written, static_cast<off_t>(offset + written));
+    if (count > 0) written += static_cast<std::size_t>(count);
+    if (count < 0 && errno != EINTR) error = errno;
+    if (count == 0) error = ENOSPC;
+  }
+  if (error != 0) static_cast<void>(::ftruncate(opened, static_cast<off_t>(offset)));
+  ::close(opened);
+  if (error != 0) return core::fail_errno(error, "cannot write '" + path + "'", "make room on the disk, or check it");
+  return {};
 }
 
 }  // namespace
@@ -86,25 +103,12 @@ core::Result<std::vector<Staging::Upload>> Staging::load() {
 
 core::Status Staging::begin(const RecordingName& name, const v1::UploadOffer& offer) {
   DTS_TRY(create_folder(folder_ + "/" + name.clinic));
-  return record::replace_file(offer_file(name), offer.SerializeAsString(), kStagedMode);
+  static_cast<void>(::unlink(offer_file(name).c_str()));
+  return write_at(offer_file(name), 0, offer.SerializeAsString());
 }
 
 core::Status Staging::write(const RecordingName& name, std::uint64_t offset, std::string_view data) {
-  const std::string path = file(name);
-  const int opened = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kStagedMode);
-  if (opened < 0) return core::fail_errno(errno, "cannot open '" + path + "'", "check the disk");
-  int error = 0;
-  std::size_t written = 0;
-  while (written < data.size() && error == 0) {
-    const ssize_t count = ::pwrite(opened, data.data() + written, data.size() - written, static_cast<off_t>(offset + written));
-    if (count > 0) written += static_cast<std::size_t>(count);
-    if (count < 0 && errno != EINTR) error = errno;
-    if (count == 0) error = ENOSPC;
-  }
-  if (error != 0) static_cast<void>(::ftruncate(opened, static_cast<off_t>(offset)));
-  ::close(opened);
-  if (error != 0) return core::fail_errno(error, "cannot write '" + path + "'", "make room on the disk, or check it");
-  return {};
+  return write_at(file(name), offset, data);
 }
 
 core::Status Staging::restart(const RecordingName& name) {

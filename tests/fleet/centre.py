@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A centre on this machine: a certificate authority, PostgreSQL, nats-server and dts-hub, in one temporary folder, on free ports of 127.0.0.1.
+
+Nothing is shared with services of the machine. All programs end with the harness."""
+import hashlib
+import json
+import os
+import shutil
+import signal
+import tempfile
+from pathlib import Path
+
+from child import Child, Failure, as_user, free_port, nats_server, postgresql, program, run, wait_until
+
+DATABASE = "dts_fleet"
+POSTGRESQL_USER = "postgres" if os.geteuid() == 0 else None  # its programs refuse to run as root
+
+
+class Centre:
+    """`start` starts everything. The programs `postgresql`, `nats` and `hub` may be killed and started again."""
+
+    def __init__(self, hub_settings: str = "") -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix="dts-fleet.", dir="/tmp"))  # short: the path of a socket has at most 107 bytes
+        self.folder.chmod(0o711)  # PostgreSQL runs as another user
+        self.nats_port = free_port()
+        self.database_folder = self.folder / "pg"
+        self.store = self.folder / "store"
+        self.config = self.folder / "hub.toml"
+        self._hub_settings = hub_settings
+        self.postgresql = Child("PostgreSQL", [postgresql("postgres") or "", "-D", self.database_folder], self.folder / "postgresql.log",
+                                user=POSTGRESQL_USER, stop_signal=signal.SIGINT)  # SIGINT: does not wait for clients
+        self.nats = Child("nats-server", [nats_server() or "", "-c", self.folder / "nats-server.conf"], self.folder / "nats.log")
+        self.hub = Child("dts-hub", [program("dts-hub"), "run", "--config", self.config], self.folder / "hub.log")
+
+    def start(self) -> None:
+        self._make_certificates()
+        self.start_empty_postgresql()
+        administrator = (postgresql("psql") or "", "-X", "-q", "-h", self.database_folder, "-U", "dts_admin", "postgres", "-c")
+        run(*administrator, "CREATE ROLE dts_hub LOGIN CREATEROLE")
+        run(*administrator, f"CREATE DATABASE {DATABASE} OWNER dts_hub")
+        self._write_settings()
+        self.fleet("users")
+        self.nats.start()
+        self.hub.start()
+
+    def close(self, keep: bool = False) -> None:
+        for child in (self.hub, self.nats, self.postgresql):
+            child.stop()
+        if keep:
+            print(f"kept: {self.folder}")
+        else:
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+    def start_postgresql(self) -> None:
+        """Starts it and waits until it accepts connections. The processes of a killed one end first: they still hold its memory."""
+        def is_up() -> bool:
+            if not self.postgresql.is_alive():
+                self.postgresql.start()
+            return self.query_or_none("SELECT 1", "postgres") == "1"
+
+        self.postgresql.start()
+        wait_until("PostgreSQL accepts connections", is_up)
+
+    # What a person at the centre does
+
+    def fleet(self, *words: str | Path, config: Path | None = None) -> str:
+        return run(program("dts-fleet"), "--config", config or self.config, *words)
+
+    def fleet_lines(self, *words: str) -> list[dict]:
+        return [json.loads(line) for line in self.fleet(*words, "--json").splitlines()]
+
+    def enrol(self, clinic: str, title: str, public_key: str, address: str, out: Path) -> None:
+        """Adds a clinic. `address` is what the clinic connects to: a line of its own."""
+        config = self.folder / f"hub-{clinic}.toml"
+        config.write_text(self._settings(address))
+        self.fleet("clinic", "add", clinic, "--title", title, "--key", public_key, "--out", out, config=config)
+
+    # What is in the centre
+
+    def query(self, statement: str, database: str = DATABASE) -> str:
+        """Returns the rows of a statement, with "|" between columns."""
+        return run(postgresql("psql") or "psql", "-X", "-A", "-t", "-v", "ON_ERROR_STOP=1", "-h", self.database_folder, "-U", "dts_admin",
+                   "-d", database, "-c", statement, env=os.environ | {"PGCONNECT_TIMEOUT": "5"}).strip()
+
+    def query_or_none(self, statement: str, database: str = DATABASE) -> str | None:
+        try:
+            return self.query(statement, database)
+        except Failure:
+            return None
+
+    def dump(self) -> str:
+        return run(postgresql("pg_dump") or "pg_dump", "-h", self.database_folder, "-U", "dts_admin", DATABASE)
+
+    def receipts(self) -> set[tuple[str, str]] | None:
+        """Returns pairs of clinic and SHA-256; None while PostgreSQL does not answer."""
+        rows = self.query_or_none("SELECT clinic, encode(sha256, 'hex') FROM receipt")
+        return None if rows is None else {pair(row) for row in rows.splitlines()}
+
+    def parts(self) -> list[tuple[str, str]]:
+        """Returns pairs of clinic and SHA-256, one for each row of a recording that has arrived."""
+        return [pair(row) for row in self.query("SELECT clinic, encode(sha256, 'hex') FROM part WHERE store_key IS NOT NULL").splitlines()]
+
+    def object_path(self, clinic: str, sha256: str) -> Path:
+        return self.store / "objects" / clinic / sha256
+
+    def objects(self) -> list[tuple[str, str]]:
+        """Returns pairs of clinic and name of the file."""
+        return [(path.parent.name, path.name) for path in (self.store / "objects").glob("*/*")]
+
+    def staged(self) -> list[Path]:
+        """Returns the files of uploads that are not complete."""
+        return [path for path in self.store.glob("staging/**/*") if path.suffix in (".part", ".offer")]
+
+    # Making it
+
+    def _make_certificates(self) -> None:
+        """A certificate authority, and with it a certificate of nats-server for 127.0.0.1."""
+        ca, ca_key, key, request = (self.folder / name for name in ("ca.pem", "ca.key", "nats.key", "nats.csr"))
+        extensions = self.folder / "nats.ext"
+        extensions.write_text("subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth\n")
+        curve = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-noenc")
+        run("openssl", "req", "-x509", *curve, "-keyout", ca_key, "-out", ca, "-days", "30", "-subj", "/CN=Demo authority")
+        run("openssl", "req", *curve, "-keyout", key, "-out", request, "-subj", "/CN=centre")
+        run("openssl", "x509", "-req", "-in", request, "-CA", ca, "-CAkey", ca_key, "-CAcreateserial", "-days", "30", "-extfile", extensions,
+            "-out", self.folder / "nats.pem")
+
+    def start_empty_postgresql(self) -> None:
+        """Makes a cluster without databases of ours and starts it. Its administrator is "dts_admin"."""
+        self.database_folder.mkdir()
+        if POSTGRESQL_USER:
+            shutil.chown(self.database_folder, POSTGRESQL_USER)
+        run(*as_user(POSTGRESQL_USER), postgresql("initdb") or "", "-D", self.database_folder, "-U", "dts_admin", "-A", "trust", "-E", "UTF8",
+            "--locale", "C.UTF-8", "--no-sync", "--wal-segsize", "4")
+        # fsync stays on: receipts depend on it.
+        with (self.database_folder / "postgresql.conf").open("a") as settings:
+            settings.write(f"listen_addresses = ''\nunix_socket_directories = '{self.database_folder}'\nshared_buffers = 16MB\n"
+                           "max_connections = 30\nmin_wal_size = 8MB\nmax_wal_size = 64MB\nautovacuum_naptime = 10min\n"
+                           "recovery_init_sync_method = syncfs\n")
+        self.start_postgresql()
+
+    def _write_settings(self) -> None:
+        self.config.write_text(self._settings(f"tls://127.0.0.1:{self.nats_port}"))
+        (self.folder / "nats-server.conf").write_text(f"""\
+server_name: centre
+listen: "127.0.0.1:{self.nats_port}"
+pid_file: "{self.folder}/nats.pid"
+max_payload: 1048576
+max_connections: 2000
+tls {{ cert_file: "{self.folder}/nats.pem", key_file: "{self.folder}/nats.key", timeout: 5 }}
+include "users.conf"
+""")
+
+    def _settings(self, public_address: str) -> str:
+        return f"""\
+name = "hub-1"
+[nats]
+servers = ["tls://127.0.0.1:{self.nats_port}"]
+public_servers = ["{public_address}"]
+ca = "ca.pem"
+key = "hub.nk"
+users_file = "users.conf"
+pid_file = "nats.pid"
+[database]
+connection = "host={self.database_folder} dbname={DATABASE} user=dts_hub"
+[store]
+directory = "{self.store}"
+{self._hub_settings}"""
+
+
+def pair(row: str) -> tuple[str, str]:
+    first, _, second = row.partition("|")
+    return first, second
+
+
+def sha256_of(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -20,8 +20,11 @@ class Centre:
     """`start` starts everything. The programs `postgresql`, `nats` and `hub` may be killed and started again."""
 
     def __init__(self, hub_settings: str = "") -> None:
+        remove_left_folders()
         self.folder = Path(tempfile.mkdtemp(prefix="dts-fleet.", dir="/tmp"))  # short: the path of a socket has at most 107 bytes
         self.folder.chmod(0o711)  # PostgreSQL runs as another user
+        (self.folder / "pid.new").write_text(str(os.getpid()))  # never seen empty
+        (self.folder / "pid.new").rename(self.folder / "pid")
         self.nats_port = free_port()
         self.database_folder = self.folder / "pg"
         self.store = self.folder / "store"
@@ -47,6 +50,7 @@ class Centre:
         for child in (self.hub, self.nats, self.postgresql):
             child.stop()
         if keep:
+            (self.folder / "pid").unlink()
             print(f"kept: {self.folder}")
         else:
             shutil.rmtree(self.folder, ignore_errors=True)
@@ -165,6 +169,16 @@ connection = "host={self.database_folder} dbname={DATABASE} user=dts_hub"
 [store]
 directory = "{self.store}"
 {self._hub_settings}"""
+
+
+def remove_left_folders() -> None:
+    """Removes what a harness that was killed has left: the process that made the folder is gone."""
+    for file in Path("/tmp").glob("dts-fleet.*/pid"):
+        try:
+            if file.stat().st_uid == os.getuid() and not Path(f"/proc/{file.read_text()}").exists():
+                shutil.rmtree(file.parent, ignore_errors=True)
+        except OSError:  # another harness was faster
+            continue
 
 
 def pair(row: str) -> tuple[str, str]:

@@ -86,18 +86,24 @@ class Hub {
                      }));
     }
     keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, *ingest_, *store_, log_);
-    return connect();
+    const auto connected = connect();
+    // nats-server may close the first connection while it reads the users file: `serve` opens another one.
+    return connected.has_value() || connected.error().code != core::ErrorCode::InvalidArgument ? core::Status() : connected;
   }
 
   /// Opens the connection again if nats-server has rejected it: it may not have read the users file yet.
   void serve() {
     is_connected_ = link_ && link_->is_connected();
+    if (is_connected_) is_rejection_logged_ = false;
     if (link_ && !link_->is_rejected()) return;
     const auto now = std::chrono::steady_clock::now();
     if (now < next_connect_) return;
     next_connect_ = now + kRejectedPause;
-    if (link_)
-      log_.warning("nats-server rejects the key of this hub: run dts-fleet users, and include its file in nats-server's configuration");
+    if (link_ && !std::exchange(is_rejection_logged_, true)) {
+      log_.error(
+          "nats-server rejects the key of this hub: run dts-fleet users, and include the file that it writes in nats-server's "
+          "configuration");
+    }
     if (const auto connected = connect(); !connected) log_.error(core::to_string(connected.error()));
   }
 
@@ -108,6 +114,14 @@ class Hub {
 
  private:
   [[nodiscard]] core::Status connect() {
+    const auto connected = open_desks();
+    if (connected) return {};
+    desks_.clear();
+    link_.reset();
+    return connected;
+  }
+
+  [[nodiscard]] core::Status open_desks() {
     desks_.clear();
     link_.reset();
     DTS_TRY_ASSIGN(link_, link::Link::open({.servers = settings_.servers,
@@ -241,6 +255,7 @@ class Hub {
   std::mutex log_mutex_{};
   core::TokenBucket failures_{1.0};
   std::atomic<bool> is_connected_{false};
+  bool is_rejection_logged_ = false;
   std::chrono::steady_clock::time_point next_connect_{};
   std::unique_ptr<Store> store_{};
   std::unique_ptr<Ingest> ingest_{};

@@ -2,6 +2,9 @@
 #include "fleet/hub/ingest.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <set>
+#include <system_error>
 #include <utility>
 
 #include "fleet/hub/durable_file.h"
@@ -75,7 +78,8 @@ v1::UploadAnswer Ingest::later(const std::string& reason, std::uint32_t wait_s) 
 
 std::uint64_t Ingest::offered_bytes(const std::string& clinic) const {
   std::uint64_t bytes = 0;
-  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic; ++upload) {
+  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic;
+       ++upload) {
     bytes += upload->second.offer.bytes();
   }
   return bytes;
@@ -199,9 +203,13 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
     DTS_TRY_ASSIGN(const auto kept, store_.file(name));
     if (!kept) return false;
     file = *kept;
+    // An earlier hub may have ended after it had moved the file, before it synchronised the folder.
+    DTS_TRY(synchronise(std::filesystem::path(file).parent_path().string()));
   }
   DTS_TRY(synchronise(file));
   options_.reached("synchronised");
+  std::error_code error;
+  if (std::filesystem::file_size(file, error) != upload.offer.bytes() || error) return false;
   auto sum = sha256_from_disk(file, stop);
   if (!sum && sum.error().code == core::ErrorCode::NotFound) return false;
   DTS_TRY(sum);
@@ -212,7 +220,8 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
   if (!is_sound || !*is_sound) {
-    log_.warning(described(name) + (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
+    log_.warning(described(name) +
+                 (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
     start_again(name, upload.is_in_store, catalogue);
     return is_sound ? upload_answer(0) : later(kDiskFailed, kDatabaseWaitS);
   }
@@ -281,6 +290,19 @@ void Ingest::drop_session(const std::string& clinic, const std::string& session)
     if (is_dropped) staging_->remove(one.first);
     return is_dropped;
   });
+}
+
+core::Status Ingest::drop_erased(Catalogue& catalogue) {
+  std::set<std::pair<std::string, std::string>> sessions;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, upload] : uploads_) sessions.emplace(name.clinic, upload.offer.session_id());
+  }
+  for (const auto& [clinic, session] : sessions) {
+    DTS_TRY_ASSIGN(const bool is_gone, catalogue.is_erased(clinic, session));
+    if (is_gone) drop_session(clinic, session);
+  }
+  return {};
 }
 
 void Ingest::drop_abandoned() {

@@ -9,8 +9,9 @@ SOURCE = Path(__file__).resolve().parent.parent.parent
 # Another installation: DTS_UNIT_DIR holds the units, DTS_BIN_DIR their programs, as folders with ":" between them.
 UNIT_DIR = Path(os.environ.get("DTS_UNIT_DIR", SOURCE / "systemd"))
 PROGRAM_DIRS = [Path(folder) for folder in os.environ.get("DTS_BIN_DIR", str(SOURCE / "build/release/bin")).split(":")]
-FLEET_UNITS = [name for name in ("dts-worker",) if any((folder / name).is_file() for folder in PROGRAM_DIRS)]  # that are built
-UNITS = ("dtsd", "dts-gateway", "dts-relay", *FLEET_UNITS)
+# The programs of a fleet are built only if their libraries are installed.
+OPTIONAL = tuple(name for name in ("dts-worker",) if any((folder / name).is_file() for folder in PROGRAM_DIRS))
+UNITS = ("dtsd", "dts-gateway", "dts-relay", *OPTIONAL)
 PROGRAM = re.compile(r"^(ExecStart=)(\S+)", re.MULTILINE)
 EXPOSURE_LIMIT = 13  # tenths; chrony has 37, gpsd 96
 

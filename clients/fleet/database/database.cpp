@@ -30,6 +30,8 @@ core::ErrorCode code_of(std::string_view state) {
   if (state.starts_with("22")) return core::ErrorCode::InvalidArgument;
   if (state == "42501") return core::ErrorCode::NotAllowed;
   if (state == "57014") return core::ErrorCode::Timeout;
+  // Without a state the message is of libpq: the connection failed, even if libpq has not noticed its end. 57P: the server ends.
+  if (state.empty() || state.starts_with("57P")) return core::ErrorCode::Unreachable;
   return core::ErrorCode::Failed;
 }
 
@@ -91,11 +93,12 @@ class Database::Connection {
   [[nodiscard]] bool is_sound() const noexcept { return PQstatus(connection_) == CONNECTION_OK; }
   [[nodiscard]] std::string problem() const { return without_line_end(PQerrorMessage(connection_)); }
 
-  [[nodiscard]] tl::unexpected<core::Error> failure(const PGresult* result) const {
+  [[nodiscard]] core::Error failure(const PGresult* result) const {
     const char* state = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_SQLSTATE);
     const char* text = result == nullptr ? nullptr : PQresultErrorField(result, PG_DIAG_MESSAGE_PRIMARY);
-    if (!is_sound()) return core::fail(core::ErrorCode::Unreachable, "PostgreSQL: " + (text == nullptr ? problem() : std::string(text)));
-    return core::fail(code_of(state == nullptr ? "" : state), "PostgreSQL: " + (text == nullptr ? problem() : std::string(text)));
+    return {.code = is_sound() ? code_of(state == nullptr ? "" : state) : core::ErrorCode::Unreachable,
+            .what = "PostgreSQL: " + (text == nullptr ? problem() : std::string(text)),
+            .hint = {}};
   }
 
  private:
@@ -150,7 +153,7 @@ core::Result<Rows> Database::run(const std::string& sql, std::initializer_list<P
   const ResultPointer result(PQexecParams(connection_->get(), sql.c_str(), static_cast<int>(values.size()), nullptr, values.data(),
                                           lengths.data(), formats.data(), 0));
   const ExecStatusType status = PQresultStatus(result.get());
-  if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) return connection_->failure(result.get());
+  if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) return failed(connection_->failure(result.get()));
   std::vector<std::vector<std::optional<std::string>>> cells(static_cast<std::size_t>(PQntuples(result.get())));
   for (std::size_t row = 0; row < cells.size(); ++row) {
     for (int column = 0; column < PQnfields(result.get()); ++column) {
@@ -173,8 +176,16 @@ core::Status Database::run_script(const std::string& sql) {
   DTS_TRY(connect());
   const ResultPointer result(PQexec(connection_->get(), sql.c_str()));
   const ExecStatusType status = PQresultStatus(result.get());
-  if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) return connection_->failure(result.get());
+  if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) return failed(connection_->failure(result.get()));
   return {};
+}
+
+tl::unexpected<core::Error> Database::failed(core::Error error) {
+  if (error.code == core::ErrorCode::Unreachable) {
+    connection_.reset();
+    last_problem_ = error.what;
+  }
+  return tl::make_unexpected(std::move(error));
 }
 
 core::Status Database::begin() {
@@ -202,11 +213,7 @@ core::Result<bool> Database::wait_notification(std::chrono::milliseconds timeout
   if (std::exchange(may_have_missed_, false)) return true;
   pollfd item{.fd = PQsocket(connection_->get()), .events = POLLIN, .revents = 0};
   static_cast<void>(::poll(&item, 1, static_cast<int>(timeout.count())));
-  if (PQconsumeInput(connection_->get()) == 0) {
-    auto failed = connection_->failure(nullptr);
-    connection_.reset();
-    return failed;
-  }
+  if (PQconsumeInput(connection_->get()) == 0) return failed(connection_->failure(nullptr));
   bool has_some = false;
   while (PGnotify* notification = PQnotifies(connection_->get())) {
     PQfreemem(notification);

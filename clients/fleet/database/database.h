@@ -123,6 +123,8 @@ class Database {
  private:
   class Connection;
   [[nodiscard]] core::Status connect();
+  /// Returns the error of a statement. Closes a connection that has ended.
+  [[nodiscard]] tl::unexpected<core::Error> failed(core::Error error);
   [[nodiscard]] core::Status begin();
   [[nodiscard]] core::Status commit();
   void roll_back();

@@ -208,9 +208,10 @@ CREATE TABLE job (
   worker text,
   tries integer NOT NULL DEFAULT 0,
   message text NOT NULL DEFAULT '',
-  UNIQUE (kind, version, clinic, session, part)
+  UNIQUE (clinic, session, part, kind, version)
 );
-CREATE INDEX job_waiting ON job (id) WHERE state IN ('waiting', 'running');
+-- In the order in which workers take jobs: without it they read all jobs that are done.
+CREATE INDEX job_waiting ON job (version, tries, id) WHERE state IN ('waiting', 'running');
 
 -- Who reads what: README, "Readers". A row without protocol permits all sessions of the clinic.
 CREATE TABLE permit (

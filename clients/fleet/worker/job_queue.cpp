@@ -25,7 +25,7 @@ core::Result<std::optional<TakenJob>> JobQueue::take() {
       database_.run("UPDATE job j SET state = 'running', worker = $1, lease_until = now() + $2::bigint * interval '1 second', "
                     "tries = tries + 1, message = '' WHERE id = (SELECT id FROM job WHERE state IN ('waiting', 'running') AND version = $3 "
                     "AND kind = ANY ($4::text[]) AND (lease_until IS NULL OR lease_until < now()) AND tries < $5::bigint "
-                    "ORDER BY id LIMIT 1 FOR UPDATE SKIP LOCKED) "
+                    "ORDER BY tries, id LIMIT 1 FOR UPDATE SKIP LOCKED) "
                     "RETURNING id, kind, clinic, session, part, tries, "
                     "(SELECT encode(p.sha256, 'hex') FROM part p WHERE p.clinic = j.clinic AND p.session = j.session AND p.part = j.part), "
                     "(SELECT p.store_key FROM part p WHERE p.clinic = j.clinic AND p.session = j.session AND p.part = j.part)",

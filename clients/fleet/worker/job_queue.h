@@ -40,8 +40,8 @@ class JobQueue {
 
   JobQueue(database::Database& database, QueueOptions options) : database_(database), options_(std::move(options)) {}
 
-  /// Takes the oldest job that waits, or whose worker has not renewed it. Returns nothing if there is none. Then also gives up jobs whose
-  /// workers have ended in each of `kMostTries`.
+  /// Takes a job that waits, or whose worker has not renewed it: of those with the fewest tries the oldest. Returns nothing if there is
+  /// none. Then also gives up jobs whose workers have ended in each of `kMostTries`.
   [[nodiscard]] core::Result<std::optional<TakenJob>> take();
   [[nodiscard]] core::Result<bool> renew(const TakenJob& job);
   /// Writes the results and ends the job, both or neither. Results of the same analysis are replaced, those of the clinic never.

@@ -30,6 +30,10 @@ class CatalogueTest : public ::testing::Test {
     ASSERT_TRUE(migrated) << migrated.error().what;
   }
 
+  [[nodiscard]] static std::unique_ptr<test::PostgresServer>& server() {
+    static std::unique_ptr<test::PostgresServer> only;
+    return only;
+  }
   [[nodiscard]] std::string connection(const std::string& user = "dts_hub") const { return server()->connection(name_, user); }
   [[nodiscard]] Database& database() { return *database_; }
 
@@ -55,11 +59,6 @@ class CatalogueTest : public ::testing::Test {
   }
 
  private:
-  static std::unique_ptr<test::PostgresServer>& server() {
-    static std::unique_ptr<test::PostgresServer> only;
-    return only;
-  }
-
   std::string name_;
   std::unique_ptr<Database> database_;
 };

@@ -62,6 +62,11 @@ TEST_F(JobsTest, Add_WakesTheWorkers) {
   EXPECT_TRUE(worker.wait_notification(std::chrono::seconds(60)).value());
 }
 
+TEST_F(JobsTest, Add_LeavesFreshStatistics_WhichTheWorkersStatementNeeds) {
+  add({.kind = "sway", .version = "1"});
+  EXPECT_EQ(number("SELECT reltuples FROM pg_class WHERE relname = 'job'"), 4);
+}
+
 TEST_F(JobsTest, List_ShowsTheNewestFirst_AndFilters) {
   add({.kind = "sway", .version = "0.1.0"});
   sql("UPDATE job SET state = 'failed', worker = 'w', tries = 5, message = 'dtslab crashed' WHERE session = 's3'");

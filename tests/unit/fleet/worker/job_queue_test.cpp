@@ -81,12 +81,13 @@ TEST_F(JobQueueTest, Finish_WritesResultsBesideThoseOfTheClinic) {
 
 TEST_F(JobQueueTest, Finish_AfterARepeatedJob_ReplacesItsResults) {
   EXPECT_TRUE(first_->finish(take(*first_), figures_, "").value());
-  sql("UPDATE job SET state = 'waiting' WHERE session = 's1'");
+  sql("UPDATE job SET state = 'waiting', tries = 0 WHERE session = 's1'");
   EXPECT_TRUE(first_->finish(take(*first_), {{.name = "eyes-open/MVELO", .value = 9.0, .unit = "mm/s", .details = ""}}, "").value());
   EXPECT_EQ(number("SELECT value FROM result WHERE name = 'eyes-open/MVELO' AND analysis = 'sway 0.1.0'"), 9);
 }
 
 TEST_F(JobQueueTest, JobThatWasNotRenewed_IsTakenAgain_AndTheFirstWorkerWritesNothing) {
+  sql("DELETE FROM job WHERE session = 's2'");
   const TakenJob mine = take(*first_);
   EXPECT_TRUE(first_->renew(mine).value());
   end_leases();
@@ -142,6 +143,13 @@ TEST_F(JobQueueTest, JobThatFails_IsTriedFiveTimes) {
   }
   EXPECT_FALSE(has_job(*first_));
   EXPECT_EQ(text("SELECT state || ': ' || message FROM job"), "failed: dtslab crashed");
+}
+
+TEST_F(JobQueueTest, NewJobs_GoBeforeThoseThatFailed) {
+  const TakenJob job = take(*first_);
+  EXPECT_TRUE(first_->fail(job, "dtslab crashed", false).value());
+  EXPECT_EQ(take(*first_).session, "s2");
+  EXPECT_EQ(take(*first_).id, job.id);
 }
 
 TEST_F(JobQueueTest, JobThatCannotSucceed_FailsAtOnce) {

@@ -52,11 +52,18 @@ TEST_F(SettingsTest, All_AreRead_AndPathsAreRelativeToTheFile) {
   EXPECT_EQ(options.retry_pause, std::chrono::seconds(0));
 }
 
+TEST_F(SettingsTest, Example_IsRead) {
+  const WorkerOptions options = read_settings(std::string(DTS_SOURCE_DIR) + "/config/worker.toml", problems_);
+  EXPECT_EQ(problems(), "");
+  EXPECT_EQ(options.store, "/var/lib/dts-hub");
+  EXPECT_EQ(options.dtslab, "/usr/bin/dtslab");
+}
+
 TEST_F(SettingsTest, WhatIsMissingOrWrong_IsAProblem) {
-  static_cast<void>(read("[store]\ndirectory = \"/store\"\n"));
+  static_cast<void>(read("[database]\n[store]\ndirectory = \"/store\"\n"));
   EXPECT_THAT(problems(), HasSubstr("connection"));
   static_cast<void>(read("[database]\nconnection = \"dbname=x\"\n"));
-  EXPECT_THAT(problems(), HasSubstr("directory"));
+  EXPECT_THAT(problems(), HasSubstr("[store] is missing"));
   static_cast<void>(read(std::string(kLeast) + "[limits]\ntime_s = 0\nmemory_mib = 1\n"));
   EXPECT_THAT(problems(), HasSubstr("time_s"));
   EXPECT_THAT(problems(), HasSubstr("memory_mib"));

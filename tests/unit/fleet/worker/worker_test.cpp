@@ -5,16 +5,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
-#include <functional>
 #include <iostream>
+#include <memory>
 #include <random>
-#include <set>
 #include <thread>
+#include <vector>
 
+#include "files/whole_file.h"
 #include "fleet/database/jobs.h"
 #include "record/sha256.h"
+#include "support/sanitized.h"
 #include "unit/fleet/database/catalogue_fixture.h"
 #include "unit/fleet/worker/script_fixture.h"
 
@@ -98,10 +99,16 @@ class WorkerTest : public database::CatalogueTest {
                         << limits << "\n[jobs]\nlease_s = 2\nretry_pause_s = 0\n";
     return file;
   }
-  /// Waits until the statement's number is at least this one.
+  /// Waits until the statement's number is at least this one; not after a minute without progress.
   void wait_for(const std::string& statement, std::int64_t least) {
-    for (int look = 0; look < 30'000 && number(statement) < least; ++look) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    ASSERT_GE(number(statement), least) << statement;
+    std::int64_t last = number(statement);
+    for (int looks = 0; looks < 6000 && last < least; ++looks) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const std::int64_t now = number(statement);
+      if (now != last) looks = 0;
+      last = now;
+    }
+    ASSERT_GE(last, least) << statement;
   }
   void wait_for_state(const std::string& session, const std::string& state) {
     wait_for("SELECT count(*) FROM job WHERE session = '" + session + "' AND state = '" + state + "'", 1);
@@ -233,12 +240,25 @@ TEST_F(WorkerTest, Signal_EndsTheWorker_AndGivesItsJobBack) {
   EXPECT_EQ(text("SELECT state || tries FROM job"), "waiting0");
 }
 
+TEST_F(WorkerTest, DatabaseThatEndsMeanwhile_HasTheResultAfterwards) {
+  store("long", "wait");
+  add_jobs();
+  Process worker(configuration());
+  wait_for_state("long", "running");
+  server()->stop(SIGQUIT);
+  go();
+  server()->start();
+  while (!database().run("SELECT 1")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  wait_for_state("long", "done");
+  EXPECT_EQ(results("long"), 1);
+}
+
 TEST_F(WorkerTest, OtherKinds_HaveTheirOwnResults) {
   store("part", "{\"is_identical\": true}");
   const std::string file = configuration();
   write_script(folder_.path() + "/dtslab",
                "[ \"$1\" = --version ] && echo 'dtslab 9.9' && exit\n"
-               "[ \"$1\" = replay ] && read -r text < \"$2\" && echo \"$text\" && exit\n"
+               "[ \"$1\" = replay ] && { read -r text < \"$2\"; echo \"$text\"; exit; }\n"
                "[ \"$1 $2\" = 'reach results' ] && echo '{\"summary\": [{\"name\": \"trials\", \"value\": 9, \"unit\": \"1\"}]}'");
   add_jobs("replay");
   add_jobs("reach");
@@ -246,6 +266,25 @@ TEST_F(WorkerTest, OtherKinds_HaveTheirOwnResults) {
   wait_for("SELECT count(*) FROM job WHERE state = 'done'", 2);
   EXPECT_EQ(text("SELECT name || ' ' || value FROM result WHERE analysis = 'replay 9.9'"), "replay/is_identical 1");
   EXPECT_EQ(text("SELECT name || ' ' || value FROM result WHERE analysis = 'reach 9.9'"), "trials 9");
+}
+
+TEST_F(WorkerTest, RealDtslab_RunsWithinItsLimits) {
+  if (test::kIsSanitized) GTEST_SKIP() << "the sanitizers need more address space than any limit allows";
+  const std::string recording = folder_.path() + "/simulated.xdf";
+  const std::string simulate = std::string(DTS_LAB) + " simulate floor --duration 12 --out " + recording + " > /dev/null";
+  ASSERT_EQ(std::system(simulate.c_str()), 0);
+  const std::string bytes = files::read_whole_file(recording, 100 << 20).value();
+  store("simulated", bytes);
+  const std::string file = configuration();
+  std::filesystem::remove(folder_.path() + "/dtslab");
+  std::filesystem::create_symlink(DTS_LAB, folder_.path() + "/dtslab");
+  for (const char* const kind : {"sway", "reach", "replay"}) {
+    ASSERT_TRUE(database::add_jobs(database(), {.kind = kind, .version = DTS_VERSION}));
+  }
+  Process worker(file);
+  wait_for("SELECT count(*) FROM job WHERE state IN ('done', 'failed')", 3);
+  EXPECT_EQ(text("SELECT string_agg(kind || ' ' || state || message, ', ' ORDER BY kind) FROM job"), "reach done, replay done, sway done");
+  EXPECT_EQ(text("SELECT name || ' ' || value FROM result WHERE analysis = 'replay " DTS_VERSION "'"), "replay/is_identical 1");
 }
 
 TEST_F(WorkerTest, NewDtslab_TakesTheJobsOfItsVersion) {
@@ -261,6 +300,7 @@ TEST_F(WorkerTest, NewDtslab_TakesTheJobsOfItsVersion) {
   wait_for("SELECT count(*) FROM job WHERE version = '9.8' AND state = 'failed'", 2);
   EXPECT_EQ(number("SELECT count(*) FROM job WHERE version = '9.9' AND state = 'waiting'"), 1);
   std::filesystem::rename(real + ".9", real);
+  sql("NOTIFY job");  // else it looks 10 s later
   wait_for("SELECT count(*) FROM job WHERE version = '9.9' AND state = 'done'", 1);
 }
 

@@ -43,24 +43,49 @@ install(FILES config/protocols/README.md DESTINATION ${dts_doc_dir} RENAME proto
 install(FILES README.md SECURITY.md DESTINATION ${dts_doc_dir})
 install(DIRECTORY docs DESTINATION ${dts_doc_dir} FILES_MATCHING PATTERN *.md PATTERN screenshots EXCLUDE)
 
-# What the programs say of themselves. The gateway's page is one of system administration: section 8.
-dts_documents(dts-gateway)
-set(gateway_page ${CMAKE_BINARY_DIR}/share/man/man8/dts-gateway.8)
-add_custom_command(OUTPUT ${gateway_page}
-  COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/share/man/man8
-  COMMAND sed "1s/ 1 / 8 /;1s/User Commands/System Manager's Manual/" ${CMAKE_BINARY_DIR}/share/man/man1/dts-gateway.1 > ${gateway_page}
-  DEPENDS ${CMAKE_BINARY_DIR}/share/man/man1/dts-gateway.1 VERBATIM)
-add_custom_target(gateway_page ALL DEPENDS ${gateway_page})
-add_dependencies(gateway_page dts-gateway_documents)
-install(FILES packaging/man/dtsd.8 packaging/man/dts-relay.8 ${gateway_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
+# dts_service_page(PROGRAM): what the program says of itself, as a page of system administration: section 8.
+function(dts_service_page program)
+  dts_documents(${program})
+  set(page ${CMAKE_BINARY_DIR}/share/man/man8/${program}.8)
+  add_custom_command(OUTPUT ${page}
+    COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/share/man/man8
+    COMMAND sed "1s/ 1 / 8 /;1s/User Commands/System Manager's Manual/" ${CMAKE_BINARY_DIR}/share/man/man1/${program}.1 > ${page}
+    DEPENDS ${CMAKE_BINARY_DIR}/share/man/man1/${program}.1 VERBATIM)
+  add_custom_target(${program}_page ALL DEPENDS ${page})
+  add_dependencies(${program}_page ${program}_documents)
+  install(FILES ${page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
+endfunction()
+
+dts_service_page(dts-gateway)
+install(FILES packaging/man/dtsd.8 packaging/man/dts-relay.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
 install(FILES packaging/man/dtsd.toml.5 DESTINATION ${CMAKE_INSTALL_MANDIR}/man5)
 set(documented dts-gateway dtsctl)
 if(TARGET dtslab)
   list(APPEND documented dtslab)
 endif()
+if(TARGET dts-forward)  # its libraries may be absent
+  install(TARGETS dts-forward DESTINATION ${CMAKE_INSTALL_SBINDIR})
+  dts_install_for_prefix(${CMAKE_SOURCE_DIR}/systemd/dts-forward.service lib/systemd/system)
+  install(FILES systemd/sysusers.d/dts-forward.conf DESTINATION lib/sysusers.d)
+  install(FILES config/forward.toml DESTINATION ${dts_doc_dir}/examples)
+  dts_service_page(dts-forward)
+  list(APPEND documented dts-forward)
+endif()
+if(TARGET dts-hub)
+  install(TARGETS dts-hub DESTINATION ${CMAKE_INSTALL_SBINDIR})
+  install(FILES ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/dts-fleet DESTINATION ${CMAKE_INSTALL_SBINDIR})  # a link to it
+  foreach(unit dts-hub.service dts-hub-users.service dts-hub-users.path)
+    dts_install_for_prefix(${CMAKE_SOURCE_DIR}/systemd/${unit} lib/systemd/system)
+  endforeach()
+  install(FILES systemd/sysusers.d/dts-hub.conf DESTINATION lib/sysusers.d)
+  install(FILES config/hub.toml DESTINATION ${dts_doc_dir}/examples)
+  dts_service_page(dts-hub)
+  dts_documents(dts-fleet)
+  list(APPEND documented dts-hub dts-fleet)
+endif()
 foreach(program ${documented})
   set(share ${CMAKE_BINARY_DIR}/share)
-  if(NOT program STREQUAL "dts-gateway")
+  if(program MATCHES "^dts(ctl|lab|-fleet)$")
     install(FILES ${share}/man/man1/${program}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
   endif()
   install(FILES ${share}/bash-completion/completions/${program} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions)

@@ -34,7 +34,7 @@ def messages():
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["protoc", f"--proto_path={ROOT / 'proto'}", f"--python_out={folder}", *map(str, protos)], check=True)
         sys.path.insert(0, folder)
-        return [importlib.import_module(f"dts.v1.{name}_pb2") for name in ("control", "gateway", "stream")]
+        return [importlib.import_module(f"dts.v1.{name}_pb2") for name in ("control", "gateway", "stream", "fleet")]
 
 
 def piece(message: bytes) -> bytes:
@@ -307,6 +307,41 @@ def zmtp() -> dict[str, bytes]:
     }
 
 
+def fleet(module) -> dict[str, bytes]:
+    sum_ = bytes(range(32))
+    receipt = {"clinic": "kent", "sha256": sum_, "bytes": 5, "stored_utc_ns": 1, "hub": "hub-1"}
+    session = {
+        "session_id": "20261121T144525Z-floor-1", "revision": 3, "rig": "floor", "protocol": "romberg", "subject": "P017", "state": "complete", "started_utc_ns": 1,
+        "ended_utc_ns": 2, "planned_trials": 1, "label": "first", "notes": "a\nb", "fields": {"arm_length_cm": "71"},
+        "parts": [{"part": 1, "state": 2, "sha256": sum_, "recorded_sha256": sum_, "bytes": 5, "scans": 7, "duration_s": 1.5, "valid_trials": 1}],
+        "trials": [{"part": 1, "trial": 1, "attempt": 1, "condition": "eyes-open", "outcome": "done", "recorded_outcome": "redone", "fault": 2}],
+        "results": [{"name": "MVELO", "value": 8.4, "unit": "mm/s"}],
+    }
+    rig = {"rig": "floor", "kind": "floor", "device": 3, "nominal_rate_hz": 100.0, "measured_rate_hz": 99.9, "session": 4, "streams": ["cop", "sway"]}
+    beat = {"utc_ns": 1, "forwarder_version": "0.2.0", "has_daemon": True, "rigs": [rig], "disk": {"state": 1, "free_bytes": 9}, "backlog": {"files": 1, "bytes": 5}}
+    kinds = [
+        ("offer", 0, module.UploadOffer(sha256=sum_, bytes=5, session_id="s1", part=1)),
+        ("chunk", 1, module.UploadChunk(sha256=sum_, offset=3, data=b"abc")),
+        ("commit", 2, module.UploadCommit(sha256=sum_)),
+        ("stored", 3, module.UploadAnswer(stored=receipt)),
+        ("upload", 3, module.UploadAnswer(upload={"worker": "hub-1", "have": 3})),
+        ("later", 3, module.UploadAnswer(later={"reason": "full", "wait_s": 300})),
+        ("refusal", 3, module.UploadAnswer(refusal={"reason": "no"})),
+        ("session", 4, module.FleetSession(**session)),
+        ("facts-answer", 5, module.FactsAnswer(revision=3)),
+        ("erase", 6, module.EraseSession(session_id="s1")),
+        ("erase-answer", 7, module.EraseAnswer(files=2)),
+        ("beat", 8, module.Beat(**beat)),
+        ("beat-answer", 9, module.BeatAnswer(utc_ns=1, hub="hub-1", audit_head=sum_)),
+        ("live-request", 10, module.LiveRequest(topics=["floor/cop"], who="anna")),
+        ("live-answer", 11, module.LiveAnswer(lease_s=10)),
+    ]
+    seeds = {name: bytes([kind]) + message.SerializeToString() for name, kind, message in kinds}
+    seeds["subject-chunk"] = b"\x0cdts.v1.kent.up.hub-1.chunk"
+    seeds["subject-live"] = b"\x0cdts.v1.kent.live.floor.cop"
+    return seeds
+
+
 def write(folder: pathlib.Path, seeds: dict) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in seeds.items():
@@ -315,12 +350,12 @@ def write(folder: pathlib.Path, seeds: dict) -> None:
 
 def main() -> None:
     folder = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).parent / "corpus"
-    control_module, gateway, stream = messages()
+    control_module, gateway, stream, fleet_module = messages()
     protocols = {path.name: without_comments(path.read_text()) for path in (CONFIG / "protocols").glob("*.toml")}
     for target, seeds in {
         "sensor_curve": sensor_curves(), "cop_calibration": cop_calibrations(), "trunk_model": trunk_models(), "protocol": protocols, "rig": rigs(),
         "config": configs(), "corrections": corrections(), "label_pattern": label_patterns(), "keys": keys(), "users": users(), "http": http(), "control": control(control_module), "bus": bus(control_module, stream),
-        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(),
+        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(), "fleet": fleet(fleet_module),
     }.items():
         write(folder / target, seeds)
 

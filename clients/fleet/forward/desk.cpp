@@ -20,8 +20,7 @@ Desk::Desk(std::string clinic, Uplink& uplink, Store& store, core::Log log)
 void Desk::serve(std::chrono::steady_clock::time_point now, const std::stop_token& stop) {
   if (const std::uint64_t connections = uplink_.connections(); connections != connections_) {
     connections_ = connections;
-    backoff_.reset();
-    not_before_ = {};
+    retry();
   }
   if (!uplink_.is_connected() || now < not_before_) return;
   pause_ = std::chrono::milliseconds(0);
@@ -39,6 +38,11 @@ void Desk::serve(std::chrono::steady_clock::time_point now, const std::stop_toke
     if (continues) backoff_.reset();
   }
   not_before_ = now + pause_;
+}
+
+void Desk::retry() noexcept {
+  backoff_.reset();
+  not_before_ = {};
 }
 
 bool Desk::fail(const std::string& problem) {
@@ -78,7 +82,8 @@ bool Desk::send_erasure(const std::string& session, const std::stop_token& stop)
   if (!answer) return fail(core::to_string(answer.error()));
   if (answer->has_later()) return wait(answer->later());
   if (answer->has_refusal()) {  // sent again: an erasure must not be forgotten
-    log_.error("the centre rejected the erasure of session " + session + ": " + answer->refusal().reason() + ". Ask the centre to erase it");
+    log_.error("the centre rejected the erasure of session " + session + ": " + answer->refusal().reason() +
+               ". Ask the centre to erase it");
     return fail("the centre rejected the erasure of session " + session);
   }
   log_.info("the centre has erased session " + session + " (" + std::to_string(answer->files()) + " files)");

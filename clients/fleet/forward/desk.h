@@ -21,6 +21,8 @@ class Desk {
   /// Sends what waits. Returns early if the centre does not answer or asks for a pause; the next call continues after it. `now`, `utc_ns`:
   /// of this moment.
   void serve(std::chrono::steady_clock::time_point now, const std::stop_token& stop);
+  /// Ends a pause: the centre answers again.
+  void retry() noexcept;
   /// Why it does not send; empty: nothing prevents it.
   [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
 

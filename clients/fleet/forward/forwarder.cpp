@@ -48,11 +48,13 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds kTurn{100};  // longest delay before a signal is handled
-constexpr std::chrono::seconds kBeat{10};
+constexpr std::chrono::seconds kBeatPeriod{10};
+constexpr std::chrono::seconds kBeatAgain{2};  // after one without an answer
 constexpr milliseconds kBeatTimeout{3000};
 constexpr std::chrono::seconds kFreshStatus{5};
 constexpr std::chrono::minutes kLookAtAll{10};
 constexpr std::chrono::seconds kTryDaemonAgain{5};
+constexpr std::chrono::seconds kLookAgain{2};  // the catalogue may change a little later than the event
 constexpr std::chrono::seconds kWords{2};
 constexpr std::chrono::seconds kPauseAfterBug{10};
 constexpr milliseconds kReceive{20};
@@ -161,7 +163,9 @@ class Forwarder {
   std::unique_ptr<Uplink> talk_;
   Uploader uploader_;
   Board board_;
-  std::uint64_t erasures_ = 0;  ///< Thread: watch, as the next.
+  std::atomic<bool> is_desk_retry_due_ = false;
+  bool is_centre_silent_ = false;  ///< The last beat was not answered. Thread: watch, as the next two.
+  std::uint64_t erasures_ = 0;
   std::uint64_t instance_ = 0;
 };
 
@@ -211,7 +215,16 @@ void Forwarder::send_beat(const std::stop_token& stop) {
   const v1::Beat beat = beat_of(status.get(), backlog ? *backlog : v1::Backlog(), DTS_VERSION, sent_at);
   const auto answered =
       ask(*talk_, wire::to_text({.clinic = settings_.clinic, .matter = wire::Matter::Beat}), beat.SerializeAsString(), kBeatTimeout, stop);
-  if (!answered) return;
+  if (!stop.stop_requested()) board_.set_word(words::kBeatProblem, answered ? "" : answered.error().what);
+  if (!answered) {
+    is_centre_silent_ = true;
+    return;
+  }
+  if (std::exchange(is_centre_silent_, false)) {
+    uploader_.retry();
+    is_desk_retry_due_ = true;
+    board_.wake_all();
+  }
   const auto answer = wire::decode_beat_answer(*answered);
   if (!answer) return log_.warning("answer to a beat: " + core::to_string(answer.error()));
   const std::int64_t now = utc_ns();
@@ -244,8 +257,8 @@ void Forwarder::watch(const std::stop_token& stop) {
       }
     }
     if (const auto now = steady_clock::now(); now >= beat_at) {
-      beat_at = now + kBeat;
       send_beat(stop);
+      beat_at = now + (is_centre_silent_ ? kBeatAgain : kBeatPeriod);
     }
   }
 }
@@ -276,11 +289,13 @@ void Forwarder::desk(const std::stop_token& stop) {
       board_.set_word(words::kOutboxProblem, looked ? "" : looked.error().what);
       if (looked) {
         is_all = false;
+        if (due.look) again_at = now + kLookAgain;
       } else {
         again_at = now + kTryDaemonAgain;
       }
       board_.wake_all();
     }
+    if (is_desk_retry_due_.exchange(false)) desk.retry();
     desk.serve(steady_clock::now(), stop);
     board_.set_word(words::kDeskProblem, desk.problem());
   }

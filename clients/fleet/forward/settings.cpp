@@ -41,7 +41,7 @@ std::string beside(const std::string& config, const std::string& path) {
 std::optional<double> read_rate(files::TomlReader& reader, std::string_view key) {
   if (!reader.has(key)) return std::nullopt;
   const auto rate = rate_of_text(reader.short_text(key));
-  if (!rate) reader.report(key, "must be a rate of at least 8 kbit/s, such as \"4 Mbit/s\" or \"500 kbit/s\"");
+  if (!rate) reader.report(key, std::string(key) + " must be a rate of at least 8 kbit/s, such as \"4 Mbit/s\" or \"500 kbit/s\"");
   return rate;
 }
 
@@ -49,7 +49,7 @@ UploadLimits read_upload(files::TomlReader reader) {
   UploadLimits limits{.rate = read_rate(reader, "max_rate"), .rate_in_session = read_rate(reader, "max_rate_in_session")};
   if (reader.has("only_between")) {
     limits.hours = hours_of_text(reader.short_text("only_between"));
-    if (!limits.hours) reader.report("only_between", "must be two different times of the day, such as \"20:00-06:00\"");
+    if (!limits.hours) reader.report("only_between", "only_between must be two different times of the day, such as \"20:00-06:00\"");
   }
   reader.finish();
   return limits;
@@ -58,7 +58,7 @@ UploadLimits read_upload(files::TomlReader reader) {
 wire::SendRules read_rules(files::TomlReader reader) {
   wire::SendRules rules{.labels = reader.boolean("send_labels", false)};
   for (std::string& field : reader.texts("send_fields", {})) rules.fields.insert(std::move(field));
-  if (rules.fields.size() > kMostFields) reader.report("send_fields", "has more than 64 fields");
+  if (rules.fields.size() > kMostFields) reader.report("send_fields", "send_fields has more than 64 fields");
   reader.finish();
   return rules;
 }
@@ -71,11 +71,11 @@ void read_enrolment(const std::string& file, Settings& settings, files::Problems
   reader.require("servers");
   settings.clinic = reader.short_text("clinic");
   if (reader.has("clinic") && !wire::is_clinic_name(settings.clinic)) {
-    reader.report("clinic", "must be 1 to 32 of a-z, 0-9 and -. Ask the centre for the enrolment file again");
+    reader.report("clinic", "clinic must be 1 to 32 of a-z, 0-9 and -. Ask the centre for the enrolment file again");
   }
   settings.servers = reader.texts("servers", {});
   if (reader.has("servers") && (settings.servers.empty() || settings.servers.size() > kMostServers)) {
-    reader.report("servers", "must have 1 to 16 addresses, such as \"tls://centre.example.org:4222\"");
+    reader.report("servers", "servers must have 1 to 16 addresses, such as \"tls://centre.example.org:4222\"");
   }
   settings.ca_pem = reader.text("ca", "");
   reader.finish();

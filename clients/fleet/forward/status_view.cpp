@@ -69,7 +69,7 @@ struct Facts {
 /// The first reason why something waits; empty: nothing prevents it.
 std::string problem_of(const Facts& facts) {
   if (!facts.is_running) return "dts-forward does not run";
-  for (const char* name : {words::kLinkProblem, words::kDeskProblem, words::kUploadProblem, words::kOutboxProblem}) {
+  for (const char* name : {words::kLinkProblem, words::kBeatProblem, words::kDeskProblem, words::kUploadProblem, words::kOutboxProblem}) {
     if (const std::string problem = word(facts.words, name); !problem.empty()) return problem;
   }
   return {};

@@ -7,6 +7,7 @@ namespace dts::fleet::forward::words {
 inline constexpr const char* kUpdated = "updated_utc_ns";  ///< When the words were stored.
 inline constexpr const char* kLinkProblem = "link_problem";
 inline constexpr const char* kOutboxProblem = "outbox_problem";  ///< Why dtsd could not be asked.
+inline constexpr const char* kBeatProblem = "beat_problem";      ///< Why the last beat was not answered.
 inline constexpr const char* kDeskProblem = "desk_problem";      ///< Why facts are not sent.
 inline constexpr const char* kHub = "hub";
 inline constexpr const char* kBeat = "beat_utc_ns";             ///< When the centre last answered a beat.

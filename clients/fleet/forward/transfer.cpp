@@ -18,6 +18,7 @@ constexpr milliseconds kShortestPause{1000};
 constexpr milliseconds kLongestPause{5 * 60 * 1000};
 constexpr int kMostDoublings = 9;
 constexpr milliseconds kLongestSilence{5000};
+constexpr std::uint64_t kCommittedBytesPerMs = 20'000;  // the hub synchronises the file and reads it again
 constexpr std::size_t kLargestWindow = 16;
 constexpr std::size_t kSmallestChunk = 16 * 1024;
 
@@ -40,19 +41,19 @@ Transfer::Step Transfer::next(Time now, bool is_chunk_allowed) {
   if (state_ == State::Waiting && is_due) state_ = State::Open;
   const bool expects_answer = state_ == State::Opening || state_ == State::Committing || (state_ == State::Sending && next_ > have_);
   if (expects_answer && is_due) {
-    chunk_ = std::max(chunk_ / 2, kSmallestChunk);
+    if (state_ == State::Sending) chunk_ = std::max(chunk_ / 2, kSmallestChunk);
     window_ = 1;
     wait(backoff_.next(), "the centre does not answer", now);
   }
-  const auto sent = [this, now](Step step) {
-    deadline_ = now + kLongestSilence;
+  const auto sent = [this, now](Step step, milliseconds silence) {
+    deadline_ = now + silence;
     return step;
   };
   switch (state_) {
     case State::Open:
       state_ = State::Opening;
       ++tries_;
-      return sent({.kind = Step::Kind::Open});
+      return sent({.kind = Step::Kind::Open}, kLongestSilence);
     case State::Sending:
       if (is_chunk_allowed && next_ < bytes_ && next_ - have_ < window_ * chunk_) {
         const std::size_t count = static_cast<std::size_t>(std::min<std::uint64_t>(chunk_, bytes_ - next_));
@@ -63,7 +64,7 @@ Transfer::Step Transfer::next(Time now, bool is_chunk_allowed) {
       }
       if (have_ == bytes_) {
         state_ = State::Committing;
-        return sent({.kind = Step::Kind::Commit, .worker = worker_});
+        return sent({.kind = Step::Kind::Commit, .worker = worker_}, kLongestSilence + milliseconds(bytes_ / kCommittedBytesPerMs));
       }
       break;
     case State::Ended: return {.kind = Step::Kind::Ended};

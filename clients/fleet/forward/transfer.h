@@ -61,7 +61,7 @@ class Transfer {
   [[nodiscard]] Step next(Time now, bool is_chunk_allowed = true);
   /// Handles an answer of the hub, checked by wire::decode_upload_answer.
   void handle(const v1::UploadAnswer& answer, Time now);
-  /// Starts again at once: the connection is new, and what was sent before may be lost.
+  /// Starts again at once: the connection or the hub is new, and what was sent before may be lost.
   void restart() noexcept;
 
   [[nodiscard]] const std::optional<End>& end() const noexcept { return end_; }

@@ -178,10 +178,12 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
   if (!sha256) return complain(store_.hold(file, sha256.error().what));
   Transfer transfer(options_.clinic, *sha256, file.bytes, random_seed());
   std::uint64_t connections = uplink_.connections();
+  is_retry_due_.store(false, std::memory_order_relaxed);
   auto looked_at = steady_clock::now();
   while (!stop.stop_requested() && !transfer.end() && is_time()) {
     const auto now = steady_clock::now();
-    if (const std::uint64_t counted = uplink_.connections(); counted != connections) {
+    const std::uint64_t counted = uplink_.connections();
+    if (const bool is_due = is_retry_due_.exchange(false, std::memory_order_relaxed); is_due || counted != connections) {
       connections = counted;
       transfer.restart();
     }

@@ -60,6 +60,8 @@ class Uploader {
 
   /// A session runs: the lower rate applies. Thread: any.
   void set_session_running(bool is_running) noexcept { is_session_running_.store(is_running, std::memory_order_relaxed); }
+  /// Ends a pause: the centre answers again. Thread: any.
+  void retry() noexcept { is_retry_due_.store(true, std::memory_order_relaxed); }
   /// Thread: any.
   [[nodiscard]] UploadProgress progress() const;
 
@@ -84,6 +86,7 @@ class Uploader {
   core::Log log_;
   Pace pace_;
   std::atomic<bool> is_session_running_ = false;
+  std::atomic<bool> is_retry_due_ = false;
   mutable std::mutex mutex_;
   UploadProgress progress_;                              ///< Behind the mutex.
   std::chrono::steady_clock::time_point measured_at_{};  ///< When `measured_have_` was counted.

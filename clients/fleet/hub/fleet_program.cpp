@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 
 #include "cli/exit_status.h"
@@ -238,6 +239,9 @@ core::Status check_new_clinic(const Clinic& clinic) {
 core::Status add_clinic(const Arguments& arguments, const Settings& settings, Database& database) {
   const Clinic& clinic = arguments.added;
   DTS_TRY(check_new_clinic(clinic));
+  if (std::filesystem::exists(arguments.out)) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + arguments.out + "' exists already", "name another file in --out");
+  }
   DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(settings));
   DTS_TRY(files::write_whole_file(arguments.out, enrolment_text(clinic.id, settings.public_servers, ca_pem)));
   auto added = Catalogue(database).add_clinic(clinic, local_user(), utc_now_ns());

@@ -2,6 +2,8 @@
 #include "fleet/hub/ingest.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "fleet/hub/durable_file.h"
@@ -75,7 +77,8 @@ v1::UploadAnswer Ingest::later(const std::string& reason, std::uint32_t wait_s) 
 
 std::uint64_t Ingest::offered_bytes(const std::string& clinic) const {
   std::uint64_t bytes = 0;
-  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic; ++upload) {
+  for (auto upload = uploads_.lower_bound({.clinic = clinic, .sha256 = ""}); upload != uploads_.end() && upload->first.clinic == clinic;
+       ++upload) {
     bytes += upload->second.offer.bytes();
   }
   return bytes;
@@ -202,6 +205,8 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
   }
   DTS_TRY(synchronise(file));
   options_.reached("synchronised");
+  std::error_code error;
+  if (std::filesystem::file_size(file, error) != upload.offer.bytes() || error) return false;
   auto sum = sha256_from_disk(file, stop);
   if (!sum && sum.error().code == core::ErrorCode::NotFound) return false;
   DTS_TRY(sum);
@@ -212,7 +217,8 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
   if (!is_sound || !*is_sound) {
-    log_.warning(described(name) + (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
+    log_.warning(described(name) +
+                 (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
     start_again(name, upload.is_in_store, catalogue);
     return is_sound ? upload_answer(0) : later(kDiskFailed, kDatabaseWaitS);
   }

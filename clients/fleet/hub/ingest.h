@@ -20,10 +20,10 @@
 namespace dts::fleet::hub {
 
 struct IngestOptions {
-  std::string hub;                                 ///< Name of this hub.
-  double full_at_percent = 95.0;                   ///< Of the store.
-  std::uint64_t bytes_a_day = 200'000'000'000;     ///< Of a clinic, UTC days; counted since the hub started.
-  std::uint64_t staged_bytes = 100'000'000'000;    ///< Of a clinic: the sizes of its files that are not whole yet.
+  std::string hub;                               ///< Name of this hub.
+  double full_at_percent = 95.0;                 ///< Of the store.
+  std::uint64_t bytes_a_day = 200'000'000'000;   ///< Of a clinic, UTC days; counted since the hub started.
+  std::uint64_t staged_bytes = 100'000'000'000;  ///< Of a clinic: the sizes of its files that are not whole yet.
   std::function<void(std::string_view step)> reached = [](std::string_view /*step*/) {};  ///< For tests: after each step of a commit.
 };
 
@@ -67,8 +67,8 @@ class Ingest {
     v1::UploadOffer offer;
     std::uint64_t have = 0;
     std::int64_t changed_utc_ns = 0;
-    bool is_in_store = false;      ///< The file is in the store already, and its row may be missing.
-    bool is_committing = false;    ///< Its file must not change.
+    bool is_in_store = false;    ///< The file is in the store already, and its row may be missing.
+    bool is_committing = false;  ///< Its file must not change.
   };
   struct Day {
     std::int64_t number = 0;
@@ -86,7 +86,7 @@ class Ingest {
   void start_again(const RecordingName& name, bool is_in_store, Catalogue& catalogue);
   void finish(const RecordingName& name);
   [[nodiscard]] bool is_full() const { return store_.used_percent() >= options_.full_at_percent; }
-  [[nodiscard]] std::uint64_t offered_bytes(const std::string& clinic) const;  ///< Requires `mutex_`.
+  [[nodiscard]] std::uint64_t offered_bytes(const std::string& clinic) const;       ///< Requires `mutex_`.
   [[nodiscard]] bool is_day_spent(const std::string& clinic, std::uint64_t bytes);  ///< Requires `mutex_`.
   [[nodiscard]] v1::UploadAnswer upload_answer(std::uint64_t have) const;
   [[nodiscard]] v1::UploadAnswer later(const std::string& reason, std::uint32_t wait_s);

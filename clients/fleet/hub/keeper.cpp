@@ -50,11 +50,11 @@ void Keeper::serve(const std::stop_token& stop) {
       if (!is_migrated_) {
         const auto migrated = migrate(database_);
         is_migrated_ = migrated.has_value();
-        report(migrated);
+        report(migrated, database_problem_);
       }
       const auto notified = database_.wait_notification(kTurn);
       if (!notified) {
-        report(tl::make_unexpected(notified.error()));
+        report(tl::make_unexpected(notified.error()), database_problem_);
         std::this_thread::sleep_for(kTurn);
       }
       const auto now = std::chrono::steady_clock::now();
@@ -62,7 +62,7 @@ void Keeper::serve(const std::stop_token& stop) {
         const auto followed = follow_clinics();
         next_follow = now + (followed ? std::chrono::duration_cast<std::chrono::milliseconds>(kFollowPause) : kRetry);
         next_reload = now;
-        report(followed);
+        report(followed, database_problem_);
       }
       if (is_reload_due_ && now >= next_reload) {
         next_reload = now + kRetry;
@@ -71,7 +71,7 @@ void Keeper::serve(const std::stop_token& stop) {
       if (is_migrated_ && now >= next_clean) {
         next_clean = now + kCleanPause;
         ingest_.drop_abandoned();
-        report(clean());
+        report(clean(), clean_problem_);
       }
     } catch (const std::exception& exception) {  // no memory left
       log_.error(std::string("keeper: ") + exception.what());
@@ -99,7 +99,7 @@ void Keeper::reload() {
   if (settings_.pid_file.empty() || settings_.users_file.empty()) return;
   const auto reloaded = reload_nats(settings_.pid_file);
   if (!reloaded) is_reload_due_ = true;
-  report(reloaded);
+  report(reloaded, reload_problem_);
 }
 
 core::Status Keeper::clean() {
@@ -109,10 +109,11 @@ core::Status Keeper::clean() {
   return {};
 }
 
-void Keeper::report(const core::Status& status) {
-  const std::string problem = status ? "" : core::to_string(status.error());
-  if (!problem.empty() && problem != reported_) log_.error(problem);
-  if (!problem.empty()) reported_ = problem;
+void Keeper::report(const core::Status& status, std::string& problem) const {
+  std::string now = status ? "" : core::to_string(status.error());
+  if (!now.empty() && now != problem) log_.error(now);
+  if (now.empty() && !problem.empty()) log_.info("no longer: " + problem);
+  problem = std::move(now);
 }
 
 }  // namespace dts::fleet::hub

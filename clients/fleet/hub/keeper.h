@@ -28,7 +28,8 @@ class Keeper {
   [[nodiscard]] core::Status follow_clinics();
   void reload();
   [[nodiscard]] core::Status clean();
-  void report(const core::Status& status);
+  /// Logs a problem once, and its end. `problem`: of the same matter, as it was.
+  void report(const core::Status& status, std::string& problem) const;
 
   const Settings& settings_;
   std::string hub_public_key_;
@@ -40,8 +41,10 @@ class Keeper {
   Catalogue catalogue_;
   bool is_migrated_ = false;
   bool is_reload_due_ = true;  ///< Also at the start: an earlier process may have ended before its SIGHUP.
-  std::string reported_{};     ///< The last problem, which is reported once.
-  std::jthread thread_{};      ///< Must be the last member: it uses the others.
+  std::string database_problem_{};
+  std::string reload_problem_{};
+  std::string clean_problem_{};
+  std::jthread thread_{};  ///< Must be the last member: it uses the others.
 };
 
 }  // namespace dts::fleet::hub

@@ -14,9 +14,9 @@ namespace dts::fleet::hub {
 
 struct Rebuilt {
   std::uint64_t entered = 0;
-  std::uint64_t known = 0;               ///< Had a receipt already.
-  std::vector<std::string> left{};       ///< Recordings that could not be entered, each with the reason.
-  std::set<std::string> clinics{};       ///< Of the entered recordings.
+  std::uint64_t known = 0;          ///< Had a receipt already.
+  std::vector<std::string> left{};  ///< Recordings that could not be entered, each with the reason.
+  std::set<std::string> clinics{};  ///< Of the entered recordings.
 };
 
 /// Enters the recordings of the store that have no receipt, after a loss of the database: part, receipt, and what the header of the file

@@ -13,7 +13,7 @@ namespace dts::fleet::hub {
 namespace {
 
 constexpr std::int64_t kMostBytes = 1'000'000'000'000'000;
-constexpr std::int64_t kDefaultBytesADay = 200'000'000'000;     // 10 rigs with 16 channels at 1500 Hz, round the clock
+constexpr std::int64_t kDefaultBytesADay = 200'000'000'000;  // 10 rigs with 16 channels at 1500 Hz, round the clock
 constexpr std::int64_t kDefaultStagedBytes = 100'000'000'000;
 constexpr std::size_t kMostCaBytes = 1024 * 1024;
 

@@ -30,7 +30,7 @@ struct Settings {
   std::uint64_t bytes_a_day = 0;
   std::uint64_t staged_bytes = 0;
 
-  std::string metrics_address;     ///< Empty: no /metrics.
+  std::string metrics_address;  ///< Empty: no /metrics.
   std::uint16_t metrics_port = 0;
 };
 

@@ -15,7 +15,6 @@
 #include "fleet/hub/durable_file.h"
 #include "fleet/wire/messages.h"
 #include "fleet/wire/subjects.h"
-#include "record/replace_file.h"
 
 namespace dts::fleet::hub {
 namespace {
@@ -24,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr mode_t kStagedMode = 0640;
 constexpr std::size_t kMostOfferBytes = 4096;
+constexpr off64_t kWriteBackBytes = 8 * 1024 * 1024;
 
 /// Reads the offer in a file NAME.offer of a clinic's folder.
 std::optional<Staging::Upload> read_staged(const fs::path& file) {
@@ -43,6 +43,29 @@ std::optional<Staging::Upload> read_staged(const fs::path& file) {
   return upload;
 }
 
+/// Writes without synchronising. If this fails, the file has `offset` bytes.
+core::Status write_at(const std::string& path, std::uint64_t offset, std::string_view data) {
+  const int opened = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kStagedMode);
+  if (opened < 0) return core::fail_errno(errno, "cannot open '" + path + "'", "check the disk");
+  int error = 0;
+  std::size_t written = 0;
+  while (written < data.size() && error == 0) {
+    const ssize_t count = ::pwrite(opened, data.data() + written, data.size() - written, static_cast<off_t>(offset + written));
+    if (count > 0) written += static_cast<std::size_t>(count);
+    if (count < 0 && errno != EINTR) error = errno;
+    if (count == 0) error = ENOSPC;
+  }
+  if (error != 0) static_cast<void>(::ftruncate(opened, static_cast<off_t>(offset)));
+  const auto end = static_cast<off64_t>(offset + written);
+  if (error == 0 && end / kWriteBackBytes != static_cast<off64_t>(offset) / kWriteBackBytes) {
+    // Starts to write to the disk, so that the commit need not wait for the whole file.
+    static_cast<void>(::sync_file_range(opened, 0, end, SYNC_FILE_RANGE_WRITE));
+  }
+  ::close(opened);
+  if (error != 0) return core::fail_errno(error, "cannot write '" + path + "'", "make room on the disk, or check it");
+  return {};
+}
+
 }  // namespace
 
 core::Result<std::unique_ptr<Staging>> Staging::open(const std::string& folder) {
@@ -52,7 +75,8 @@ core::Result<std::unique_ptr<Staging>> Staging::open(const std::string& folder) 
   if (lock < 0) return core::fail_errno(errno, "cannot open '" + file + "'", "check that the folder is writable for the hub");
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0) {
     ::close(lock);
-    return core::fail(core::ErrorCode::WrongState, "another dts-hub uses '" + folder + "'", "give each hub a 'name' of its own in hub.toml");
+    return core::fail(core::ErrorCode::WrongState, "another dts-hub uses '" + folder + "'",
+                      "give each hub a 'name' of its own in hub.toml");
   }
   return std::unique_ptr<Staging>(new Staging(folder, lock));
 }
@@ -85,25 +109,12 @@ core::Result<std::vector<Staging::Upload>> Staging::load() {
 
 core::Status Staging::begin(const RecordingName& name, const v1::UploadOffer& offer) {
   DTS_TRY(create_folder(folder_ + "/" + name.clinic));
-  return record::replace_file(offer_file(name), offer.SerializeAsString(), kStagedMode);
+  static_cast<void>(::unlink(offer_file(name).c_str()));
+  return write_at(offer_file(name), 0, offer.SerializeAsString());
 }
 
 core::Status Staging::write(const RecordingName& name, std::uint64_t offset, std::string_view data) {
-  const std::string path = file(name);
-  const int opened = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kStagedMode);
-  if (opened < 0) return core::fail_errno(errno, "cannot open '" + path + "'", "check the disk");
-  int error = 0;
-  std::size_t written = 0;
-  while (written < data.size() && error == 0) {
-    const ssize_t count = ::pwrite(opened, data.data() + written, data.size() - written, static_cast<off_t>(offset + written));
-    if (count > 0) written += static_cast<std::size_t>(count);
-    if (count < 0 && errno != EINTR) error = errno;
-    if (count == 0) error = ENOSPC;
-  }
-  if (error != 0) static_cast<void>(::ftruncate(opened, static_cast<off_t>(offset)));
-  ::close(opened);
-  if (error != 0) return core::fail_errno(error, "cannot write '" + path + "'", "make room on the disk, or check it");
-  return {};
+  return write_at(file(name), offset, data);
 }
 
 core::Status Staging::restart(const RecordingName& name) {
@@ -117,7 +128,9 @@ void Staging::remove(const RecordingName& name) {
   static_cast<void>(::unlink(offer_file(name).c_str()));
 }
 
-std::string Staging::file(const RecordingName& name) const { return folder_ + "/" + name.clinic + "/" + wire::hex_of(name.sha256) + ".part"; }
+std::string Staging::file(const RecordingName& name) const {
+  return folder_ + "/" + name.clinic + "/" + wire::hex_of(name.sha256) + ".part";
+}
 
 std::string Staging::offer_file(const RecordingName& name) const {
   return folder_ + "/" + name.clinic + "/" + wire::hex_of(name.sha256) + ".offer";

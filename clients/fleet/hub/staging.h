@@ -13,8 +13,9 @@
 
 namespace dts::fleet::hub {
 
-/// The files of uploads that are not whole yet: FOLDER/CLINIC/SHA256.part, and the offer beside it in SHA256.offer, so that uploads continue
-/// after a restart. Nothing here is synchronised before the commit: what a power failure tears, the SHA-256 finds. Thread: one at a time.
+/// The files of uploads that are not whole yet: FOLDER/CLINIC/SHA256.part, and the offer beside it in SHA256.offer, so that uploads
+/// continue after a restart. Nothing here is synchronised before the commit: what a power failure tears, the SHA-256 finds. Thread: one at
+/// a time.
 class Staging {
  public:
   struct Upload {

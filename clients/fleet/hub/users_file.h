@@ -15,7 +15,8 @@ namespace dts::fleet::hub {
 [[nodiscard]] std::string users_text(const std::string& hub_public_key, const std::vector<Clinic>& clinics);
 
 /// Writes the users file as a whole if it differs. Returns whether it was written.
-[[nodiscard]] core::Result<bool> write_users(const Settings& settings, const std::string& hub_public_key, const std::vector<Clinic>& clinics);
+[[nodiscard]] core::Result<bool> write_users(const Settings& settings, const std::string& hub_public_key,
+                                             const std::vector<Clinic>& clinics);
 
 /// Sends SIGHUP to the nats-server in `pid_file`, so that it reads its users again. Fails with NotFound if no nats-server has this number,
 /// and with NotAllowed.

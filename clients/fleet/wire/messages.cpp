@@ -54,9 +54,7 @@ class Check {
     return that(id.size() >= least && id.size() <= kLongestId && std::ranges::all_of(id, is_letter), field);
   }
   Check& sha256(const std::string& bytes, const char* field) { return that(bytes.size() == kSha256Bytes, field); }
-  Check& optional_sha256(const std::string& bytes, const char* field) {
-    return that(bytes.empty() || bytes.size() == kSha256Bytes, field);
-  }
+  Check& optional_sha256(const std::string& bytes, const char* field) { return that(bytes.empty() || bytes.size() == kSha256Bytes, field); }
   Check& count(std::uint64_t value, const char* field, std::uint64_t largest = kLargestCount, std::uint64_t least = 0) {
     return that(value >= least && value <= largest, field);
   }

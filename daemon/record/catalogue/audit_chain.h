@@ -20,7 +20,6 @@ struct AuditEntry {
   friend bool operator==(const AuditEntry&, const AuditEntry&) = default;
 };
 
-
 /// Returns SHA-256 in lower-case hexadecimal over
 ///
 ///     hash of the previous entry  64 bytes, as text; for the first entry: 64 times '0'

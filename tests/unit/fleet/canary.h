@@ -52,7 +52,7 @@ inline void fill_with_canaries(google::protobuf::Message& message, const std::st
   }
 }
 
-/// The words "canary-..." in a text.
+/// The words "canary-..." in a text. For a message use ShortDebugString: in its bytes, a letter may follow a text.
 inline std::set<std::string> canaries_in(const std::string& text) {
   std::set<std::string> found;
   for (std::size_t at = text.find("canary-"); at != std::string::npos; at = text.find("canary-", at + 1)) {

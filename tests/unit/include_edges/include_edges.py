@@ -112,7 +112,8 @@ HOUSE = [
     ("clients/fleet/worker",     ["cli", "core", "files", "session", "fleet/database"],   ["CLI/", "nlohmann/", "systemd/"]),
     ("clients/fleet/worker/stored_recording", [],                                         ["sodium.h"]),
     ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link", "fleet/database"],
-                                                                                          ["CLI/", "google/protobuf/", "sodium.h", "systemd/"]),
+                                                                                          ["CLI/", "google/protobuf/", "systemd/"]),
+    ("clients/fleet/hub/durable_file.cpp", [],                                            ["openssl/"]),
     ("clients/fleet/desk",       ["cli", "core", "files", "gateway", "proto", "fleet/wire", "fleet/link", "fleet/database"],
                                                                                           ["boost/", "CLI/", "google/protobuf/", "systemd/"]),
 ]

@@ -35,7 +35,7 @@ std::vector<v1::Event> events_with_canaries() {
 
 TEST(MaskEvent, RecordedEventOfEachKind_OnlyListedTextsStay) {
   std::set<std::string> found;
-  for (const v1::Event& event : events_with_canaries()) found.merge(canaries_in(masked(wire::to_json(event))));
+  for (const v1::Event& event : events_with_canaries()) found.merge(canaries_in(masked(dts::wire::to_json(event))));
   EXPECT_EQ(found, kSent);
 }
 
@@ -43,7 +43,7 @@ TEST(MaskEvent, LiveEventOfEachKind_OnlyListedTextsStay) {
   std::set<std::string> found;
   for (v1::Event event : events_with_canaries()) {
     mask_event(event, {});
-    found.merge(canaries_in(event.SerializeAsString()));
+    found.merge(canaries_in(event.ShortDebugString()));
   }
   EXPECT_EQ(found, kSent);
 }
@@ -54,9 +54,9 @@ TEST(MaskEvent, LabelsAllowed_TextOfMarkerAndLabelStay) {
   std::set<std::string> recorded;
   std::set<std::string> live;
   for (v1::Event event : events_with_canaries()) {
-    recorded.merge(canaries_in(masked(wire::to_json(event), {.labels = true})));
+    recorded.merge(canaries_in(masked(dts::wire::to_json(event), {.labels = true})));
     mask_event(event, {.labels = true});
-    live.merge(canaries_in(event.SerializeAsString()));
+    live.merge(canaries_in(event.ShortDebugString()));
   }
   EXPECT_EQ(recorded, expected);
   EXPECT_EQ(live, expected);
@@ -67,10 +67,10 @@ TEST(MaskEvent, RecordedEvent_KeepsItsLengthAndItsNumbers) {
   event.set_segment(3);
   event.set_scan(1250);
   event.mutable_marker()->set_text("Frau \"M\xC3\xBCller\"\n");
-  const std::string json = wire::to_json(event);
+  const std::string json = dts::wire::to_json(event);
   const std::string text = masked(json);
   EXPECT_EQ(text.size(), json.size());
-  const auto read = wire::event_of_json(text);
+  const auto read = dts::wire::event_of_json(text);
   ASSERT_TRUE(read);
   EXPECT_EQ(read->segment(), 3U);
   EXPECT_EQ(read->scan(), 1250U);
@@ -79,7 +79,7 @@ TEST(MaskEvent, RecordedEvent_KeepsItsLengthAndItsNumbers) {
 
 TEST(MaskEvent, EventOfEachKind_IsStillReadWithTheSameNumbers) {
   for (const v1::Event& event : events_with_canaries()) {
-    const auto read = wire::event_of_json(masked(wire::to_json(event)));
+    const auto read = dts::wire::event_of_json(masked(dts::wire::to_json(event)));
     ASSERT_TRUE(read) << event.ShortDebugString();
     v1::Event expected = event;
     v1::Event found = *read;

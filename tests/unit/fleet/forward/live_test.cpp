@@ -12,7 +12,6 @@
 namespace dts::fleet::forward {
 namespace {
 
-using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -37,7 +36,7 @@ TEST(BeatOf, CanaryInEveryFieldOfTheStatus_OnlyNamesOfProgramsLeave) {
   v1::StatusSnapshot status;
   fill_with_canaries(status);
   const auto beat = beat_of(&status, {}, "0.2.0", 5);
-  EXPECT_THAT(canaries_in(beat.SerializeAsString()),
+  EXPECT_THAT(canaries_in(beat.ShortDebugString()),
               testing::UnorderedElementsAre("canary-version", "canary-name", "canary-kind", "canary-session_id", "canary-calibration",
                                             "canary-published"));
 }
@@ -100,20 +99,20 @@ class ViewersTest : public testing::Test {
  protected:
   v1::StatusSnapshot status_ = status_of_floor();
   Viewers viewers_{true, core::Log()};
-  Viewers::Time now_ = Viewers::Time(seconds(1000));
+  Viewers::Time now_ = Viewers::Time(std::chrono::seconds(1000));
 };
 
 TEST_F(ViewersTest, Request_LeasesItsTopicsFor10Seconds) {
   EXPECT_EQ(viewers_.handle(request({"floor/cop", "floor/marker"}), &status_, now_).lease_s(), 10U);
   EXPECT_THAT(viewers_.topics(), ElementsAre("floor/cop", "floor/marker"));
   EXPECT_THAT(viewers_.names(), ElementsAre("ann"));
-  viewers_.expire(now_ + seconds(9));
+  viewers_.expire(now_ + std::chrono::seconds(9));
   EXPECT_THAT(viewers_.topics(), ElementsAre("floor/cop", "floor/marker"));
-  (void)viewers_.handle(request({"floor/cop"}, "bob"), &status_, now_ + seconds(9));
-  viewers_.expire(now_ + seconds(10));
+  (void)viewers_.handle(request({"floor/cop"}, "bob"), &status_, now_ + std::chrono::seconds(9));
+  viewers_.expire(now_ + std::chrono::seconds(10));
   EXPECT_THAT(viewers_.topics(), ElementsAre("floor/cop"));
   EXPECT_THAT(viewers_.names(), ElementsAre("bob"));
-  viewers_.expire(now_ + seconds(19));
+  viewers_.expire(now_ + std::chrono::seconds(19));
   EXPECT_THAT(viewers_.topics(), IsEmpty());
 }
 

@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "fleet/wire/messages.h"
 #include "support/temporary_folder.h"
 #include "unit/fleet/forward/fake_clinic.h"
@@ -343,7 +346,7 @@ TEST_F(NoErasureTest, ListThatIsFull) {
   std::vector<v1::SessionRecord> full;
   for (std::uint32_t n = 0; n < kMostListed; ++n) {
     full.emplace_back();
-    full.back().set_session_id("n" + std::to_string(n));
+    full.back().set_session_id("n");  // the same: only their number matters
     full.back().set_started_utc_ns(2 * kS);
   }
   full.push_back(oldest.front());  // beyond the list

@@ -54,7 +54,8 @@ class SentBytesTest : public testing::Test {
       std::vector<double> values(200);
       for (std::size_t scan = 0; scan < values.size(); ++scan) values[scan] = block + static_cast<double>(scan) / 1024.0;
       EXPECT_TRUE(writer->write_samples(raw, 1.0 + 0.2 * block, values, {}));
-      const std::vector<std::pair<double, std::string>> texts{{1.0 + block, wire::to_json(marker)}, {1.1 + block, "canary-plain text"}};
+      const std::vector<std::pair<double, std::string>> texts{{1.0 + block, dts::wire::to_json(marker)},
+                                                              {1.1 + block, "canary-plain text"}};
       EXPECT_TRUE(writer->write_texts(events, texts, {}));
       EXPECT_TRUE(writer->write_boundary());
       EXPECT_TRUE(writer->write_clock_offset(raw, 1.0 + 0.2 * block, 1e-6));

@@ -72,7 +72,7 @@ TEST_F(SettingsTest, WithoutFurtherKeys_NothingThatAPersonTypedLeaves) {
 
 TEST_F(SettingsTest, Problems_HaveTheirPlace) {
   EXPECT_EQ(problem(base_ + "[upload]\nmax_rate = \"4 MB\"\n"),
-            "/forward.toml:4:12: [upload] max_rate must be a rate of at least 8 kbit/s, such as \"4 Mbit/s\" or \"500 kbit/s\"");
+            "/forward.toml:4:12: max_rate must be a rate of at least 8 kbit/s, such as \"4 Mbit/s\" or \"500 kbit/s\"");
   EXPECT_THAT(problem(base_ + "[upload]\nonly_between = \"20-6\"\n"), HasSubstr("only_between must be two different times of the day"));
   EXPECT_THAT(problem(base_ + "[privacy]\nsend_label = true\n"), HasSubstr("send_labels"));
   EXPECT_THAT(problem("key = \"kent.nk\"\n"), HasSubstr("enrolment is missing"));

@@ -11,8 +11,6 @@ namespace dts::fleet::forward {
 namespace {
 
 using Kind = Transfer::Step::Kind;
-using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 constexpr std::uint64_t kChunk = wire::kLargestChunk;
 
@@ -45,7 +43,7 @@ class TransferTest : public testing::Test {
   std::string sha256_ = std::string(32, 's');
   std::uint64_t bytes_ = 100 * kChunk + 5;
   Transfer transfer_{"kent", sha256_, bytes_, 1};
-  Transfer::Time now_ = Transfer::Time(seconds(1000));
+  Transfer::Time now_ = Transfer::Time(std::chrono::seconds(1000));
 };
 
 TEST_F(TransferTest, HubThatAnswers_GetsEveryByteOnceThenTheCommit) {
@@ -122,13 +120,13 @@ TEST_F(TransferTest, HubThatLostWhatItHad_GetsItAgain) {
 TEST_F(TransferTest, Silence_OpensAgainAfterAPauseWithSmallerChunks) {
   open();
   (void)chunks();
-  now_ += milliseconds(4999);
+  now_ += std::chrono::milliseconds(4999);
   EXPECT_EQ(transfer_.next(now_).kind, Kind::Wait);
-  now_ += milliseconds(1);
+  now_ += std::chrono::milliseconds(1);
   const auto step = transfer_.next(now_);
   EXPECT_EQ(step.kind, Kind::Wait);
-  EXPECT_GE(step.until, now_ + milliseconds(500));
-  EXPECT_LE(step.until, now_ + milliseconds(1000));
+  EXPECT_GE(step.until, now_ + std::chrono::milliseconds(500));
+  EXPECT_LE(step.until, now_ + std::chrono::milliseconds(1000));
   EXPECT_EQ(transfer_.problem(), "the centre does not answer");
   now_ = step.until;
   EXPECT_EQ(transfer_.next(now_).kind, Kind::Open);
@@ -139,7 +137,7 @@ TEST_F(TransferTest, Silence_OpensAgainAfterAPauseWithSmallerChunks) {
 TEST_F(TransferTest, NothingUnderWayBecauseOfTheLimit_IsNoSilence) {
   open();
   EXPECT_EQ(transfer_.next(now_, false).kind, Kind::Wait);
-  now_ += seconds(30);
+  now_ += std::chrono::seconds(30);
   EXPECT_EQ(transfer_.next(now_, false).kind, Kind::Wait);
   EXPECT_EQ(transfer_.next(now_, true).kind, Kind::Chunk);
   EXPECT_EQ(transfer_.problem(), "");
@@ -160,8 +158,8 @@ TEST_F(TransferTest, Later_WaitsAsLongAsTheHubWants) {
   later.mutable_later()->set_wait_s(60);
   transfer_.handle(later, now_);
   EXPECT_THAT(transfer_.problem(), testing::HasSubstr("the disk of the centre is full"));
-  EXPECT_EQ(transfer_.next(now_ + seconds(59)).kind, Kind::Wait);
-  EXPECT_EQ(transfer_.next(now_ + seconds(60)).kind, Kind::Open);
+  EXPECT_EQ(transfer_.next(now_ + std::chrono::seconds(59)).kind, Kind::Wait);
+  EXPECT_EQ(transfer_.next(now_ + std::chrono::seconds(60)).kind, Kind::Open);
 }
 
 TEST_F(TransferTest, Refusal_EndsWithItsReason) {
@@ -198,6 +196,18 @@ TEST_F(TransferTest, CommitOfDamagedBytes_StartsAgainAfterAPause) {
   EXPECT_THAT(chunks(), testing::ElementsAre(0));
 }
 
+TEST_F(TransferTest, CommitOfALargeFile_GetsTimeForReadingIt) {
+  bytes_ = 1'000'000'000;
+  Transfer large("kent", sha256_, bytes_, 1);
+  ASSERT_EQ(large.next(now_).kind, Kind::Open);
+  large.handle(upload(bytes_), now_);
+  ASSERT_EQ(large.next(now_).kind, Kind::Commit);
+  EXPECT_EQ(large.next(now_ + std::chrono::seconds(54)).until, now_ + std::chrono::seconds(55));
+  EXPECT_EQ(large.problem(), "");
+  (void)large.next(now_ + std::chrono::seconds(55));
+  EXPECT_EQ(large.problem(), "the centre does not answer");
+}
+
 TEST_F(TransferTest, MoreBytesThanTheFileHas_AreNotBelieved) {
   ASSERT_EQ(transfer_.next(now_).kind, Kind::Open);
   transfer_.handle(upload(bytes_ + 1), now_);
@@ -207,15 +217,15 @@ TEST_F(TransferTest, MoreBytesThanTheFileHas_AreNotBelieved) {
 
 TEST(Backoff, Failures_DoubleThePauseUpTo5Minutes) {
   Backoff backoff(7);
-  milliseconds largest(1000);
+  std::chrono::milliseconds largest(1000);
   for (int failure = 0; failure < 20; ++failure) {
-    const milliseconds pause = backoff.next();
+    const std::chrono::milliseconds pause = backoff.next();
     EXPECT_LE(pause, largest);
     EXPECT_GE(pause, largest / 2);
-    largest = std::min(largest * 2, milliseconds(300'000));
+    largest = std::min(largest * 2, std::chrono::milliseconds(300'000));
   }
   backoff.reset();
-  EXPECT_LE(backoff.next(), milliseconds(1000));
+  EXPECT_LE(backoff.next(), std::chrono::milliseconds(1000));
 }
 
 }  // namespace

@@ -19,8 +19,6 @@
 namespace dts::fleet::forward {
 namespace {
 
-using std::chrono::milliseconds;
-
 class UplinkTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -34,7 +32,7 @@ class UplinkTest : public testing::Test {
   }
   [[nodiscard]] std::unique_ptr<Uplink> open(const std::string& name) const { return open_uplink(options(name), core::Log()).value(); }
   static void wait_until(const std::function<bool()>& is_so) {
-    while (!is_so()) std::this_thread::sleep_for(milliseconds(5));
+    while (!is_so()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   /// A hub that answers as FakeCentre does, until the test ends.
   void start_hub() {
@@ -43,15 +41,15 @@ class UplinkTest : public testing::Test {
     auto letters = std::shared_ptr<link::Subscription>(link->subscribe("dts.v1.>").value());
     hub_ = std::jthread([this, link, letters](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
-        const auto letter = letters->next(milliseconds(20));
+        const auto letter = letters->next(std::chrono::milliseconds(20));
         if (!letter) continue;
         const std::lock_guard lock(mutex_);
         (void)centre_.publish(*letter);
-        const auto answer = centre_.listen(letter->reply).value()->next(milliseconds(0));
+        const auto answer = centre_.listen(letter->reply).value()->next(std::chrono::milliseconds(0));
         if (answer) (void)link->publish({.subject = letter->reply, .data = answer->data});
       }
     });
-    wait_until([this] { return ask(*uplink_, "dts.v1.kent.erase", erase("x"), milliseconds(200), {}).has_value(); });
+    wait_until([this] { return ask(*uplink_, "dts.v1.kent.erase", erase("x"), std::chrono::milliseconds(200), {}).has_value(); });
   }
   static std::string erase(const std::string& session) {
     v1::EraseSession request;
@@ -68,13 +66,13 @@ class UplinkTest : public testing::Test {
 
 TEST_F(UplinkTest, Ask_ReturnsTheAnswer) {
   start_hub();
-  const auto answer = ask(*uplink_, "dts.v1.kent.erase", erase("s-1"), milliseconds(20'000), {});
+  const auto answer = ask(*uplink_, "dts.v1.kent.erase", erase("s-1"), std::chrono::milliseconds(20'000), {});
   ASSERT_TRUE(answer) << core::to_string(answer.error());
   EXPECT_EQ(wire::decode_erase_answer(*answer).value().files(), 1U);
 }
 
 TEST_F(UplinkTest, AskWithoutAHub_FailsWithTimeout) {
-  EXPECT_EQ(ask(*uplink_, "dts.v1.kent.erase", "x", milliseconds(50), {}).error().code, core::ErrorCode::Timeout);
+  EXPECT_EQ(ask(*uplink_, "dts.v1.kent.erase", "x", std::chrono::milliseconds(50), {}).error().code, core::ErrorCode::Timeout);
 }
 
 TEST_F(UplinkTest, AskThatIsStopped_EndsBeforeItsTimeout) {
@@ -110,7 +108,7 @@ TEST_F(UplinkTest, ServerThatIsKilledInBetween_RecordingArrivesOnce) {
   }
   while (store->backlog().value().files() > 0) {
     desk.serve(std::chrono::steady_clock::now(), {});
-    if (!uploader.work({})) std::this_thread::sleep_for(milliseconds(5));
+    if (!uploader.work({})) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   const std::lock_guard lock(mutex_);
   ASSERT_EQ(centre_.stored.size(), 1U);

@@ -262,6 +262,36 @@ TEST_F(UploaderTest, CentreWithoutTime_KeepsTheFactsWaiting) {
   EXPECT_FALSE(store_->next_facts().value());
 }
 
+TEST_F(UploaderTest, CentreThatAnswersAgain_EndsThePause) {
+  record("a", 1);
+  look();
+  Desk desk("kent", centre_, *store_, core::Log());
+  const auto now = std::chrono::steady_clock::now();
+  v1::FactsAnswer later;
+  later.mutable_later()->set_wait_s(300);
+  centre_.facts_answer = later.SerializeAsString();
+  desk.serve(now, {});
+  centre_.facts_answer.clear();
+  desk.serve(now, {});
+  EXPECT_TRUE(store_->next_facts().value());
+  desk.retry();
+  desk.serve(now, {});
+  EXPECT_FALSE(store_->next_facts().value());
+  int opens = 0;
+  centre_.open = [this, &opens](const std::string& /*sha256*/) {
+    v1::UploadAnswer answer;
+    if (++opens == 1) {
+      uploader_.retry();
+      answer.mutable_later()->set_wait_s(300);
+    } else {
+      answer.mutable_refusal()->set_reason("enough");
+    }
+    return answer;
+  };
+  work();
+  EXPECT_EQ(opens, 2);
+}
+
 TEST(Pace, BytesOfASecond_TakeASecond) {
   Pace pace;
   Pace::Time now(std::chrono::seconds(10));

@@ -47,8 +47,9 @@ class HubTest : public DatabaseTest {
     nats_ = std::make_unique<test::NatsServer>();
     config_ = folder_.path() + "/hub.toml";
     std::ofstream(config_) << "name = \"hub-1\"\n[nats]\nservers = [\"nats://127.0.0.1:" << nats_->port()
-                           << "\"]\nkey = \"hub.nk\"\nusers_file = \"" << nats_->folder() << "/users.conf\"\npid_file = \"" << nats_->folder()
-                           << "/pid\"\n[database]\nconnection = \"" << connection_ << "\"\n[store]\ndirectory = \"store\"\n[metrics]\nlisten = "
+                           << "\"]\nkey = \"hub.nk\"\nusers_file = \"" << nats_->folder() << "/users.conf\"\npid_file = \""
+                           << nats_->folder() << "/pid\"\n[database]\nconnection = \"" << connection_
+                           << "\"\n[store]\ndirectory = \"store\"\n[metrics]\nlisten = "
                            << "\"127.0.0.1:" << metrics_port_ << "\"\n";
     ASSERT_EQ(fleet({"users"}), 0);
     nats_->start(nats_settings());
@@ -90,7 +91,8 @@ class HubTest : public DatabaseTest {
   /// Adds a clinic and connects as it.
   std::unique_ptr<link::Link> add_clinic(const std::string& name) {
     const auto key = wire::create_nkey();
-    EXPECT_EQ(fleet({"clinic", "add", name, "--title", "A clinic", "--key", key.public_key, "--out", folder_.path() + "/" + name + ".toml"}), 0);
+    EXPECT_EQ(
+        fleet({"clinic", "add", name, "--title", "A clinic", "--key", key.public_key, "--out", folder_.path() + "/" + name + ".toml"}), 0);
     keys_[name] = key;
     return connect(name);
   }
@@ -152,7 +154,8 @@ class HubTest : public DatabaseTest {
       const std::string request = "GET " + path + " HTTP/1.1\r\nHost: x\r\n\r\n";
       EXPECT_EQ(::send(socket, request.data(), request.size(), MSG_NOSIGNAL), static_cast<ssize_t>(request.size()));
       std::array<char, 4096> buffer{};
-      for (ssize_t got = 0; (got = ::recv(socket, buffer.data(), buffer.size(), 0)) > 0;) answer.append(buffer.data(), static_cast<std::size_t>(got));
+      for (ssize_t got = 0; (got = ::recv(socket, buffer.data(), buffer.size(), 0)) > 0;)
+        answer.append(buffer.data(), static_cast<std::size_t>(got));
     }
     ::close(socket);
     return answer;
@@ -171,7 +174,8 @@ class HubTest : public DatabaseTest {
 TEST_F(HubTest, ServesAClinic_FromItsEnrolmentToItsRevocation) {
   start_hub();
   const auto kent = add_clinic("kent");
-  EXPECT_NE(content_of(folder_.path() + "/kent.toml").find("clinic = 'kent'"), std::string::npos) << content_of(folder_.path() + "/kent.toml");
+  EXPECT_NE(content_of(folder_.path() + "/kent.toml").find("clinic = 'kent'"), std::string::npos)
+      << content_of(folder_.path() + "/kent.toml");
 
   v1::Beat beat;
   beat.set_utc_ns(1);

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fleet/hub/programs.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+#include "fleet/wire/nkey.h"
+#include "unit/cli/command_checks.h"
+#include "unit/fleet/hub/hub_fixture.h"
+
+namespace dts::fleet::hub {
+namespace {
+
+using ::testing::HasSubstr;
+
+void check_examples(std::unique_ptr<cli::CommandLine> (*make_tree)()) {
+  const auto tree = make_tree();
+  for (const CLI::App* command : cli::commands_of(tree->app)) {
+    ASSERT_FALSE(cli::examples(*command).empty()) << cli::full_name(*command);
+    for (const cli::Example& example : cli::examples(*command)) {
+      std::vector<std::string> words = cli::shell_words(example.command);
+      ASSERT_EQ(words.front(), tree->program.name);
+      const auto fresh = make_tree();
+      EXPECT_NO_THROW(fresh->app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1))) << example.command;
+    }
+  }
+}
+
+TEST(Programs, ExamplesOfEveryCommand_AreUnderstood) {
+  check_examples(make_hub_tree);
+  check_examples(make_fleet_tree);
+}
+
+class FleetProgramTest : public DatabaseTest {
+ protected:
+  void SetUp() override {
+    DatabaseTest::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    config_ = folder_.path() + "/hub.toml";
+    std::ofstream(config_)
+        << "name = \"hub-1\"\n[nats]\nservers = [\"nats://127.0.0.1:1\"]\npublic_servers = [\"tls://hub.example:4222\"]\nkey = "
+        << "\"hub.nk\"\nusers_file = \"users.conf\"\npid_file = \"none\"\n[database]\nconnection = \"" << connection_
+        << "\"\n[store]\ndirectory = \"store\"\n";
+  }
+  int fleet(std::vector<std::string> words) {
+    out_.str("");
+    talk_.str("");
+    words.insert(words.begin(), {"--config", config_});
+    cli::Console console{.out = out_, .talk = talk_, .columns = 200};
+    return run_fleet_program(words, console);
+  }
+  int add(const std::string& name, const std::string& key, const std::string& file) {
+    return fleet({"clinic", "add", name, "--title", "Kent clinic", "--key", key, "--out", folder_.path() + "/" + file});
+  }
+
+  test::TemporaryFolder folder_;
+  std::string config_;
+  std::ostringstream out_;
+  std::ostringstream talk_;
+};
+
+TEST_F(FleetProgramTest, ClinicAdd_WritesTheEnrolmentFile) {
+  const auto key = wire::create_nkey().public_key;
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0) << talk_.str();
+  EXPECT_THAT(content_of(folder_.path() + "/kent.toml"), HasSubstr("tls://hub.example:4222"));
+  EXPECT_EQ(add("leeds", wire::create_nkey().public_key, "kent.toml"), 2);
+  EXPECT_THAT(talk_.str(), HasSubstr("exists already"));
+  EXPECT_EQ(add("kent", wire::create_nkey().public_key, "again.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("its name or its key exists already"));
+  EXPECT_EQ(add("Kent", key, "again.toml"), 2);
+  EXPECT_EQ(add("leeds", "UABC", "again.toml"), 2);
+  EXPECT_THAT(talk_.str(), HasSubstr("dts-forward key"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/again.toml"));
+  ASSERT_EQ(fleet({"clinic", "list"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("Kent clinic"));
+}
+
+TEST_F(FleetProgramTest, Users_AreWrittenWithoutANatsServer) {
+  ASSERT_EQ(fleet({"users"}), 0) << talk_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("users.conf: written\nnats-server does not run"));
+  EXPECT_THAT(content_of(folder_.path() + "/users.conf"), HasSubstr("_INBOX.*.>"));
+  ASSERT_EQ(fleet({"users"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("unchanged"));
+}
+
+TEST_F(FleetProgramTest, Lists_AsTablesAndAsJsonLines) {
+  const auto key = wire::create_nkey().public_key;
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0);
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s2", 1)));
+  v1::Beat beat;
+  beat.add_rigs()->set_rig("floor");
+  ASSERT_TRUE(catalogue_->put_beat("kent", beat, 1'000'000'000'000'000'000));
+  ASSERT_EQ(fleet({"sessions", "--clinic", "kent", "--subject", "P017", "--limit", "1", "--json"}), 0);
+  const auto json = out_.str();
+  EXPECT_THAT(json, HasSubstr(R"("clinic":"kent","session":"s)"));
+  EXPECT_THAT(json, HasSubstr(R"("started_utc":"2025-11-21T14:45:25Z","parts":1,"stored_parts":0,"revision":1})"));
+  EXPECT_EQ(std::ranges::count(json, '\n'), 1);
+  ASSERT_EQ(fleet({"sessions"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("STARTED (UTC)"));
+  ASSERT_EQ(fleet({"sessions", "--clinic", "leeds"}), 0);
+  EXPECT_EQ(out_.str(), "");
+  EXPECT_THAT(talk_.str(), HasSubstr("no entries"));
+  ASSERT_EQ(fleet({"rigs"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("plate model"));
+  ASSERT_EQ(fleet({"clinic", "list", "--json"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr(R"("daemon":"no answer")"));
+  ASSERT_EQ(fleet({"receipts", "--json"}), 0);
+  EXPECT_EQ(out_.str(), "");
+  ASSERT_EQ(fleet({"clinic", "revoke", "kent"}), 0);
+  ASSERT_EQ(fleet({"audit"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("2 entries verified"));
+  EXPECT_EQ(fleet({"clinic", "revoke", "york"}), 5);
+}
+
+TEST_F(FleetProgramTest, WrongConfiguration_IsNamed) {
+  std::ofstream(config_) << "name = 3\n";
+  EXPECT_EQ(fleet({"rigs"}), 2);
+  EXPECT_THAT(talk_.str(), HasSubstr("hub.toml:1"));
+}
+
+}  // namespace
+}  // namespace dts::fleet::hub

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fleet/hub/users_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "files/toml_reader.h"
+#include "fleet/wire/nkey.h"
+#include "support/temporary_folder.h"
+#include "unit/fleet/hub/hub_fixture.h"
+
+namespace dts::fleet::hub {
+namespace {
+
+TEST(UsersFile, HasTheHubAndTheClinicsThatAreNotRevoked) {
+  const auto hub = wire::create_nkey().public_key;
+  const auto kent = wire::create_nkey().public_key;
+  const auto leeds = wire::create_nkey().public_key;
+  const std::string text =
+      users_text(hub, {{.id = "kent", .title = "", .nkey = kent}, {.id = "leeds", .title = "", .nkey = leeds, .is_revoked = true}});
+  EXPECT_NE(text.find(hub), std::string::npos);
+  EXPECT_NE(text.find("{nkey: " + kent + ", permissions: {publish: {allow: [\"dts.v1.kent.up.>\""), std::string::npos) << text;
+  EXPECT_EQ(text.find(leeds), std::string::npos);
+  EXPECT_EQ(text.find("leeds"), std::string::npos);
+}
+
+TEST(UsersFile, RowsThatAreNoNameAndKey_AreLeftOut) {
+  const auto key = wire::create_nkey().public_key;
+  const std::string text = users_text(key, {{.id = "x\"}]}", .title = "", .nkey = key}, {.id = "kent", .title = "", .nkey = "U\"}"}});
+  EXPECT_EQ(text.find("x\"}"), std::string::npos);
+  EXPECT_EQ(text.find("kent"), std::string::npos);
+}
+
+TEST(UsersFile, IsWrittenOnlyIfItDiffers) {
+  const test::TemporaryFolder folder;
+  Settings settings;
+  EXPECT_EQ(write_users(settings, "UA", {}), false);  // another hub writes it
+  settings.users_file = folder.path() + "/users.conf";
+  EXPECT_EQ(write_users(settings, "UA", {}), true);
+  EXPECT_EQ(write_users(settings, "UA", {}), false);
+  EXPECT_EQ(write_users(settings, "UB", {}), true);
+  EXPECT_EQ(content_of(settings.users_file), users_text("UB", {}));
+}
+
+TEST(UsersFile, OnlyANatsServerIsSignalled) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.path() + "/pid";
+  EXPECT_EQ(reload_nats(file).error().code, core::ErrorCode::NotFound);
+  for (const std::string& text : {std::to_string(::getpid()), std::string("1"), std::string("-1"), std::string("x"), std::string()}) {
+    std::ofstream(file) << text;
+    EXPECT_EQ(reload_nats(file).error().code, core::ErrorCode::NotFound) << text;
+  }
+}
+
+TEST(Enrolment, IsReadAsItWasWritten) {
+  for (const std::string pem : {"-----BEGIN CERTIFICATE-----\nabc=\n-----END CERTIFICATE-----\n", "a \"\"\" and \\ within"}) {
+    files::Problems problems;
+    const std::string text = enrolment_text("kent", {"tls://a:1", "tls://b:2"}, pem);
+    const auto table = files::parse_toml_text(text, "kent.toml", problems);
+    ASSERT_TRUE(table) << text;
+    files::TomlReader reader(&*table, "", "kent.toml", problems);
+    EXPECT_EQ(reader.text("clinic", ""), "kent");
+    EXPECT_EQ(reader.texts("servers", {}), (std::vector<std::string>{"tls://a:1", "tls://b:2"}));
+    EXPECT_EQ(reader.text("ca", ""), pem);
+    reader.finish();
+    EXPECT_TRUE(problems.empty());
+  }
+}
+
+}  // namespace
+}  // namespace dts::fleet::hub

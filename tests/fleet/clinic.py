@@ -48,9 +48,8 @@ class Clinic:
         self.centre.enrol(self.name, title or self.name.capitalize(), self.public_key, f"tls://127.0.0.1:{self.line.port}",
                           self.folder / f"{self.name}.enrolment.toml")
         self.daemon.start()
-        self.forwarder.start()
         wait_until(f"{self.daemon.name} answers", lambda: self.daemon.expect_alive() and self._daemon_answers())
-        self.forwarder.expect_alive()
+        self.forwarder.start()
 
     def close(self) -> None:
         self.forwarder.stop()
@@ -65,9 +64,9 @@ class Clinic:
     def forward(self, command: str, *words: str) -> str:
         return run(program("dts-forward"), command, *words, "--config", self.config, env=self._environment)
 
-    def status(self) -> dict:
-        """Returns what dts-forward says of the backlog."""
-        return json.loads(self.forward("status", "--json"))
+    def problem(self) -> str:
+        """Returns why dts-forward does not deliver; empty: it does."""
+        return str(json.loads(self.forward("status", "--json")).get("problem", ""))
 
     def record(self, seconds: float, rig: str = "floor", *words: str) -> str:
         """Records a session that ends by itself. Returns its ID at once."""

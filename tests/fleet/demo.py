@@ -120,7 +120,7 @@ class Demo:
         say(f"{clinic.name} leaves: its key is revoked")
         self.fleet("clinic", "revoke", clinic.name)
         revoked_s = time.monotonic()
-        wait_until("dts-forward of the clinic reports it", lambda: clinic.is_refused())
+        wait_until("dts-forward of the clinic reports it", lambda: "rejects" in clinic.problem())
         note(f"{time.monotonic() - revoked_s:.1f} s later dts-forward of {clinic.name} reports that the centre rejects its key")
         self.examine((clinic, "E003"), (other, "K004"))
         wait_until(f"{other.name} delivers", lambda: not other.undelivered())

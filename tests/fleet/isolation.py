@@ -77,11 +77,11 @@ def expect_no_foreign_reply(checks: Checks, centre: Centre, attacker: Clinic, vi
             attack.publish(f"dts.v1.{attacker.name}.{subject}", BEAT, target)
     attack.publish(f"dts.v1.{attacker.name}.beat", BEAT, own)
     checks.expect(f"the hub answers to {attacker.name} itself", attack.next_letter().subject == own)
-    wait_until("the log of dts-hub has the foreign reply subjects", lambda: all(target in centre.hub.text() for target in targets))
+    warning = f"clinic {attacker.name} asked for an answer to a subject that is not its own"
+    wait_until(f"the log of dts-hub has the attempt of {attacker.name}", lambda: warning in centre.hub.text())
     watch.publish(f"dts.v1.{victim.name}.beat", BEAT, f"_INBOX.{victim.name}.canary.own")
     first = watch.next_letter().subject  # the hub has read all that came before
     checks.expect(f"no answer to {attacker.name} reached {victim.name}", first == f"_INBOX.{victim.name}.canary.own", first)
-    checks.expect("  each attempt is in the log of dts-hub", True)
     attack.close()
     watch.close()
 

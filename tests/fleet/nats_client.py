@@ -5,9 +5,11 @@ import binascii
 import ctypes
 import json
 import queue
+import select
 import socket
 import ssl
 import threading
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -71,7 +73,8 @@ class NatsClient:
         information = json.loads(line.removeprefix(b"INFO "))
         context = ssl.create_default_context(cafile=str(ca))
         self.tls = context.wrap_socket(plain, server_hostname="127.0.0.1")
-        self.tls.settimeout(None)
+        self.tls.setblocking(False)
+        self._lock = threading.Lock()  # OpenSSL does not allow two threads in one connection
         options = {"verbose": False, "pedantic": True, "tls_required": True, "nkey": key.public, "lang": "test", "version": "1", "protocol": 1,
                    "headers": True, "no_responders": True, "sig": key.signature(information["nonce"].encode())}
         threading.Thread(target=self._read, daemon=True).start()
@@ -115,26 +118,50 @@ class NatsClient:
             raise Failure(f"no letter within {patience_s:.0f} s") from None
 
     def _send(self, data: bytes) -> None:
-        try:
-            self.tls.sendall(data)
-        except OSError:
-            self.ended.set()
+        while data and not self.ended.is_set():
+            try:
+                with self._lock:
+                    data = data[self.tls.send(data):]
+            except (ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                time.sleep(0.001)
+            except OSError:
+                self.ended.set()
+
+    def _receive(self) -> bytes:
+        """Returns the next bytes; none at the end of the connection."""
+        while True:
+            try:
+                with self._lock:
+                    return self.tls.recv(65536)
+            except (ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                select.select([self.tls], [], [], 0.1)
 
     def _read(self) -> None:
         try:
-            stream = self.tls.makefile("rb")
-            while line := stream.readline():
-                words = line.split()
-                if words[0] == b"PING":
-                    self._send(b"PONG\r\n")
-                elif words[0] == b"PONG":
-                    self._pongs.put(None)
-                elif words[0] == b"-ERR":
-                    self.errors.put(line.decode().removeprefix("-ERR").strip().strip("'"))
-                elif words[0] in (b"MSG", b"HMSG"):
-                    data = stream.read(int(words[-1]) + 2)[:-2]
-                    extra = 4 if words[0] == b"MSG" else 5
-                    self.letters.put(Letter(words[1].decode(), words[3].decode() if len(words) > extra else "", data))
+            left = b""
+            while data := self._receive():
+                left = self._handle(left + data)
         except (OSError, ValueError):
             pass
         self.ended.set()
+
+    def _handle(self, data: bytes) -> bytes:
+        """Handles all whole messages. Returns what is left."""
+        while (end := data.find(b"\r\n")) >= 0:
+            words = data[:end].split()
+            begin = end + 2
+            if words[0] in (b"MSG", b"HMSG"):
+                size = int(words[-1])
+                if len(data) < begin + size + 2:
+                    break
+                has_reply = len(words) > (4 if words[0] == b"MSG" else 5)
+                self.letters.put(Letter(words[1].decode(), words[3].decode() if has_reply else "", data[begin:begin + size]))
+                begin += size + 2
+            elif words[0] == b"PING":
+                self._send(b"PONG\r\n")
+            elif words[0] == b"PONG":
+                self._pongs.put(None)
+            elif words[0] == b"-ERR":
+                self.errors.put(data[:end].decode().removeprefix("-ERR").strip().strip("'"))
+            data = data[begin:]
+        return data

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // For LD_PRELOAD: keeps what a power cut would leave. Each time the program has synchronised a file or folder below $DTS_POWER_ROOT, its
 // content is copied to $DTS_POWER_COPY: "data-INODE" has the bytes of a file, "names-INODE" the lines "INODE NAME" of a folder. power_cut.py
-// puts them back. Thread: any.
+// puts them back. The program dies before it synchronises the folder $DTS_POWER_DIE. Thread: any.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -42,14 +44,17 @@ void copy_names(int descriptor, const std::string& target) {
   std::fclose(copy);
 }
 
+std::string path_of(int descriptor) {
+  std::array<char, 4096> path;
+  const ssize_t length = readlink(("/proc/self/fd/" + std::to_string(descriptor)).c_str(), path.data(), path.size());
+  return {path.data(), static_cast<std::size_t>(std::max<ssize_t>(0, length))};
+}
+
 void keep(int descriptor) {
   const char* const root = std::getenv("DTS_POWER_ROOT");
   const char* const copies = std::getenv("DTS_POWER_COPY");
-  std::array<char, 4096> path;
-  const ssize_t length = readlink(("/proc/self/fd/" + std::to_string(descriptor)).c_str(), path.data(), path.size());
   struct stat status {};
-  if (root == nullptr || copies == nullptr || length <= 0 || fstat(descriptor, &status) != 0) return;
-  if (!std::string(path.data(), static_cast<std::size_t>(length)).starts_with(root)) return;
+  if (root == nullptr || copies == nullptr || fstat(descriptor, &status) != 0 || !path_of(descriptor).starts_with(root)) return;
   const std::lock_guard lock(copying);
   const std::string inode = std::to_string(status.st_ino);
   const std::string temporary = std::string(copies) + "/new-" + inode;
@@ -61,6 +66,8 @@ void keep(int descriptor) {
 
 int synchronise(const char* function, int descriptor) {
   using Function = int (*)(int);
+  const char* const death = std::getenv("DTS_POWER_DIE");
+  if (death != nullptr && path_of(descriptor) == death) raise(SIGKILL);
   const auto real = reinterpret_cast<Function>(dlsym(RTLD_NEXT, function));
   const int result = real(descriptor);
   if (result == 0) keep(descriptor);

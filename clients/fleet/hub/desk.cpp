@@ -51,6 +51,13 @@ void Desk::answer(const link::Letter& letter, const std::stop_token& stop) {
   if (!subject || subject->matter != matter_ || !wire::is_inbox_of(subject->clinic, letter.reply) ||
       !around_.clinics.is_allowed(subject->clinic)) {
     ++around_.counts.rejected_total;
+    const bool is_foreign = subject && !letter.reply.empty() && !wire::is_inbox_of(subject->clinic, letter.reply);
+    if (is_foreign && warnings_.take(std::chrono::steady_clock::now())) {
+      around_.log.warning("clinic " + subject->clinic +
+                          " asked for an answer to a subject that is not its own: there is none. If this "
+                          "continues, its key is in wrong hands: dts-fleet clinic revoke " +
+                          subject->clinic);
+    }
     return;
   }
   auto reply = handler_(subject->clinic, letter.data, stop);

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/log.h"
+#include "core/token_bucket.h"
 #include "fleet/hub/clinic_list.h"
 #include "fleet/link/link.h"
 #include "fleet/wire/subjects.h"
@@ -54,6 +55,7 @@ class Desk {
   wire::Matter matter_;
   std::unique_ptr<link::Subscription> letters_;
   Handler handler_;
+  core::TokenBucket warnings_{1.0};
   std::jthread thread_{};  ///< Must be the last member: it uses the others.
 };
 

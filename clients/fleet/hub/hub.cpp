@@ -86,7 +86,9 @@ class Hub {
                      }));
     }
     keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, *ingest_, *store_, log_);
-    return connect();
+    const auto connected = connect();
+    // nats-server may close the first connection while it reads the users file: `serve` opens another one.
+    return connected.has_value() || connected.error().code != core::ErrorCode::InvalidArgument ? core::Status() : connected;
   }
 
   /// Opens the connection again if nats-server has rejected it: it may not have read the users file yet.
@@ -108,6 +110,14 @@ class Hub {
 
  private:
   [[nodiscard]] core::Status connect() {
+    const auto connected = open_desks();
+    if (connected) return {};
+    desks_.clear();
+    link_.reset();
+    return connected;
+  }
+
+  [[nodiscard]] core::Status open_desks() {
     desks_.clear();
     link_.reset();
     DTS_TRY_ASSIGN(link_, link::Link::open({.servers = settings_.servers,

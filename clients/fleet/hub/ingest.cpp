@@ -202,6 +202,8 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
     DTS_TRY_ASSIGN(const auto kept, store_.file(name));
     if (!kept) return false;
     file = *kept;
+    // An earlier hub may have ended after it had moved the file, before it synchronised the folder.
+    DTS_TRY(synchronise(std::filesystem::path(file).parent_path().string()));
   }
   DTS_TRY(synchronise(file));
   options_.reached("synchronised");

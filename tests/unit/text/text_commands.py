@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks that every command of our programs in a document exists, with its options.
 
-    text_commands.py ROOT BIN    BIN is the folder of dtsctl, dtslab and dts-gateway
+    text_commands.py ROOT BIN    BIN is the folder of the programs
 
 The --help of the programs decides. Each finding is one line. Exit status 0: nothing found, 1: findings, 2: wrong use.
 """
@@ -17,8 +17,9 @@ import text_parts
 import text_rules
 
 PROGRAMS = ("dtsctl", "dtslab", "dts-gateway")
-COMMAND = re.compile(rf"(?<![\w.-])(?:[\w./]*/)?({'|'.join(PROGRAMS)})((?: [^\s]+)+)")  # two spaces end it: a picture, a remark
-END = re.compile(r"[|&;>#]|.*[`;]$")  # a word at which the shell's next command or a remark begins
+OPTIONAL_PROGRAMS = ("dts-forward", "dts-hub", "dts-fleet")  # checked if they are built
+COMMAND = re.compile(rf"(?<![\w.-])(?:[\w./]*/)?({'|'.join(PROGRAMS + OPTIONAL_PROGRAMS)})((?: [^\s]+)+)")  # two spaces end it: a picture, a remark
+END = re.compile(r"[|&;<>#=]|--+(?![a-z])|.*[`;]$")  # a word at which the shell's next command, a remark or an arrow begins
 WORD = re.compile(r"[a-z][a-z-]*(?:\|[a-z-]+)*")
 
 
@@ -43,6 +44,8 @@ def commands_in(help_text):
 def fault_of_command(program, words, helps):
     """Returns what is wrong with a command of a program, None if nothing is."""
     path = [program]
+    if program in OPTIONAL_PROGRAMS and not (helps.folder / program).exists():
+        return None
     for word in words:
         if END.match(word):
             return None

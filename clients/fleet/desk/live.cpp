@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/desk/live.h"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -22,6 +23,29 @@ constexpr int kMostUnderWay = 2048;
 constexpr std::chrono::seconds kOffsetPause{10};  // as often as heartbeats
 
 std::int64_t utc_now_ns() { return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count(); }
+
+std::int64_t monotonic_now_ns() { return gateway::own_host_time(); }
+
+/// How far a clinic's monotonic clock is ahead of ours, at least: nothing arrives before it was made. Forgets what is older than a minute,
+/// because the clocks drift.
+class LeastLead {
+ public:
+  void add(std::int64_t made_ns, std::int64_t now_ns) {
+    if (now_ns - began_ns_ > kSpan_ns) {
+      before_ = now_ns - began_ns_ > 2 * kSpan_ns ? std::nullopt : present_;
+      present_.reset();
+      began_ns_ = now_ns;
+    }
+    present_ = std::max(present_.value_or(made_ns - now_ns), made_ns - now_ns);
+  }
+  [[nodiscard]] std::optional<std::int64_t> ns() const { return std::max(before_, present_); }
+
+ private:
+  static constexpr std::int64_t kSpan_ns = 30'000'000'000;
+  std::optional<std::int64_t> before_{};
+  std::optional<std::int64_t> present_{};
+  std::int64_t began_ns_ = 0;
+};
 
 /// Reads how far the clinic's clock is ahead of the centre's.
 core::Result<std::string> clock_offset(database::Database& database, const std::string& clinic) {
@@ -74,6 +98,7 @@ class ClinicView : public std::enable_shared_from_this<ClinicView> {
   std::multiset<std::string> viewers_;
   double clock_offset_s_ = 0.0;                      ///< Until it is known: none.
   std::optional<std::int64_t> utc_minus_monotonic_;  ///< Of the clinic, ns.
+  LeastLead lead_;
   std::atomic<int> under_way_ = 0;
   gateway::Hub hub_;
   std::unique_ptr<Watch> watch_;  ///< Last: its thread ends first.
@@ -93,7 +118,14 @@ void ClinicView::handle(const gateway::BusItem& item) {
   if (const auto* message = std::get_if<gateway::CarriedPointer>(&item);
       message != nullptr && (*message)->kind == gateway::Carried::Kind::Status) {
     v1::StatusSnapshot status;
-    if (status.ParseFromString((*message)->bytes)) utc_minus_monotonic_ = status.utc_minus_monotonic_ns();
+    if (status.ParseFromString((*message)->bytes)) {
+      utc_minus_monotonic_ = status.utc_minus_monotonic_ns();
+      lead_.add(status.host_time_ns(), monotonic_now_ns());
+    }
+  }
+  if (const auto* link = std::get_if<v1::Link>(&item); link != nullptr && !link->is_up()) {
+    lead_ = {};  // the clinic's computer may start again
+    utc_minus_monotonic_.reset();
   }
   hub_.handle(item);
 }
@@ -115,7 +147,8 @@ void ClinicView::ask_offset() {
 std::int64_t ClinicView::host_time() const {
   if (!utc_minus_monotonic_) return 0;
   const std::int64_t delay_ns = watch_->delay().value_or(std::chrono::nanoseconds(0)).count();
-  return utc_now_ns() + static_cast<std::int64_t>(clock_offset_s_ * 1e9) + delay_ns - *utc_minus_monotonic_;
+  const std::int64_t by_clocks = utc_now_ns() + static_cast<std::int64_t>(clock_offset_s_ * 1e9) + delay_ns - *utc_minus_monotonic_;
+  return std::max(by_clocks, monotonic_now_ns() + *lead_.ns());
 }
 
 namespace {

@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "fleet/desk/least_lead.h"
 #include "fleet/desk/watch.h"
 #include "fleet/wire/subjects.h"
 #include "gateway/bus/hub.h"
@@ -23,29 +24,6 @@ constexpr int kMostUnderWay = 2048;
 constexpr std::chrono::seconds kOffsetPause{10};  // as often as heartbeats
 
 std::int64_t utc_now_ns() { return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count(); }
-
-std::int64_t monotonic_now_ns() { return gateway::own_host_time(); }
-
-/// How far a clinic's monotonic clock is ahead of ours, at least: nothing arrives before it was made. Forgets what is older than a minute,
-/// because the clocks drift.
-class LeastLead {
- public:
-  void add(std::int64_t made_ns, std::int64_t now_ns) {
-    if (now_ns - began_ns_ > kSpan_ns) {
-      before_ = now_ns - began_ns_ > 2 * kSpan_ns ? std::nullopt : present_;
-      present_.reset();
-      began_ns_ = now_ns;
-    }
-    present_ = std::max(present_.value_or(made_ns - now_ns), made_ns - now_ns);
-  }
-  [[nodiscard]] std::optional<std::int64_t> ns() const { return std::max(before_, present_); }
-
- private:
-  static constexpr std::int64_t kSpan_ns = 30'000'000'000;
-  std::optional<std::int64_t> before_{};
-  std::optional<std::int64_t> present_{};
-  std::int64_t began_ns_ = 0;
-};
 
 /// Reads how far the clinic's clock is ahead of the centre's.
 core::Result<std::string> clock_offset(database::Database& database, const std::string& clinic) {
@@ -120,7 +98,7 @@ void ClinicView::handle(const gateway::BusItem& item) {
     v1::StatusSnapshot status;
     if (status.ParseFromString((*message)->bytes)) {
       utc_minus_monotonic_ = status.utc_minus_monotonic_ns();
-      lead_.add(status.host_time_ns(), monotonic_now_ns());
+      lead_.add(status.host_time_ns(), gateway::own_host_time());
     }
   }
   if (const auto* link = std::get_if<v1::Link>(&item); link != nullptr && !link->is_up()) {
@@ -148,7 +126,7 @@ std::int64_t ClinicView::host_time() const {
   if (!utc_minus_monotonic_) return 0;
   const std::int64_t delay_ns = watch_->delay().value_or(std::chrono::nanoseconds(0)).count();
   const std::int64_t by_clocks = utc_now_ns() + static_cast<std::int64_t>(clock_offset_s_ * 1e9) + delay_ns - *utc_minus_monotonic_;
-  return std::max(by_clocks, monotonic_now_ns() + *lead_.ns());
+  return std::max(by_clocks, gateway::own_host_time() + *lead_.ns());
 }
 
 namespace {

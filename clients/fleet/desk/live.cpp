@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/desk/live.h"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -9,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "fleet/desk/least_lead.h"
 #include "fleet/desk/watch.h"
 #include "fleet/wire/subjects.h"
 #include "gateway/bus/hub.h"
@@ -74,6 +76,7 @@ class ClinicView : public std::enable_shared_from_this<ClinicView> {
   std::multiset<std::string> viewers_;
   double clock_offset_s_ = 0.0;                      ///< Until it is known: none.
   std::optional<std::int64_t> utc_minus_monotonic_;  ///< Of the clinic, ns.
+  LeastLead lead_;
   std::atomic<int> under_way_ = 0;
   gateway::Hub hub_;
   std::unique_ptr<Watch> watch_;  ///< Last: its thread ends first.
@@ -93,7 +96,14 @@ void ClinicView::handle(const gateway::BusItem& item) {
   if (const auto* message = std::get_if<gateway::CarriedPointer>(&item);
       message != nullptr && (*message)->kind == gateway::Carried::Kind::Status) {
     v1::StatusSnapshot status;
-    if (status.ParseFromString((*message)->bytes)) utc_minus_monotonic_ = status.utc_minus_monotonic_ns();
+    if (status.ParseFromString((*message)->bytes)) {
+      utc_minus_monotonic_ = status.utc_minus_monotonic_ns();
+      lead_.add(status.host_time_ns(), gateway::own_host_time());
+    }
+  }
+  if (const auto* link = std::get_if<v1::Link>(&item); link != nullptr && !link->is_up()) {
+    lead_ = {};  // the clinic's computer may start again
+    utc_minus_monotonic_.reset();
   }
   hub_.handle(item);
 }
@@ -115,7 +125,8 @@ void ClinicView::ask_offset() {
 std::int64_t ClinicView::host_time() const {
   if (!utc_minus_monotonic_) return 0;
   const std::int64_t delay_ns = watch_->delay().value_or(std::chrono::nanoseconds(0)).count();
-  return utc_now_ns() + static_cast<std::int64_t>(clock_offset_s_ * 1e9) + delay_ns - *utc_minus_monotonic_;
+  const std::int64_t by_clocks = utc_now_ns() + static_cast<std::int64_t>(clock_offset_s_ * 1e9) + delay_ns - *utc_minus_monotonic_;
+  return std::max(by_clocks, gateway::own_host_time() + *lead_.ns());
 }
 
 namespace {

@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kRenewal{4000};      // the lease is 10 s
-constexpr milliseconds kShortestPause{50};  // between two requests, if a clinic refuses again and again
+constexpr milliseconds kShortestPause{50};  // between two requests, if a clinic rejects them again and again
 constexpr milliseconds kTurn{20};
 constexpr milliseconds kPause{100};
 constexpr milliseconds kPatience{2000};  // for the first answer of a clinic

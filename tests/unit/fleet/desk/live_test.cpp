@@ -100,6 +100,17 @@ TEST_F(LiveTest, Clock_IsThatOfTheClinic_AndUnknownBeforeItsStatus) {
   EXPECT_LE(host_time, utc_ns() - kUtcMinusMonotonic + kLongestDelay);
 }
 
+TEST_F(LiveTest, Clock_IsNeverBehindWhatHasArrived) {
+  FakeClinic clinic(server_->port());
+  const auto tab = open();
+  ASSERT_TRUE(receives(*tab, "dtsd/status"));
+  v1::StatusSnapshot status = status_of_kent();
+  status.set_host_time_ns(utc_ns() + 3'600'000'000'000);  // the offset in the heartbeat is wrong by an hour
+  clinic.publish("dtsd/status", status.SerializeAsString());
+
+  EXPECT_TRUE(runs_until([&] { return probe(*tab) >= status.host_time_ns(); }));
+}
+
 TEST_F(LiveTest, Tab_ReceivesWhatItSubscribes) {
   FakeClinic clinic(server_->port());
   const auto tab = open();

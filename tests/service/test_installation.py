@@ -148,7 +148,7 @@ class Installed(unittest.TestCase):
     def test_ManualPagesAreThereAndSoundRoff(self) -> None:
         pages = sorted(path.name for path in self.prefix.rglob("man?/*.?"))
         has_fleet = (self.prefix / "sbin/dts-hub").is_file()  # only if its libraries are installed
-        fleet = ["dts-fleet.1", "dts-forward.8", "dts-hub.8"] if has_fleet else []
+        fleet = ["dts-fleet.1", "dts-forward.8", "dts-hub.8", "dts-worker.8"] if has_fleet else []
         self.assertEqual(pages, sorted([*fleet, "dts-gateway.8", "dts-relay.8", "dtsctl.1", "dtsd.8", "dtsd.toml.5", "dtslab.1"]))
         if shutil.which("groff") is None:
             return

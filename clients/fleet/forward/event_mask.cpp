@@ -15,8 +15,9 @@ namespace {
 using google::protobuf::Descriptor;
 using google::protobuf::FieldDescriptor;
 
-/// Texts that programs make, or that a protocol defines. What a person types (labels, markers, reasons of an abort) is not here.
-constexpr std::array<std::string_view, 40> kSentTexts{"dts.v1.Trigger.channel",
+/// Texts that programs make, or that a protocol defines. What a person types (labels, markers, reasons of an abort) is not here, nor are
+/// the details of a result, which repeat fields of the protocol.
+constexpr std::array<std::string_view, 39> kSentTexts{"dts.v1.Trigger.channel",
                                                       "dts.v1.DeviceChange.uri",
                                                       "dts.v1.SessionChange.session_id",
                                                       "dts.v1.SessionChange.protocol",
@@ -36,7 +37,6 @@ constexpr std::array<std::string_view, 40> kSentTexts{"dts.v1.Trigger.channel",
                                                       "dts.v1.SwayMeasure.unit",
                                                       "dts.v1.SessionResult.name",
                                                       "dts.v1.SessionResult.unit",
-                                                      "dts.v1.SessionResult.details",
                                                       "dts.v1.StatusSnapshot.version",
                                                       "dts.v1.StatusSnapshot.boot_id",
                                                       "dts.v1.RigInfo.name",
@@ -58,8 +58,8 @@ constexpr std::array<std::string_view, 40> kSentTexts{"dts.v1.Trigger.channel",
                                                       "dts.v1.TrialStatus.next_condition"};
 constexpr std::array<std::string_view, 3> kLabelTexts{"dts.v1.Marker.text", "dts.v1.SessionChange.label", "dts.v1.SessionInfo.label"};
 /// Keys of the events of dtsd 0.1 whose texts are made by programs.
-constexpr std::array<std::string_view, 14> kOldKeys{"event",   "condition", "phase", "state",   "edge",     "reason",  "step",
-                                                    "channel", "unit",      "name",  "profile", "software", "details", "problem"};
+constexpr std::array<std::string_view, 13> kOldKeys{"event",   "condition", "phase", "state",   "edge",     "reason", "step",
+                                                    "channel", "unit",      "name",  "profile", "software", "problem"};
 constexpr std::size_t kLongestWord = 64;
 constexpr std::size_t kDeepest = 16;
 

@@ -13,6 +13,7 @@
 #include "cli/validators.h"
 #include "core/clock.h"
 #include "files/whole_file.h"
+#include "fleet/database/jobs.h"
 #include "fleet/database/schema.h"
 #include "fleet/hub/audit_trail.h"
 #include "fleet/hub/catalogue.h"
@@ -20,6 +21,7 @@
 #include "fleet/hub/users_file.h"
 #include "fleet/wire/nkey.h"
 #include "fleet/wire/subjects.h"
+#include "fleet/worker/kinds.h"
 
 namespace dts::fleet::hub {
 namespace {
@@ -50,6 +52,9 @@ struct Arguments {
   std::string subject;
   Clinic added;
   std::string out;
+  std::string kind;
+  std::string since;
+  std::string state;
 };
 
 std::string local_user() {
@@ -224,6 +229,60 @@ int audit_list(const Arguments& arguments, cli::Console& console) {
   });
 }
 
+int add_jobs_command(const Arguments& arguments, cli::Console& console) {
+  return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) -> core::Status {
+    DTS_TRY_ASSIGN(const std::uint64_t added, database::add_jobs(database, {.kind = arguments.kind,
+                                                                            .version = DTS_VERSION,
+                                                                            .clinic = arguments.clinic,
+                                                                            .protocol = arguments.protocol,
+                                                                            .since = arguments.since}));
+    console.out << added << " jobs added\n";
+    return {};
+  });
+}
+
+int job_list(const Arguments& arguments, cli::Console& console) {
+  return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) -> core::Status {
+    DTS_TRY_ASSIGN(const auto jobs, database::list_jobs(database, {.kind = arguments.kind,
+                                                                   .clinic = arguments.clinic,
+                                                                   .state = arguments.state,
+                                                                   .limit = static_cast<std::uint32_t>(arguments.limit)}));
+    cli::Table table({">JOB", "KIND", "DTSLAB", "CLINIC", "SESSION", ">PART", "STATE", ">TRIES", "WORKER", "MESSAGE"});
+    for (const database::Job& job : jobs) {
+      if (arguments.is_json) {
+        cli::Json json = {{"id", job.id},           {"kind", job.kind}, {"version", job.version}, {"clinic", job.clinic},
+                          {"session", job.session}, {"part", job.part}, {"state", job.state},     {"tries", job.tries}};
+        if (!job.worker.empty()) json["worker"] = job.worker;
+        if (!job.message.empty()) json["message"] = job.message;
+        console.out << cli::one_line(json) << '\n';
+        continue;
+      }
+      table.add({{.text = std::to_string(job.id)},
+                 {.text = job.kind},
+                 {.text = job.version},
+                 {.text = job.clinic},
+                 {.text = job.session},
+                 {.text = std::to_string(job.part)},
+                 {.text = job.state},
+                 {.text = std::to_string(job.tries)},
+                 {.text = job.worker},
+                 {.text = job.message}});
+    }
+    if (arguments.is_json) return {};
+    table.print(console);
+    if (jobs.empty()) console.talk << "no entries\n";
+    return {};
+  });
+}
+
+int retry_jobs_command(const Arguments& arguments, cli::Console& console) {
+  return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) -> core::Status {
+    DTS_TRY_ASSIGN(const std::uint64_t retried, database::retry_jobs(database, {.kind = arguments.kind, .clinic = arguments.clinic}));
+    console.out << retried << " jobs wait again\n";
+    return {};
+  });
+}
+
 core::Status check_new_clinic(const Clinic& clinic) {
   if (!wire::is_clinic_name(clinic.id)) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + clinic.id + "' is not a name of a clinic",
@@ -344,6 +403,35 @@ void add_lists(FleetLine& line) {
   }
 }
 
+void add_job_commands(FleetLine& line) {
+  Arguments& arguments = line.arguments;
+  std::vector<std::string> kinds;
+  for (const std::string_view kind : worker::kind_names()) kinds.emplace_back(kind);
+  CLI::App* jobs = cli::add_group(line.app, "jobs", "Let workers analyse recordings of the centre again",
+                                  "dts-fleet jobs add --kind sway --protocol romberg | all sessions of one protocol\n");
+  CLI::App* add = cli::add_command(line, *jobs, "add", "Add a job for each stored recording that does not have it yet",
+                                   "dts-fleet jobs add --kind sway --clinic kent --since 2026-11-01 | sessions of one clinic since a day\n",
+                                   [&arguments](cli::Console& console) { return add_jobs_command(arguments, console); });
+  CLI::App* listed =
+      cli::add_command(line, *jobs, "list", "List the jobs, newest first", "dts-fleet jobs list --state failed | with the reasons\n",
+                       [&arguments](cli::Console& console) { return job_list(arguments, console); });
+  CLI::App* retry = cli::add_command(line, *jobs, "retry", "Let failed jobs wait again", "dts-fleet jobs retry --kind sway | of one kind\n",
+                                     [&arguments](cli::Console& console) { return retry_jobs_command(arguments, console); });
+  for (CLI::App* command : {add, listed, retry}) {
+    CLI::Option* kind =
+        command->add_option("--kind", arguments.kind, "Kind of the analysis")->option_text("KIND")->check(CLI::IsMember(kinds));
+    if (command == add) kind->required();
+    command->add_option("--clinic", arguments.clinic, "Only of this clinic")->option_text("NAME");
+  }
+  add->add_option("--protocol", arguments.protocol, "Only sessions with this protocol")->option_text("NAME");
+  add->add_option("--since", arguments.since, "Only sessions that started on this day (UTC) or later")->option_text("DATE");
+  listed->add_option("--state", arguments.state, "Only in this state")
+      ->option_text("STATE")
+      ->check(CLI::IsMember({"waiting", "running", "done", "failed"}));
+  add_limit(*listed, arguments);
+  add_json(*listed, arguments);
+}
+
 }  // namespace
 
 std::unique_ptr<cli::CommandLine> make_fleet_tree() {
@@ -362,6 +450,7 @@ std::unique_ptr<cli::CommandLine> make_fleet_tree() {
                    [&arguments](cli::Console& console) { return write_users_command(arguments, console); });
   add_clinic_commands(*line);
   add_lists(*line);
+  add_job_commands(*line);
   cli::add_common(*line);
   line->manual = {
       .summary = "administration of a fleet of clinics",

@@ -111,7 +111,7 @@ HOUSE = [
     ("clients/fleet/forward/main.cpp", [],                                                ["google/protobuf/"]),
     ("clients/fleet/worker",     ["cli", "core", "files", "session", "fleet/database"],   ["CLI/", "nlohmann/", "systemd/"]),
     ("clients/fleet/worker/stored_recording", [],                                         ["sodium.h"]),
-    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link", "fleet/database"],
+    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link", "fleet/database", "fleet/worker"],
                                                                                           ["CLI/", "google/protobuf/", "systemd/"]),
     ("clients/fleet/hub/durable_file.cpp", [],                                            ["openssl/"]),
     ("clients/fleet/desk",       ["cli", "core", "files", "gateway", "proto", "fleet/wire", "fleet/link", "fleet/database"],

@@ -15,7 +15,7 @@ namespace {
 /// Fields of events whose text every clinic sends. A new one in this list is a decision on privacy.
 const std::set<std::string> kSent{"canary-channel",   "canary-uri",    "canary-session_id", "canary-protocol", "canary-subject",
                                   "canary-condition", "canary-key",    "canary-value",      "canary-profile",  "canary-software",
-                                  "canary-problem",   "canary-symbol", "canary-unit",       "canary-name",     "canary-details"};
+                                  "canary-problem",   "canary-symbol", "canary-unit",       "canary-name"};
 
 std::string masked(std::string text, const wire::SendRules& rules = {}) {
   mask_event(std::span(text.data(), text.size()), rules);

@@ -32,6 +32,7 @@ class Outbox {
 
  private:
   [[nodiscard]] core::Status put_changed(const v1::ListSessionsResponse& list, std::int64_t utc_ns, const std::stop_token& stop);
+  [[nodiscard]] core::Status add_unlisted(std::vector<std::string>& ids, const std::stop_token& stop);
   [[nodiscard]] core::Status look_for_erasures(const std::vector<std::pair<std::string, std::int64_t>>& missing, std::int64_t utc_ns);
 
   Clinic& clinic_;
@@ -39,6 +40,7 @@ class Outbox {
   wire::SendRules rules_;
   core::Log log_;
   std::map<std::string, std::int64_t> unexplained_;  ///< Missing sessions that no erasure explained.
+  std::int64_t completed_utc_ns_ = 0;                ///< When a list that was cut was last completed.
   std::int64_t asked_utc_ns_ = 0;                    ///< When the audit trail was read.
 };
 

@@ -269,6 +269,15 @@ core::Result<std::vector<std::pair<std::string, std::int64_t>>> Store::note_list
   });
 }
 
+core::Result<std::vector<std::string>> Store::sessions() const {
+  return guarded([this] {
+    std::vector<std::string> ids;
+    auto rows = database_.query("SELECT id FROM session WHERE is_erased = 0");
+    while (rows.step()) ids.push_back(rows.text(0));
+    return ids;
+  });
+}
+
 core::Status Store::set_erased(const std::string& session) {
   return guarded([this, &session] { database_.run("UPDATE session SET is_erased = 1, facts = '' WHERE id = ?", session); });
 }

@@ -70,6 +70,8 @@ class Store {
   /// dtsd last listed them.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, std::int64_t>>> note_list(const std::vector<std::string>& listed,
                                                                                           std::int64_t utc_ns);
+  /// Returns all sessions that are known and not erased.
+  [[nodiscard]] core::Result<std::vector<std::string>> sessions() const;
   /// The clinic has erased this session: the centre must do so too.
   [[nodiscard]] core::Status set_erased(const std::string& session);
   [[nodiscard]] core::Result<std::optional<std::string>> next_erased() const;

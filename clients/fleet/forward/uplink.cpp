@@ -12,7 +12,8 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLookForEnd{100};
 
-constexpr std::chrono::minutes kTryRejected{1};
+constexpr std::chrono::seconds kTryRejectedFirst{1};
+constexpr std::chrono::seconds kTryRejectedLast{60};
 
 class LinkMailbox : public Mailbox {
  public:
@@ -56,11 +57,13 @@ class LinkUplink : public Uplink {
   /// Returns the connection; a rejected one is replaced when its time has come.
   std::shared_ptr<link::Link> current() const {
     const std::lock_guard lock(mutex_);
+    if (link_->is_connected()) pause_ = kTryRejectedFirst;
     if (!link_->is_rejected()) return link_;
     const auto now = std::chrono::steady_clock::now();
-    if (rejected_at_ == std::chrono::steady_clock::time_point()) rejected_at_ = now;
-    if (now - rejected_at_ < kTryRejected) return link_;
-    rejected_at_ = {};
+    if (try_at_ == std::chrono::steady_clock::time_point()) try_at_ = now + pause_;
+    if (now < try_at_) return link_;
+    try_at_ = {};
+    pause_ = std::min(2 * pause_, kTryRejectedLast);
     if (auto opened = link::Link::open(options_, log_)) {
       earlier_connections_ += link_->connections();
       link_ = std::move(*opened);
@@ -73,7 +76,8 @@ class LinkUplink : public Uplink {
   mutable std::mutex mutex_;
   mutable std::shared_ptr<link::Link> link_;
   mutable std::uint64_t earlier_connections_ = 0;
-  mutable std::chrono::steady_clock::time_point rejected_at_{};
+  mutable std::chrono::steady_clock::time_point try_at_{};
+  mutable std::chrono::seconds pause_ = kTryRejectedFirst;
 };
 
 }  // namespace

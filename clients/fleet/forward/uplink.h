@@ -49,7 +49,8 @@ class Uplink {
   [[nodiscard]] virtual core::Result<std::unique_ptr<Mailbox>> listen(const std::string& subject) = 0;
 };
 
-/// Opens a connection to the centre. If the server rejects its key, tries again once a minute: the clinic may be enrolled again. Fails with
+/// Opens a connection to the centre. If the server rejects its key, tries again after 1 s, then at longer intervals up to 60 s. The clinic
+/// may be enrolled again; and libnats 3.4.1 sends no signature if its first byte is 0, which is so for one nonce in 256. Fails with
 /// InvalidArgument for wrong options.
 [[nodiscard]] core::Result<std::unique_ptr<Uplink>> open_uplink(const link::LinkOptions& options, const core::Log& log);
 

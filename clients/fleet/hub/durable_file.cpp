@@ -2,19 +2,21 @@
 #include "fleet/hub/durable_file.h"
 
 #include <fcntl.h>
-#include <sodium.h>
+#include <openssl/evp.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 namespace dts::fleet::hub {
 namespace {
 
 constexpr std::size_t kReadBytes = 256 * 1024;
+constexpr std::size_t kSha256Bytes = 32;
 constexpr mode_t kFolderMode = 0750;
 
 class Descriptor {
@@ -49,19 +51,22 @@ core::Result<std::string> sha256_from_disk(const std::string& file, const std::s
   if (opened.number() < 0 && errno == ENOENT) return core::fail(core::ErrorCode::NotFound, "there is no file '" + file + "'");
   if (opened.number() < 0) return core::fail_errno(errno, "cannot read '" + file + "'", "check the disk");
   static_cast<void>(::posix_fadvise(opened.number(), 0, 0, POSIX_FADV_DONTNEED));
-  crypto_hash_sha256_state state{};
-  crypto_hash_sha256_init(&state);
+  static_cast<void>(::posix_fadvise(opened.number(), 0, 0, POSIX_FADV_SEQUENTIAL));
+  const std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)> state(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
+  bool is_computed = state && EVP_DigestInit_ex(state.get(), EVP_sha256(), nullptr) == 1;
   std::vector<unsigned char> buffer(kReadBytes);
-  while (true) {
+  while (is_computed) {
     if (stop.stop_requested()) return core::fail(core::ErrorCode::Timeout, "the hub ends");
     const ssize_t got = ::read(opened.number(), buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) return core::fail_errno(errno, "cannot read '" + file + "'", "check the disk");
     if (got == 0) break;
-    crypto_hash_sha256_update(&state, buffer.data(), static_cast<unsigned long long>(got));
+    is_computed = EVP_DigestUpdate(state.get(), buffer.data(), static_cast<std::size_t>(got)) == 1;
   }
-  std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
-  crypto_hash_sha256_final(&state, digest.data());
+  std::array<unsigned char, kSha256Bytes> digest{};
+  unsigned int size = 0;
+  is_computed = is_computed && EVP_DigestFinal_ex(state.get(), digest.data(), &size) == 1 && size == digest.size();
+  if (!is_computed) return core::fail(core::ErrorCode::Failed, "OpenSSL does not compute the SHA-256 of '" + file + "'");
   return std::string(digest.begin(), digest.end());
 }
 

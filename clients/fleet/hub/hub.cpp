@@ -92,12 +92,16 @@ class Hub {
   /// Opens the connection again if nats-server has rejected it: it may not have read the users file yet.
   void serve() {
     is_connected_ = link_ && link_->is_connected();
+    if (is_connected_) is_rejection_logged_ = false;
     if (link_ && !link_->is_rejected()) return;
     const auto now = std::chrono::steady_clock::now();
     if (now < next_connect_) return;
     next_connect_ = now + kRejectedPause;
-    if (link_)
-      log_.warning("nats-server rejects the key of this hub: run dts-fleet users, and include its file in nats-server's configuration");
+    if (link_ && !std::exchange(is_rejection_logged_, true)) {
+      log_.error(
+          "nats-server rejects the key of this hub: run dts-fleet users, and include the file that it writes in nats-server's "
+          "configuration");
+    }
     if (const auto connected = connect(); !connected) log_.error(core::to_string(connected.error()));
   }
 
@@ -249,6 +253,7 @@ class Hub {
   std::mutex log_mutex_{};
   core::TokenBucket failures_{1.0};
   std::atomic<bool> is_connected_{false};
+  bool is_rejection_logged_ = false;
   std::chrono::steady_clock::time_point next_connect_{};
   std::unique_ptr<Store> store_{};
   std::unique_ptr<Ingest> ingest_{};

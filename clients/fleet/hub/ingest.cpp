@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -289,6 +290,19 @@ void Ingest::drop_session(const std::string& clinic, const std::string& session)
     if (is_dropped) staging_->remove(one.first);
     return is_dropped;
   });
+}
+
+core::Status Ingest::drop_erased(Catalogue& catalogue) {
+  std::set<std::pair<std::string, std::string>> sessions;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, upload] : uploads_) sessions.emplace(name.clinic, upload.offer.session_id());
+  }
+  for (const auto& [clinic, session] : sessions) {
+    DTS_TRY_ASSIGN(const bool is_gone, catalogue.is_erased(clinic, session));
+    if (is_gone) drop_session(clinic, session);
+  }
+  return {};
 }
 
 void Ingest::drop_abandoned() {

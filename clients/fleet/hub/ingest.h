@@ -57,6 +57,8 @@ class Ingest {
                                         const std::stop_token& stop);
   /// Drops the uploads of a session that the clinic has erased.
   void drop_session(const std::string& clinic, const std::string& session);
+  /// Drops those whose session was erased by way of another hub. Fails as the catalogue does.
+  [[nodiscard]] core::Status drop_erased(Catalogue& catalogue);
   /// Removes uploads that have not changed for 7 days.
   void drop_abandoned();
 

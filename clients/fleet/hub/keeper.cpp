@@ -102,6 +102,7 @@ void Keeper::reload() {
 
 core::Status Keeper::clean() {
   DTS_TRY(catalogue_.prune_history());
+  DTS_TRY(ingest_.drop_erased(catalogue_));
   DTS_TRY_ASSIGN(const auto left, catalogue_.left_recordings());
   for (const RecordingName& name : left) DTS_TRY(catalogue_.remove_recording(name, store_));
   return {};

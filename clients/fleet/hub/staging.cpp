@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr mode_t kStagedMode = 0640;
 constexpr std::size_t kMostOfferBytes = 4096;
+constexpr off64_t kWriteBackBytes = 8 * 1024 * 1024;
 
 /// Reads the offer in a file NAME.offer of a clinic's folder.
 std::optional<Staging::Upload> read_staged(const fs::path& file) {
@@ -55,6 +56,11 @@ core::Status write_at(const std::string& path, std::uint64_t offset, std::string
     if (count == 0) error = ENOSPC;
   }
   if (error != 0) static_cast<void>(::ftruncate(opened, static_cast<off_t>(offset)));
+  const auto end = static_cast<off64_t>(offset + written);
+  if (error == 0 && end / kWriteBackBytes != static_cast<off64_t>(offset) / kWriteBackBytes) {
+    // Starts to write to the disk, so that the commit need not wait for the whole file.
+    static_cast<void>(::sync_file_range(opened, 0, end, SYNC_FILE_RANGE_WRITE));
+  }
   ::close(opened);
   if (error != 0) return core::fail_errno(error, "cannot write '" + path + "'", "make room on the disk, or check it");
   return {};

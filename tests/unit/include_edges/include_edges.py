@@ -109,7 +109,8 @@ HOUSE = [
     ("clients/fleet/forward/forwarder.cpp", [],                                           ["malloc.h"]),
     ("clients/fleet/forward/main.cpp", [],                                                ["google/protobuf/"]),
     ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link"],
-                                                                                          ["CLI/", "libpq-fe.h", "sodium.h", "systemd/"]),
+                                                                                          ["CLI/", "libpq-fe.h", "systemd/"]),
+    ("clients/fleet/hub/durable_file.cpp", [],                                            ["openssl/"]),
     ("clients/fleet/hub/main.cpp", [],                                                    ["google/protobuf/"]),
 ]
 

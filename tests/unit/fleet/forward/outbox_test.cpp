@@ -340,19 +340,32 @@ TEST_F(NoErasureTest, TrailThatIsBroken) {
   expect_none();
 }
 
-TEST_F(NoErasureTest, ListThatIsFull) {
-  enter_erasure(kNow + 30 * kS);
-  auto& oldest = clinic_.sessions;
+/// A list of dtsd that is cut: as many newer sessions as it can hold.
+std::vector<v1::SessionRecord> full_list() {
   std::vector<v1::SessionRecord> full;
   for (std::uint32_t n = 0; n < kMostListed; ++n) {
     full.emplace_back();
     full.back().set_session_id("n");  // the same: only their number matters
     full.back().set_started_utc_ns(2 * kS);
   }
-  full.push_back(oldest.front());  // beyond the list
-  oldest = std::move(full);
-  ASSERT_TRUE(outbox_->look_at_all(kNow + 60 * kS, {}));
-  EXPECT_FALSE(store_->next_erased().value());
+  return full;
+}
+
+TEST_F(NoErasureTest, SessionBeyondAListThatIsCut) {
+  enter_erasure(kNow + 30 * kS);
+  auto full = full_list();
+  full.push_back(clinic_.sessions.front());
+  clinic_.sessions = std::move(full);
+  expect_none();
+}
+
+TEST_F(OutboxTest, ErasureBeyondAListThatIsCut_IsSeen) {
+  clinic_.add("a", kS);
+  look_at_all();
+  clinic_.sessions = full_list();
+  enter_erasure(kNow + 30 * kS);
+  look_at_all(kNow + 60 * kS);
+  EXPECT_EQ(store_->next_erased().value(), "a");
 }
 
 TEST_F(NoErasureTest, NewStateFolderOfTheForwarder) {

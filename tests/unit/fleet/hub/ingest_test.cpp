@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 
 #include <filesystem>
+#include <vector>
 
 #include "fleet/wire/messages.h"
 #include "unit/fleet/hub/hub_fixture.h"
@@ -232,6 +233,16 @@ TEST_F(IngestTest, ErasedSession_IsRejected_AlsoInTheMiddle) {
   EXPECT_EQ(staged_files(), 0U);
 }
 
+TEST_F(IngestTest, SessionErasedByWayOfAnotherHub_IsDropped) {
+  open(offer_of(bytes_, "s1"));
+  open(offer_of("other", "s2"));
+  ASSERT_TRUE(catalogue_->erase_session("kent", "s1", 1));
+  ASSERT_TRUE(ingest_->drop_erased(*catalogue_));
+  EXPECT_TRUE(take(bytes_, 0, 10).has_later());
+  EXPECT_TRUE(take("other", 0, 2).has_upload());
+  EXPECT_EQ(staged_files(), 2U);
+}
+
 TEST_F(IngestTest, AbandonedUploads_AreRemovedAfterAWeek) {
   open(offer_of(bytes_));
   take(bytes_, 0, 100);
@@ -242,6 +253,22 @@ TEST_F(IngestTest, AbandonedUploads_AreRemovedAfterAWeek) {
   ingest_->drop_abandoned();
   EXPECT_EQ(staged_files(), 0U);
   EXPECT_TRUE(take(bytes_, 100, 100).has_later());
+}
+
+TEST_F(IngestTest, ACommit_DoesNotStopOtherUploads) {
+  IngestOptions options{.hub = "hub-1"};
+  std::vector<std::uint64_t> have;
+  options.reached = [&](std::string_view /*step*/) {
+    have.push_back(take("other", have.size(), 1, "leeds").upload().have());
+    EXPECT_EQ(take(bytes_, 0, 10).upload().have(), bytes_.size());  // the file that is being committed does not change
+    EXPECT_EQ(open(offer_of(bytes_)).upload().have() % bytes_.size(), 0U);
+  };
+  restart(options);
+  open(offer_of("other", "s2"), "leeds");
+  open(offer_of(bytes_));
+  take(bytes_, 0, 5000);
+  EXPECT_TRUE(commit(bytes_).has_stored());
+  EXPECT_EQ(have, (std::vector<std::uint64_t>{1, 2, 3, 4}));
 }
 
 TEST_F(IngestTest, StopDuringACommit_IsLater_AndNothingIsLost) {

@@ -5,6 +5,7 @@ import struct
 import threading
 import time
 
+LARGEST_CREDIT_S = 0.1
 RESET = struct.pack("ii", 1, 0)  # SO_LINGER: closing resets the connection, as a dead line looks to the other side
 
 
@@ -91,7 +92,8 @@ class Line:
                 self._due_s = now_s
                 return
             wait_s = self._due_s - now_s
-            self._due_s = max(self._due_s, now_s) + size / rate
+            # A thread that was woken late catches up: otherwise the line would be slower than it says.
+            self._due_s = max(self._due_s, now_s - LARGEST_CREDIT_S) + size / rate
         if wait_s > 0:
             time.sleep(wait_s)
 

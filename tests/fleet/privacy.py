@@ -135,6 +135,7 @@ def expect_masked(checks: Checks, clinic: Clinic) -> None:
         recorded = Path(clinic.recorded()[row["recorded_sha256"]]["file"]).read_bytes()
         differing = [a for a, b in zip(sent, recorded) if a != b]
         checks.expect(f"the file of {clinic.name} has the length of the recording", len(sent) == len(recorded))
+        clinic.dtsctl("session", "verify", str(clinic.centre.object_path(clinic.name, row["sha256"])))  # raises Failure if it cannot be read
         checks.expect("  and differs by '#' only", differing and set(differing) == {ord("#")}, sorted(set(differing)))
 
 

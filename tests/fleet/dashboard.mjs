@@ -45,7 +45,7 @@ const expectAccessible = async () => {
 };
 const expectNarrow = async () => {
   await page.setViewportSize({ width: 390, height: 800 });
-  assert.equal(await page.evaluate(() => Math.max(0, document.documentElement.scrollWidth - innerWidth)), 0);
+  await waitFor(() => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing scrolls across');
   await page.setViewportSize({ width: 1280, height: 800 });
 };
 const row = (name) => page.locator(`[data-testid="clinic-row"][data-clinic="${name}"]`);

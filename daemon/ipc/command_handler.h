@@ -24,6 +24,7 @@ struct PendingTare {
 struct PendingStop {
   std::string rig;
   std::string session_id;
+  std::string problem{};  ///< For the answer: why the reason is left out.
 };
 
 /// An erasure whose files are being removed.

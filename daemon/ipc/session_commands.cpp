@@ -59,10 +59,14 @@ dts::v1::Response CommandHandler::resume_session(const dts::v1::ResumeSessionReq
 }
 
 CommandHandler::Answer CommandHandler::stop_session(const dts::v1::StopSessionRequest& request) {
-  if (auto good = session::check_label(supervisor_.label_rule(), "reason", request.reason()); !good) return {error_response(good.error())};
-  const auto stopped = supervisor_.stop_session(request.rig(), request.is_abort(), request.reason());
+  const auto good = session::check_sentences(supervisor_.label_rule(), "reason", request.reason());  // a wrong one must not delay the stop
+  const auto stopped = supervisor_.stop_session(request.rig(), request.is_abort(), good ? request.reason() : "");
   if (!stopped) return {error_response(stopped.error())};
-  const PendingStop pending{.rig = stopped->first, .session_id = stopped->second.id};
+  PendingStop pending{.rig = stopped->first, .session_id = stopped->second.id};
+  if (!good) {
+    pending.problem = good.error().what + ", so it is left out; enter it as notes: dtsctl session edit " + pending.session_id +
+                      " --notes TEXT --reason TEXT";
+  }
   if (auto response = finish_stop(pending)) return {std::move(*response)};
   return {{}, pending};
 }
@@ -73,6 +77,10 @@ std::optional<dts::v1::Response> CommandHandler::finish_stop(const PendingStop& 
   if (view->id == pending.session_id && view->state == session::SessionState::Stopping) return std::nullopt;
   dts::v1::Response response;
   *response.mutable_session() = session_info(pending.rig, *view);
+  if (!pending.problem.empty()) {
+    std::string& message = *response.mutable_session()->mutable_message();
+    message += (message.empty() ? "" : "; ") + pending.problem;
+  }
   session::Recordings& recordings = supervisor_.recordings();
   *response.mutable_session()->mutable_recording() = recording_status(recordings.view(pending.rig), recordings.part(pending.rig));
   return response;

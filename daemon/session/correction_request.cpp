@@ -104,7 +104,7 @@ core::Status check_reason(const std::string& reason, const LabelRule& rule) {
   if (reason.empty()) {
     return core::fail(ErrorCode::InvalidArgument, "the reason is missing", "say why, in a few words and without names: --reason TEXT");
   }
-  return check_label(rule, "reason", reason);
+  return check_sentences(rule, "reason", reason);
 }
 
 core::Result<std::vector<Correction>> corrections_for(const record::SessionRow& session, const CorrectionRequest& request,
@@ -112,7 +112,7 @@ core::Result<std::vector<Correction>> corrections_for(const record::SessionRow& 
   DTS_TRY(check_reason(request.reason, rule));
   if (request.subject) DTS_TRY(check({.subject = *request.subject, .label = {}}));
   if (request.label) DTS_TRY(check_label(rule, "label", *request.label));
-  if (request.notes) DTS_TRY(check_notes(rule, *request.notes, kLongestNotes));
+  if (request.notes) DTS_TRY(check_sentences(rule, "text of the notes", *request.notes, kLongestNotes));
   std::vector<Correction> corrections;
   add_if_changed(corrections, CorrectedField::Subject, session.subject, request.subject);
   add_if_changed(corrections, CorrectedField::Label, session.label, request.label);

@@ -41,10 +41,10 @@ core::Status check_label(const LabelRule& rule, const std::string& what, const s
   return core::fail(core::ErrorCode::InvalidArgument, "the " + what + " does not follow this clinic's rule for labels", rule.hint);
 }
 
-core::Status check_notes(const LabelRule& rule, const std::string& text, std::size_t longest) {
-  DTS_TRY(check_plain_text("text of the notes", text, longest));
+core::Status check_sentences(const LabelRule& rule, const std::string& what, const std::string& text, std::size_t longest) {
+  DTS_TRY(check_plain_text(what, text, longest));
   for (const std::string_view sentence : sentences_of(text)) {
-    DTS_TRY(check_label(rule, "text of the notes", std::string(sentence), longest));
+    DTS_TRY(check_label(rule, what, std::string(sentence), longest));
   }
   return {};
 }

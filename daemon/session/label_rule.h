@@ -28,12 +28,13 @@ inline constexpr std::string_view kGeneralLabelHint =
 
 inline constexpr std::size_t kLongestLabel = 200;
 /// Fails with InvalidArgument if the text does not follow the rule, has more than `longest` bytes, or fails `check_plain_text`. The message
-/// does not repeat the text, which may be a name. `what`: "label", "marker", "reason".
+/// does not repeat the text, which may be a name. `what`: "label", "marker".
 [[nodiscard]] core::Status check_label(const LabelRule& rule, const std::string& what, const std::string& text,
                                        std::size_t longest = kLongestLabel);
 
-/// The same for notes, which may have several sentences: each must follow the rule.
-[[nodiscard]] core::Status check_notes(const LabelRule& rule, const std::string& text, std::size_t longest);
+/// The same for notes and reasons, which may have several sentences: each must follow the rule. `what`: "text of the notes", "reason".
+[[nodiscard]] core::Status check_sentences(const LabelRule& rule, const std::string& what, const std::string& text,
+                                           std::size_t longest = kLongestLabel);
 
 /// Fails with InvalidArgument if a text has more than `longest` bytes, is not UTF-8, or has control characters or characters that change
 /// the direction of text: such a text can look like another one. `what`: "reason", "notes".

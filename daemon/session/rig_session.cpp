@@ -408,6 +408,7 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
     case TrialEventKind::Finished: return;
     case TrialEventKind::Undone:
       if (!entered.is_done) services_.recordings.remove_trial(row);
+      if (entered.withheld) events_.push_back(*std::exchange(entered.withheld, std::nullopt));
       row.outcome = entered.is_done ? name(TrialEventKind::Done) : "";
       return put_trial(row);
     case TrialEventKind::Done: entered.is_done = true; [[fallthrough]];

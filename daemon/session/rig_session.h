@@ -129,7 +129,8 @@ class RigSession {
   /// An attempt as the catalogue knows it.
   struct EnteredTrial {
     record::TrialRow row{};
-    bool is_done = false;  ///< Also if it was redone or rejected later.
+    bool is_done = false;                 ///< Also if it was redone or rejected later.
+    std::optional<v1::Event> withheld{};  ///< Its result, which was known while it was void: for the bus, if that is undone.
     v1::TrialFault fault = v1::TRIAL_FAULT_UNSPECIFIED;
   };
   std::map<std::pair<std::uint32_t, std::uint32_t>, EnteredTrial> trials_entered_;  ///< By trial and attempt.

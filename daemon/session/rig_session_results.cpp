@@ -93,8 +93,11 @@ void RigSession::enter_results(const DataPosition& at) {
     for (TrialResultEvent& result : judge->take_results()) {
       enter_result(result, at);
       const auto known = trials_entered_.find({result.trial, result.attempt});
-      const bool is_void = known != trials_entered_.end() && known->second.row.outcome != name(TrialEventKind::Done);
-      if (!is_void) events_.push_back(std::move(result.event));  // live, the next attempt is shown
+      if (known != trials_entered_.end() && known->second.row.outcome != name(TrialEventKind::Done)) {
+        known->second.withheld = std::move(result.event);  // live, the next attempt is shown
+      } else {
+        events_.push_back(std::move(result.event));
+      }
     }
   }
 }

@@ -50,7 +50,7 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
   ml_filter_.fill(posturography::CausalLowPass(low_pass));
   ap_filter_.fill(posturography::CausalLowPass(low_pass));
   longest_transient_ = rate.scans_in_ms(kLongestTransientMs);
-  sums_ = posturography::RunningSwaySums(analysis_hz);
+  sums_ = voided_sums_ = posturography::RunningSwaySums(analysis_hz);
   const double most_samples = core::kRecentSwayS * analysis_hz + 1e-6;  // 3000 also at 99.999999 Hz
   recent_ = posturography::RecentSwaySums(analysis_hz, static_cast<std::size_t>(most_samples / static_cast<double>(samples)));
   trial_ = {};
@@ -58,23 +58,24 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
 }
 
 void SwayWatch::expect(const Trial& trial, Events& events) noexcept {
-  const bool goes_on = is_same(trial, trial_);
-  if (window_ == Window::OfTrial && !goes_on) {
-    if (trial.number == 0) {
-      voided_ = trial_;
-      voided_first_ = first_;
-    }
-    close(events);
-  }
-  if (trial.number != 0 && !goes_on) {
-    if (is_same(trial, voided_)) {
+  if (!is_same(trial, trial_)) {
+    const bool is_undone = trial.number != 0 && is_same(trial, voided_);
+    if (trial_.number != 0 && !is_undone) make_void();
+    if (window_ == Window::OfTrial) close(events);
+    if (is_undone) {
       resume();
-    } else {
+    } else if (trial.number != 0) {
       restart(events);
     }
-    voided_ = {};
   }
   trial_ = trial;
+}
+
+/// Keeps the window of the trial, in case that a redo or reject ended it and is undone.
+void SwayWatch::make_void() noexcept {
+  voided_ = trial_;
+  voided_first_ = window_ == Window::OfTrial ? first_ : 0;
+  voided_sums_ = sums_;
 }
 
 void SwayWatch::restart(Events& events) noexcept {
@@ -113,7 +114,7 @@ void SwayWatch::bridge(std::uint64_t now, const Sample& sample, Events& events) 
 void SwayWatch::settle(std::uint64_t now, const Sample& sample) noexcept {
   is_standing_ = true;
   since_ = loaded_since_ = still_since_ = now;
-  steady_load_n_ = 0.0;
+  first_load_n_ = steady_load_n_ = 0.0;
   still_ml_mm_ = sample.ml_mm;
   still_ap_mm_ = sample.ap_mm;
   for (posturography::CausalLowPass& pass : ml_filter_) pass.settle_at(sample.ml_mm);
@@ -123,15 +124,17 @@ void SwayWatch::settle(std::uint64_t now, const Sample& sample) noexcept {
 /// Detects that a foot came on the plate or left it.
 void SwayWatch::check_load(std::uint64_t now, double load_n, Events& events) noexcept {
   if (!(load_n > 0.0 && load_n < kLargestLoadN)) return;  // unknown
-  if (std::abs(load_n - steady_load_n_) <= kSteadyLoad * steady_load_n_) {
-    if (now < loaded_since_ + settle_) steady_load_n_ += load_step_ * (load_n - steady_load_n_);
+  const bool is_settling = now < loaded_since_ + settle_;
+  const double reference_n = is_settling ? first_load_n_ : steady_load_n_;
+  if (std::abs(load_n - reference_n) <= kSteadyLoad * reference_n) {
+    if (is_settling) steady_load_n_ += load_step_ * (load_n - steady_load_n_);
     return;
   }
-  if (steady_load_n_ > 0.0) {
+  if (reference_n > 0.0) {
     loaded_since_ = now;
     restart(events);
   }
-  steady_load_n_ = load_n;
+  first_load_n_ = steady_load_n_ = load_n;
 }
 
 void SwayWatch::check_place(std::uint64_t described, double ml_mm, double ap_mm) noexcept {
@@ -152,7 +155,8 @@ void SwayWatch::lose(std::uint64_t now, Events& events) noexcept {
   is_standing_ = false;
   since_ = gap_ = 0;
   if (window_ == Window::Free) close(events);
-  if (window_ == Window::OfTrial || voided_.number != 0) sums_.interrupt();
+  sums_.interrupt();
+  voided_sums_.interrupt();
   for (std::uint64_t k = 1; k <= missing; ++k) follow_trial(now - missing + k, events);
 }
 
@@ -167,7 +171,8 @@ void SwayWatch::measure(std::uint64_t now, const Sample& sample, Events& events)
   follow_trial(described, events);
   check_place(described, ml_mm, ap_mm);
   if (window_ == Window::None && is_still(described)) open(Window::Free, described);
-  if (needs_sums(described)) sums_.add(ml_mm, ap_mm);
+  if (window_ == Window::OfTrial && (described - first_) % divisor_ == 0) sums_.add(ml_mm, ap_mm);
+  if (has_voided_begun() && described < voided_.end && (described - voided_first_) % divisor_ == 0) voided_sums_.add(ml_mm, ap_mm);
   if (window_ == Window::None || (described - first_) % divisor_ != 0) return;
   if (window_ == Window::Free) recent_.add(ml_mm, ap_mm, described);
   newest_ = described;
@@ -175,12 +180,10 @@ void SwayWatch::measure(std::uint64_t now, const Sample& sample, Events& events)
   if (described >= due_) report(events);
 }
 
-bool SwayWatch::needs_sums(std::uint64_t described) const noexcept {
-  if (window_ == Window::OfTrial) return (described - first_) % divisor_ == 0;
-  return voided_.number != 0 && described < voided_.end && (described - voided_first_) % divisor_ == 0;
-}
+bool SwayWatch::has_voided_begun() const noexcept { return voided_.number != 0 && voided_first_ >= voided_.begin; }
 
 void SwayWatch::follow_trial(std::uint64_t described, Events& events) noexcept {
+  if (!has_voided_begun() && described >= voided_.begin && described < voided_.end) voided_first_ = described;
   if (window_ == Window::OfTrial && described >= trial_.end) close(events);
   if (window_ == Window::OfTrial || trial_.number == 0 || described < trial_.begin || described >= trial_.end) return;
   if (window_ == Window::Free) close(events);
@@ -192,17 +195,18 @@ void SwayWatch::open(Window window, std::uint64_t described) noexcept {
   first_ = newest_ = described;
   due_ = described + every_ - divisor_;  // so that a chunk has the same number of samples as all others
   has_news_ = false;
-  if (voided_.number == 0) sums_.reset();
+  sums_.reset();
   recent_.reset();
 }
 
-/// Continues the window of the voided trial in place of a window without a trial. Its values follow with the next sample.
+/// Continues the window of the voided trial, if it has begun. Its values follow with the next sample.
 void SwayWatch::resume() noexcept {
-  window_ = Window::OfTrial;
-  first_ = newest_ = voided_first_;
-  due_ = first_;
-  has_news_ = false;
-  recent_.reset();
+  if (has_voided_begun()) {
+    open(Window::OfTrial, voided_first_);
+    due_ = first_;
+    sums_ = voided_sums_;
+  }
+  voided_ = {};
 }
 
 void SwayWatch::close(Events& events) noexcept {
@@ -227,11 +231,12 @@ void SwayWatch::report(Events& events) noexcept {
 void SwayWatch::reset() noexcept {
   is_standing_ = false;
   since_ = gap_ = loaded_since_ = still_since_ = 0;
-  last_ml_mm_ = last_ap_mm_ = steady_load_n_ = still_ml_mm_ = still_ap_mm_ = 0.0;
+  last_ml_mm_ = last_ap_mm_ = first_load_n_ = steady_load_n_ = still_ml_mm_ = still_ap_mm_ = 0.0;
   for (posturography::CausalLowPass& pass : ml_filter_) pass.set_state({});
   for (posturography::CausalLowPass& pass : ap_filter_) pass.set_state({});
   voided_ = {};
   voided_first_ = 0;
+  voided_sums_.reset();
   open(Window::None, 0);
   due_ = 0;
 }
@@ -263,6 +268,8 @@ void SwayWatch::save(StateWriter& writer) const noexcept {
   writer.put_count(voided_.begin);
   writer.put_count(std::min(voided_.end, kLargestIndex));
   writer.put_count(voided_first_);
+  for (const double number : voided_sums_.state()) writer.put(number);
+  writer.put(first_load_n_);
 }
 
 bool SwayWatch::restore(StateReader& reader, const Trial& trial) noexcept {
@@ -296,10 +303,13 @@ bool SwayWatch::restore(StateReader& reader, const Trial& trial) noexcept {
   voided_.begin = reader.count(kLargestIndex);
   voided_.end = reader.count(kLargestIndex);
   voided_first_ = reader.count(kLargestIndex);
-  const bool has_one_trial = window_ != Window::OfTrial || voided_.number == 0;
+  std::array<double, posturography::RunningSwaySums::kStateSize> voided_sums{};
+  for (double& number : voided_sums) number = reader.any();
+  first_load_n_ = reader.number(0.0, kLargestLoadN);
+  const bool are_sums_possible = sums_.set_state(sums) && voided_sums_.set_state(voided_sums);
   const bool has_its_trial = window_ != Window::OfTrial || trial_.number != 0;
   const bool is_window_possible = newest_ >= first_ && (window_ != Window::Free || is_standing_) && (gap_ == 0 || is_standing_);
-  if (reader.is_right() && is_recent_possible && sums_.set_state(sums) && has_its_trial && has_one_trial && is_window_possible) return true;
+  if (reader.is_right() && is_recent_possible && are_sums_possible && has_its_trial && is_window_possible) return true;
   reset();
   return false;
 }

@@ -27,11 +27,12 @@ namespace dts::pipeline {
 ///
 /// Outside a trial, the transient of stepping on is left out. A window begins when the person has stood still for `settle_ms`:
 ///
-///     load   ____/^^\/\___________   within 20 % of the load that settled in this time; a larger change (the second foot, a step off)
-///     COP    --/\/^\_/~~~~~~~~~~~~   also ends a window. The COP within 40 mm of where it was, in both axes
+///     load   ____/^^\/\___________   within 20 % of the load at the beginning of this time
+///     COP    --/\/^\_/~~~~~~~~~~~~   within 40 mm of where it was, in both axes
 ///            step on    |-settle-| window
 ///
-/// A person who sways more than that is measured 5 s after the last change of load. The limits are wide: quiet standing moves the COP by
+/// It ends when the load differs by more than 20 % from the load that settled: the second foot, or a step off. A person who sways more
+/// than 40 mm is measured 5 s after the last change of load. The limits are wide: quiet standing moves the COP by
 /// less than 20 mm in 1 s and the load by 1 %; stepping on moves the COP across the plate and the load by 30 % at least.
 class SwayWatch {
  public:
@@ -59,8 +60,8 @@ class SwayWatch {
   /// Sets the parameters. Also forgets the trial.
   void prepare(const core::Rate& rate, double every_ms, double settle_ms);
   /// Sets the trial from the next index on; ends the window of another trial, and for a new trial also a window without a trial. If only
-  /// the end differs, the window continues. If a window is ended by "no trial" and its trial is set again, it continues with all samples,
-  /// also those in between.
+  /// the end differs, the window continues. If the trial before this one is set again (a redo or reject is undone), its window continues
+  /// with all samples, also those in between, and also if it was to begin in between.
   void expect(const Trial& trial, Events& events) noexcept;
   /// Ends a window without a trial, for the start of a session. The next one begins at once if the person stands still.
   void restart(Events& events) noexcept;
@@ -80,8 +81,8 @@ class SwayWatch {
   using Filter = std::array<posturography::CausalLowPass, kPasses>;
   static constexpr std::size_t kOldStateSize =
       10 + 2 * kPasses * posturography::CausalLowPass::kStateSize + posturography::RunningSwaySums::kStateSize;
-  static constexpr std::size_t kSteadyStateSize = 5;
-  static constexpr std::size_t kVoidedStateSize = 4;
+  static constexpr std::size_t kSteadyStateSize = 6;
+  static constexpr std::size_t kVoidedStateSize = 4 + posturography::RunningSwaySums::kStateSize;
 
   void miss(std::uint64_t now, Events& events) noexcept;
   void bridge(std::uint64_t now, const Sample& sample, Events& events) noexcept;
@@ -94,8 +95,9 @@ class SwayWatch {
   void follow_trial(std::uint64_t described, Events& events) noexcept;
   void open(Window window, std::uint64_t described) noexcept;
   void close(Events& events) noexcept;
+  void make_void() noexcept;
   void resume() noexcept;
-  [[nodiscard]] bool needs_sums(std::uint64_t described) const noexcept;
+  [[nodiscard]] bool has_voided_begun() const noexcept;
   void report(Events& events) noexcept;
 
   std::uint64_t divisor_ = 1;
@@ -113,7 +115,8 @@ class SwayWatch {
   double last_ml_mm_ = 0.0;   ///< The newest valid sample.
   double last_ap_mm_ = 0.0;
   std::uint64_t loaded_since_ = 0;  ///< Index since which the load has not changed.
-  double steady_load_n_ = 0.0;      ///< Follows the load for `settle_` after that index, then stays; 0: not known yet.
+  double first_load_n_ = 0.0;       ///< The load at that index; 0: not known yet.
+  double steady_load_n_ = 0.0;      ///< Follows the load for `settle_` after that index, then stays.
   std::uint64_t still_since_ = 0;   ///< Index since which the filtered COP has stayed at its place,
   double still_ml_mm_ = 0.0;        ///< which is this.
   double still_ap_mm_ = 0.0;
@@ -125,10 +128,12 @@ class SwayWatch {
   std::uint64_t due_ = 0;                 ///< Index of the next event.
   std::uint64_t newest_ = 0;              ///< Newest index in the sums.
   bool has_news_ = false;                 ///< The sums changed since the last event.
-  Trial voided_;                          ///< A trial whose window was ended early; `sums_` continues, in case that is undone.
-  std::uint64_t voided_first_ = 0;        ///< First index of its window.
-  posturography::RunningSwaySums sums_;   ///< Of a trial, or of `voided_`.
+  posturography::RunningSwaySums sums_;   ///< Of a trial.
   posturography::RecentSwaySums recent_;  ///< Without a trial, in chunks from one event to the next.
+
+  Trial voided_;                                ///< The trial that was replaced last: its window continues here, in case that is undone.
+  std::uint64_t voided_first_ = 0;              ///< First index of its window; before `voided_.begin`: it has not begun.
+  posturography::RunningSwaySums voided_sums_;  ///< Of its window.
 };
 
 }  // namespace dts::pipeline

@@ -93,6 +93,28 @@ class CommandsTest : public session::RecordingsTest {
   std::size_t entries_ = 0;
 };
 
+TEST_F(CommandsTest, AbortWithAReasonAgainstTheRule_EndsTheSessionWithoutTheReason) {
+  label_rule_.pattern = core::TextPattern::compile(session::kDefaultLabelPattern).value();
+  start();
+  make_handler();
+  const auto abort = [&](const std::string& reason) {
+    session_id_ = record(10);
+    return ask("stop_session { is_abort: true reason: '" + reason + "' }");
+  };
+  const std::string left_out = abort("Subject fell. Anna Schmidt helped");
+  EXPECT_NE(left_out.find("state: SESSION_STATE_IDLE"), std::string::npos) << left_out;
+  EXPECT_NE(left_out.find("message: \"the reason does not follow this clinic\\'s rule for labels, so it is left out; enter it as notes: "
+                          "dtsctl session edit ID --notes TEXT --reason TEXT\""),
+            std::string::npos)
+      << left_out;
+  const std::string shown = ask("show_session { session_id: 'ID' }");
+  EXPECT_NE(shown.find("state: \"aborted\""), std::string::npos);
+  EXPECT_EQ(shown.find("Anna"), std::string::npos);
+
+  EXPECT_EQ(abort("Subject fell. Stopped at once").find("message"), std::string::npos);
+  EXPECT_NE(ask("show_session { session_id: 'ID' }").find("message: \"Subject fell. Stopped at once\""), std::string::npos);
+}
+
 TEST_F(CommandsTest, OnARigThatStreams) {
   session::Protocol stand{.name = "stand"};
   stand.fields = {{.name = "age", .minimum = 1, .maximum = 100}};

@@ -104,7 +104,7 @@ TEST(PipelineState, BlockThatDoesNotContinueIt_StartsANewSegment) {
 }
 
 TEST(PipelineState, OfDtsd01_LacksTheNewestNumbersOfAStage) {
-  constexpr std::size_t kAdded = 5 + 1 + 60 * 19 + 4;  // stage steadiness: load and place of the person, the last 30 s, a void trial
+  constexpr std::size_t kAdded = 6 + 1 + 60 * 19 + 20;  // stage steadiness: load and place of the person, the last 30 s, a void trial
   Running original(4.0, true);
   original.run(0, 30, 7);
   std::vector<double> state = original.save();

@@ -58,6 +58,12 @@ TEST(Steadiness, SomebodyWhoDoesNotMove_HasNoPathAndNoDistance) {
   EXPECT_LT(events[0].values.rdist_mm, 1e-11);
 }
 
+/// Redoes trial 1 without a cue delay: the window of the new attempt, which begins at `first_scan`, is announced at once.
+void repeat(Watching& watching, std::uint64_t first_scan) {
+  watching.windows().close();
+  watching.windows().open(1, 0, {first_scan}, {first_scan + 400});
+}
+
 /// "trial:first..last=samples" of each event; trial 0 is the free window.
 std::string text_of(const std::vector<core::SwayEvent>& events) {
   std::ostringstream text;
@@ -131,6 +137,37 @@ TEST(Steadiness, Windows_AreExactToTheScan) {
         {100, [](Watching& w) { w.windows().close(); }},
         {200, [](Watching& w) { w.windows().reopen(); }}},
        "1:0..49=50 1:0..91=92 0:100..149=50 1:0..192=193 1:0..199=200 1:0..249=250 1:0..299=300 1:0..349=350 "},
+      {"a repeated trial whose redo is undone before the new attempt begins",
+       {},
+       {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }},
+        {100, [](Watching& w) { repeat(w, 300); }},
+        {200, [](Watching& w) { w.windows().reopen(); }}},
+       "1:0..49=50 1:0..91=92 0:100..149=50 1:0..192=193 1:0..199=200 1:0..249=250 1:0..299=300 1:0..349=350 "},
+      {"a repeated trial whose redo is undone after the new attempt began",
+       {},
+       {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {400}); }},
+        {100, [](Watching& w) { repeat(w, 150); }},
+        {220, [](Watching& w) { w.windows().reopen(); }}},
+       "1:0..49=50 1:0..91=92 0:100..149=50 1:150..199=50 1:150..211=62 1:0..212=213 1:0..249=250 1:0..299=300 1:0..349=350 "},
+      {"a trial that was voided before its window goes on after it would have begun",
+       {},
+       {{0, [](Watching& w) { w.windows().open(1, 0, {150}, {400}); }},
+        {100, [](Watching& w) { w.windows().close(); }},
+        {200, [](Watching& w) { w.windows().reopen(); }}},
+       "0:100..149=50 1:150..192=43 1:150..199=50 1:150..249=100 1:150..299=150 1:150..349=200 "},
+      {"a trial that was voided before its window goes on in time",
+       {},
+       {{0, [](Watching& w) { w.windows().open(1, 0, {250}, {400}); }},
+        {100, [](Watching& w) { repeat(w, 350); }},
+        {200, [](Watching& w) { w.windows().reopen(); }}},
+       "0:100..149=50 0:100..199=100 0:100..249=150 1:250..299=50 1:250..349=100 "},
+      {"a redo of a trial that has ended is undone",
+       {},
+       {{0, [](Watching& w) { w.windows().open(1, 0, {0}, {150}); }},
+        {200, [](Watching& w) { repeat(w, 250); }},
+        {300, [](Watching& w) { w.windows().reopen(); }}},
+       "1:0..49=50 1:0..99=100 1:0..149=150 0:150..191=42 0:192..241=50 0:192..249=58 1:250..291=42 0:292..341=50 "
+       "0:292..391=100 "},
       {"end earlier than planned",
        {},
        {{0, [](Watching& w) { w.windows().open(1, 0, {20}, {183}); }}, {150, [](Watching& w) { w.windows().end_at(0, {150}); }}},
@@ -227,6 +264,21 @@ TEST(Steadiness, LoadThatSettled_IsTheReference_NotALoadOfTheRamp) {
   }
 }
 
+/// From 300 N to 700 N in 1 s, on the same place. Later, the load differs by 15 %.
+TEST(Steadiness, LoadThatRisesSteadily_IsNotSteady) {
+  Signal signal = swaying_cop(100.0, 1000, 3);
+  for (std::size_t i = 0; i < signal.scans(); ++i) {
+    signal.values[2][i] = i < 100 ? 300.0 + 4.0 * static_cast<double>(i) : i < 500 ? 700.0 : 805.0;
+  }
+
+  const auto events = Watching().watch(signal);
+
+  ASSERT_FALSE(events.empty());
+  EXPECT_GE(events.front().first_scan.value, 171U) << "at scan 71 the load is 584 N, 700 N are 20 % more";
+  EXPECT_LE(events.front().first_scan.value, 200U);
+  for (const core::SwayEvent& event : events) EXPECT_EQ(event.first_scan, events.front().first_scan) << "at scan " << event.scan.value;
+}
+
 TEST(Steadiness, FootThatIsLifted_EndsAWindowWithoutATrialOnly) {
   Signal signal = swaying_cop(100.0, 600, 3);
   std::fill(signal.values[2].begin() + 300, signal.values[2].end(), 400.0);
@@ -276,26 +328,30 @@ TEST(Steadiness, WindowWithoutATrial_IsNotLongerIfItsLengthIsNoMultipleOfTheInte
   EXPECT_EQ(events.back().values.samples, 42U * 70U) << "29.4 s; 43 intervals would be 30.1 s";
 }
 
-TEST(Steadiness, UndoneReject_GivesTheValuesOfATrialThatWasNeverRejected) {
+TEST(Steadiness, UndoneRejectOrRedo_GivesTheValuesOfATrialThatWasNeverVoid) {
   const Signal signal = swaying_cop(100.0, 600, 3);
   Watching never;
   never.windows().open(1, 0, {20}, {500});
   const core::SwayEvent expected = never.watch(until(signal, 506)).back();
 
-  Watching undone;
-  undone.windows().open(1, 0, {20}, {500});
-  (void)undone.watch(until(signal, 100));
-  undone.windows().close();
-  (void)undone.watch(until(from(signal, 100), 150));
-  undone.windows().reopen();
-  const core::SwayEvent last = undone.watch(until(from(signal, 250), 256)).back();
+  const auto reject = [](Watching& watching) { watching.windows().close(); };
+  const auto redo = [](Watching& watching) { repeat(watching, 150); };
+  for (void (*const make_void)(Watching&) : {+reject, +redo}) {
+    Watching undone;
+    undone.windows().open(1, 0, {20}, {500});
+    (void)undone.watch(until(signal, 100));
+    make_void(undone);
+    (void)undone.watch(until(from(signal, 100), 150));
+    undone.windows().reopen();
+    const core::SwayEvent last = undone.watch(until(from(signal, 250), 256)).back();
 
-  EXPECT_EQ(last.trial, 1U);
-  EXPECT_EQ(last.first_scan, expected.first_scan);
-  EXPECT_EQ(last.scan, expected.scan);
-  EXPECT_EQ(last.values.samples, expected.values.samples);
-  EXPECT_EQ(last.values.totex_mm, expected.values.totex_mm);
-  EXPECT_EQ(last.values.pea95_f_mm2, expected.values.pea95_f_mm2);
+    EXPECT_EQ(last.trial, 1U);
+    EXPECT_EQ(last.first_scan, expected.first_scan);
+    EXPECT_EQ(last.scan, expected.scan);
+    EXPECT_EQ(last.values.samples, expected.values.samples);
+    EXPECT_EQ(last.values.totex_mm, expected.values.totex_mm);
+    EXPECT_EQ(last.values.pea95_f_mm2, expected.values.pea95_f_mm2);
+  }
 }
 
 TEST(Steadiness, RepeatedTrial_HasNoSampleOfTheVoidAttempt) {
@@ -318,7 +374,7 @@ TEST(Steadiness, VoidTrialInAState_ContinuesAfterItsUndo) {
   Watching one;
   one.windows().open(1, 0, {20}, {400});
   (void)one.watch(until(signal, 100));
-  one.windows().close();
+  repeat(one, 110);
   (void)one.watch(until(from(signal, 100), 50));
   std::vector<double> state(one.stage().state_size());
   one.stage().save(state);

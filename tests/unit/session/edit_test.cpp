@@ -204,7 +204,7 @@ TEST_F(EditTest, AnErasureReportsMarkersOfOtherSessionsWithTheSubject) {
   const std::string other = record(kBlock, {.subject = "P018"});
   ASSERT_TRUE(supervisor_->mark("", "P071 came in"));
   ASSERT_TRUE(stop());
-  EXPECT_THAT(recordings_->sessions_mentioning("P071").value(), testing::ElementsAre(other));
+  EXPECT_THAT(recordings_->sessions_mentioning("P071")->sessions, ElementsAre(other));
   ASSERT_TRUE(supervisor_->erase_subject("P071", kAnna));
   const auto removed = erased();
   ASSERT_TRUE(removed);
@@ -624,6 +624,8 @@ TEST_F(EditTest, NotesAndReasonsFollowTheRuleOfLabels) {
   EXPECT_THAT(why({.notes = "Anna Schmidt fell", .reason = "note"}), HasSubstr("the text of the notes does not follow this clinic's rule"));
   EXPECT_THAT(why({.notes = "fell", .reason = "Anna Schmidt"}), HasSubstr("the reason does not follow this clinic's rule"));
   EXPECT_EQ(why({.notes = "fell, with a stick", .reason = "added later"}), "");
+  EXPECT_EQ(why({.notes = "fell", .reason = "Subject fell. Stopped at once."}), "");
+  EXPECT_THAT(why({.notes = "fell", .reason = "Subject fell. Anna Schmidt helped."}), HasSubstr("the reason does not follow"));
   EXPECT_EQ(why_refused(check_reason("Anna Schmidt", rule), core::ErrorCode::InvalidArgument).find("Anna"), std::string::npos);
 }
 
@@ -646,11 +648,11 @@ TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
     EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);
     EXPECT_EQ(checked.error().what.find(bad), std::string::npos) << "it may be a name";
   }
-  EXPECT_TRUE(check_notes(rule, std::string(1000, 'x'), 1000));
-  EXPECT_TRUE(check_notes(rule, "Tired. Left knee hurts! T2 repeated.", 1000));
-  EXPECT_FALSE(check_notes(rule, "Tired. Anna Schmidt helped.", 1000));
-  EXPECT_FALSE(check_notes(rule, "tired, Left knee", 1000)) << "a new sentence begins after '.', '!' or '?'";
-  EXPECT_TRUE(check_notes(rule, "", 1000));
+  EXPECT_TRUE(check_sentences(rule, "notes", std::string(1000, 'x'), 1000));
+  EXPECT_TRUE(check_sentences(rule, "notes", "Tired. Left knee hurts! T2 repeated.", 1000));
+  EXPECT_FALSE(check_sentences(rule, "notes", "Tired. Anna Schmidt helped.", 1000));
+  EXPECT_FALSE(check_sentences(rule, "notes", "tired, Left knee", 1000)) << "a new sentence begins after '.', '!' or '?'";
+  EXPECT_TRUE(check_sentences(rule, "notes", "", 1000));
   EXPECT_THAT(why_refused(check_label(rule, "marker", "Anna Schmidt"), core::ErrorCode::InvalidArgument),
               HasSubstr("the marker does not follow this clinic's rule for labels; Use words and numbers"));
 }

@@ -50,6 +50,7 @@ class RecordingsTest : public testing::Test {
                                                SessionServices{.recordings = *recordings_,
                                                                .worker = worker_,
                                                                .protocols = std::move(protocols),
+                                                               .label_rule = label_rule_,
                                                                .software = "dtsd test",
                                                                .boot_id = "boot 1"});
     auto device = std::make_unique<HandFedDevice>(config_.sensor_channels.size());
@@ -135,6 +136,7 @@ class RecordingsTest : public testing::Test {
 
   std::filesystem::path folder_;
   StorageConfig storage_;
+  LabelRule label_rule_;
   pipeline::RigConfig config_ = floor_config("hand:fed", kBlock);
   HandClock clock_;
   core::Doorbell bell_;

@@ -236,6 +236,28 @@ TEST_F(RigSessionTest, SessionStoppedDuringAnAnalysis_EndsWithTheResult) {
   }
 }
 
+TEST_F(RigSessionTest, RedoDuringAnAnalysisThatIsUndone_HasItsResultOnTheBus) {
+  std::promise<void> go_on;
+  const auto before = worker_.run([&] { go_on.get_future().wait(); });
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(13.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Redo));
+  go_on.set_value();
+  ASSERT_TRUE(eventually([&] {
+    supervisor_->tick();
+    return !row(id).trials.at(0).result.empty();
+  }));
+  EXPECT_TRUE(taken_events(v1::Event::kSway).empty()) << "the next attempt is shown";
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Undo));
+  const auto sways = taken_events(v1::Event::kSway);
+  ASSERT_EQ(sways.size(), 1U);
+  EXPECT_EQ(sways[0].sway().trial(), 1U);
+  ASSERT_TRUE(stop());
+  EXPECT_TRUE(taken_events(v1::Event::kSway).empty()) << "once";
+}
+
 TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEnd) {
   start({standing()});
   const std::string id = record(kBlock, {.protocol = "standing"});

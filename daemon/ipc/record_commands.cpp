@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of CommandHandler that correct, delete and erase what was recorded.
-#include <algorithm>
-#include <span>
-
 #include "ipc/command_handler.h"
 #include "ipc/encode_session.h"
 #include "record/utf8_text.h"
@@ -12,7 +9,8 @@ namespace {
 
 using core::ErrorCode;
 
-// These keep an answer below a few MB, and its time on the control thread short.
+// These keep an answer below a few MB. Its time on the control thread grows with the number of sessions, because the catalogue must look at
+// all of them. The catalogue reads details only for what is listed.
 constexpr std::size_t kMostSessions = 1000;
 constexpr std::size_t kMostSubjects = 10'000;
 constexpr const char* kBackups =
@@ -44,31 +42,32 @@ dts::v1::Response CommandHandler::delete_session(const dts::v1::DeleteSessionReq
 }
 
 dts::v1::Response CommandHandler::list_subjects() {
-  const auto subjects = supervisor_.recordings().catalogue().subjects();
+  const record::Catalogue& catalogue = supervisor_.recordings().catalogue();
+  const auto subjects = catalogue.subjects({.limit = kMostSubjects});
   if (!subjects) return error_response(subjects.error());
+  const auto all = subjects->size() < kMostSubjects ? subjects->size() : catalogue.count_subjects();
+  if (!all) return error_response(all.error());
   dts::v1::Response response;
   auto& out = *response.mutable_subjects();
-  const std::size_t listed = std::min(subjects->size(), kMostSubjects);
-  for (const record::SubjectRow& subject : std::span(*subjects).first(listed)) *out.add_subjects() = subject_info(subject);
-  out.set_more_subjects(static_cast<std::uint32_t>(subjects->size() - listed));
+  for (const record::SubjectRow& subject : *subjects) *out.add_subjects() = subject_info(subject);
+  out.set_more_subjects(static_cast<std::uint32_t>(*all - subjects->size()));
   return response;
 }
 
 dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest& request) {
   session::Recordings& recordings = supervisor_.recordings();
-  const auto subjects = recordings.catalogue().subjects();
-  if (!subjects) return error_response(subjects.error());
+  const auto found = recordings.catalogue().subjects({.subject = request.subject(), .limit = 1});
+  if (!found) return error_response(found.error());
   const auto mentioning = recordings.sessions_mentioning(request.subject(), kMostSessions);
   if (!mentioning) return error_response(mentioning.error());
-  const auto subject = std::ranges::find(*subjects, request.subject(), &record::SubjectRow::subject);
-  if (request.subject().empty() || (subject == subjects->end() && mentioning->sessions.empty())) {
+  if (request.subject().empty() || (found->empty() && mentioning->sessions.empty())) {
     return error_response({ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list"});
   }
   const auto rows = recordings.catalogue().sessions({.subject = request.subject(), .limit = kMostSessions, .shown = record::Shown::Both});
   if (!rows) return error_response(rows.error());
   dts::v1::Response response;
   auto& out = *response.mutable_subject();
-  *out.mutable_about() = subject_info(subject == subjects->end() ? record::SubjectRow{.subject = request.subject()} : *subject);
+  *out.mutable_about() = subject_info(found->empty() ? record::SubjectRow{.subject = request.subject()} : found->front());
   for (const record::SessionRow& row : *rows) {
     *out.add_sessions() = listed_session(recordings.corrected(row), supervisor_.planned_trials(row));
   }

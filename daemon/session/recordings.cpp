@@ -203,6 +203,7 @@ void Recordings::start() {
   thread_.start();
   audit("start", "", "ok");
   is_started_ = true;
+  if (continued_) start_erasing();
   if (interrupted_.empty()) return;
   log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; dtsd makes repaired copies");
   is_recovering_ = true;
@@ -214,28 +215,25 @@ void Recordings::start() {
 }
 
 void Recordings::stop() noexcept {
+  for (std::jthread* thread : {&recovery_thread_, &erasing_thread_}) thread->request_stop();
+  for (std::jthread* thread : {&recovery_thread_, &erasing_thread_}) {
+    if (thread->joinable()) thread->join();
+  }
+  catalogue_->wait_at_most(kWaitOtherwise);  // nothing writes the catalogue again any more
   if (std::exchange(is_started_, false)) audit("stop", "", "ok");
-  enter_owed_audit();
+  enter_owed_now();
   if (!audit_problem_.empty()) {
     log_.error(std::to_string(owed_audit_.size() + unwritten_audit_) + " entries of the audit trail are lost: " + audit_problem_);
     owed_audit_.clear();
     audit_problem_.clear();
   }
-  for (std::jthread* thread : {&recovery_thread_, &erasing_thread_}) {
-    thread->request_stop();
-    if (thread->joinable()) thread->join();
-  }
   thread_.stop();
 }
 
-/// Returns why a copy of the part would leave too little free space to start sessions; empty if there is enough.
-std::string Recordings::lacks_room(const record::PartRow& part) const {
-  std::error_code unknown;
-  const auto size = std::filesystem::file_size(part.file, unknown);
-  const DiskView view = disk();
-  const double left = static_cast<double>(view.free_bytes) - (unknown ? 0.0 : static_cast<double>(size));
-  if (left >= config_.stop_below_mib * 1024.0 * 1024.0 + config_.refuse_below_min * 60.0 * bytes_per_s_) return {};
-  return "no room for a repaired copy on the disk of " + view.directory + "; make room: dtsd retries when it starts again";
+/// Returns whether so many further bytes would leave too little free space to start sessions.
+bool Recordings::lacks_room(std::uint64_t bytes) const {
+  const double left = static_cast<double>(disk().free_bytes) - static_cast<double>(bytes);
+  return left < config_.stop_below_mib * 1024.0 * 1024.0 + config_.refuse_below_min * 60.0 * bytes_per_s_;
 }
 
 /// Thread: recovery. Copying hours of data is slow, and the daemon must start without a delay.
@@ -243,8 +241,10 @@ void Recordings::recover_all(const std::stop_token& stop) {
   for (const record::PartRow& part : interrupted_) {
     record::FoundRecording found;
     found.part = part;
-    found.part.reason = lacks_room(part);
-    if (found.part.reason.empty()) {
+    if (lacks_room(size_of(part.file))) {
+      found.part.reason =
+          "no room for a repaired copy on the disk of " + sessions_directory(config_) + "; make room: dtsd retries when it starts again";
+    } else {
       const std::string copy = record::recovered_name(part.file);
       const auto recovered = record::recover(part.file, copy, [&](std::uint64_t, std::uint64_t) { return !stop.stop_requested(); });
       if (stop.stop_requested() && !recovered) return;
@@ -300,9 +300,7 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
     recorder.reset();  // the file is empty, and the next start would enter it as a session
     for (const char* ending : {".part", ".idx"}) ::unlink((file + ending).c_str());
-    if (!erasing_thread_.joinable()) return entered;
-    return core::fail(core::ErrorCode::WrongState, "dtsd is writing its catalogue again, because a subject was erased",
-                      "start the session again in some seconds");
+    return explained(std::move(entered));
   }
   under_way_[facts.rig] = {
       .session_id = facts.session_id, .part = facts.part, .file = file + ".part", .started_utc_ns = facts.started_utc_ns};
@@ -328,8 +326,8 @@ std::uint32_t Recordings::part(const std::string& rig) const {
 
 std::vector<FinishedRecording> Recordings::take_finished() {
   enter_owed();
-  collect_recovered();
   collect_erased();
+  if (!erasing_thread_.joinable()) collect_recovered();  // the catalogue may be busy, and these entries are not retried
   std::vector<FinishedRecording> finished = thread_.take_finished();
   for (const FinishedRecording& recording : finished) enter(recording);
   return finished;

@@ -50,12 +50,12 @@ class Recordings {
 
   /// Call before `start`. The rig must exist until `stop` or the end of this object.
   void add(Rig& rig);
-  /// Starts the record thread and the recovery of interrupted recordings.
+  /// Starts the record thread, the recovery of interrupted recordings, and the rest of an interrupted erasure.
   void start();
   void stop() noexcept;
 
   /// Creates the file of a session's first or next part; the file is on the disk when this returns. Fails with LimitExceeded if the disk
-  /// has too little room.
+  /// has too little room, and with WrongState while an erasure writes the catalogue again.
   [[nodiscard]] core::Status begin(Rig& rig, record::SessionFacts facts);
   /// Ends the recording: queued data are written, then the file is closed. The recording is incomplete if the device is away at this
   /// moment.
@@ -96,12 +96,12 @@ class Recordings {
 
   // recordings_edit.cpp
   /// Returns a session of the catalogue that nobody writes to. Fails with NotFound, with WrongState while it runs or its recording is being
-  /// closed, and with Failed while the catalogue rejects entries.
+  /// closed, or while entries wait for the end of an erasure, and with Failed while the catalogue rejects entries for another reason.
   [[nodiscard]] core::Result<record::SessionRow> closed_session(const std::string& id) const;
   /// Adds corrections to a session that `closed_session` has returned: to the file beside its recordings, then to the catalogue. Sets
   /// number and time. If an outcome was corrected, computes the session's results again, which needs the files of reaches. Fails with
   /// LimitExceeded above `kMostCorrections`, and with DataDamaged or WrongState if the file cannot be read or has other corrections than
-  /// the catalogue. After an error nothing was changed.
+  /// the catalogue, and with WrongState while an erasure writes the catalogue again. After an error nothing was changed.
   [[nodiscard]] core::Status correct(const record::SessionRow& session, std::vector<record::Correction> corrections);
 
   // recordings_erase.cpp
@@ -135,6 +135,8 @@ class Recordings {
   [[nodiscard]] std::uint32_t part(const std::string& rig) const;
 
  private:
+  static constexpr std::chrono::milliseconds kWaitOtherwise{1000};  ///< For the catalogue, while it is not written again.
+
   Recordings(StorageConfig config, core::Clock& clock, core::Log log, std::unique_ptr<record::Catalogue> catalogue)
       : config_(std::move(config)), clock_(clock), log_(std::move(log)), catalogue_(std::move(catalogue)), thread_(clock, config_) {}
   [[nodiscard]] static core::Result<std::unique_ptr<Recordings>> open_catalogue(const StorageConfig& config, core::Clock& clock,
@@ -146,7 +148,7 @@ class Recordings {
   [[nodiscard]] bool is_recent(const record::PartRow& part) const;
   [[nodiscard]] static bool is_suspicious(const record::SessionRow& session);
   void recover_all(const std::stop_token& stop);
-  [[nodiscard]] std::string lacks_room(const record::PartRow& part) const;
+  [[nodiscard]] bool lacks_room(std::uint64_t bytes) const;
   void collect_recovered();
   [[nodiscard]] core::Status enter(const record::FoundRecording& found);
   void enter(const FinishedRecording& finished);
@@ -155,6 +157,10 @@ class Recordings {
   void complain(const core::Status& status);
   void enter_or_owe(std::function<core::Status()> entry);
   void enter_owed();
+  void enter_owed_now();
+  [[nodiscard]] bool is_written_again(const core::Error& error) const;
+  [[nodiscard]] static tl::unexpected<core::Error> written_again();
+  [[nodiscard]] core::Status explained(core::Status status) const;
   [[nodiscard]] core::Status sum_up(const std::string& session_id);
   void sum_up_corrected();
   [[nodiscard]] core::Status check_erasable(const std::vector<record::SessionRow>& sessions);
@@ -165,6 +171,7 @@ class Recordings {
   void end_continued_erasure();
   [[nodiscard]] core::Status enter_erasure(const std::string& count);
   void start_erasing();
+  [[nodiscard]] core::Result<record::Erased> overwritten(record::Erased removed, const std::function<bool()>& is_wanted) const;
   void collect_erased();
   void finish_erasure(core::Result<record::Erased> erased);
   void add_left(record::Erased& erased) const;
@@ -194,7 +201,8 @@ class Recordings {
   std::optional<core::Result<record::Erased>> erased_;
   std::uint64_t erasures_ = 0;
   std::mutex removed_mutex_;
-  std::optional<core::Result<record::Erased>> removed_;  ///< By the erasing thread; at the start, by `continue_erasure`.
+  std::optional<core::Result<record::Erased>> removed_;    ///< By the erasing thread.
+  std::optional<core::Result<record::Erased>> continued_;  ///< What `continue_erasure` removed; `start` continues with the catalogue.
   std::jthread erasing_thread_;
 
   std::atomic<bool> is_recovering_ = false;

@@ -38,6 +38,7 @@ core::Result<record::SessionRow> Recordings::closed_session(const std::string& i
                       "stop it first: dtsctl session stop --rig " + session.rig);
   }
   if (!owed_.empty()) {
+    if (erasing_thread_.joinable()) return written_again();
     return core::fail(core::ErrorCode::Failed, "the catalogue rejects entries at the moment", "see the log of dtsd, then try again");
   }
   return session;
@@ -71,7 +72,7 @@ core::Status Recordings::correct(const record::SessionRow& session, std::vector<
   DTS_TRY(record::write_corrections(file, all));
   auto set = catalogue_->set_corrections(all, results);
   if (!set) complain(record::write_corrections(file, {.session_id = session.id, .all = session.corrections}));
-  return set;
+  return explained(std::move(set));
 }
 
 /// Computes the results of a session again if outcomes of its trials were corrected.

@@ -4,7 +4,7 @@
 //     erasure.json on the disk --> rows --> mentions in other sessions --> files --> bytes of rows --> audit entry --> erasure.json removed
 //                                           control thread <-- | --> thread "erase"              | --> control thread
 //
-// The next start continues with an erasure.json that it finds, before it looks for recordings. It enters the erasure after that.
+// The next start continues with an erasure.json that it finds: rows, mentions and files before it looks for recordings, the rest after it.
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -25,7 +25,6 @@ constexpr std::size_t kMostSessions = 10'000;
 constexpr std::size_t kEntriesToSearch = 1000;
 /// How long the control thread waits for the catalogue. While removed rows are overwritten, it cannot write; it retries later.
 constexpr std::chrono::milliseconds kWaitWhileErasing{50};
-constexpr std::chrono::milliseconds kWaitOtherwise{1000};
 
 bool is_below(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
@@ -51,21 +50,6 @@ bool remove_mention(record::Correction& correction, const std::string& subject) 
   return is_changed;
 }
 
-/// Removes the bytes of removed rows too, if the files were removed: their removal makes the room that this needs, and a full disk must
-/// not keep them. Thread: any.
-core::Result<record::Erased> and_overwrite(core::Result<record::Erased> removed, const StorageConfig& config,
-                                           const std::function<bool()>& is_wanted) {
-  if (!removed) return removed;
-  const auto overwritten = record::Catalogue::overwrite_removed(catalogue_file(config), config.directory, is_wanted);
-  if (!is_wanted()) return core::fail(ErrorCode::Failed, "dtsd is stopping: it continues the erasure when it starts again");
-  if (!overwritten) removed->left.push_back("the catalogue still has bytes of removed rows: " + core::to_string(overwritten.error()));
-  if (overwritten && !*overwritten) {
-    removed->left.emplace_back(
-        "the log of the catalogue still has removed rows, because another program reads it: end that program and restart dtsd");
-  }
-  return removed;
-}
-
 /// Returns the marker that was recorded with the subject ID in its text; nullptr if there is none.
 const record::MarkerRow* marker_with(const record::SessionRow& session, const std::string& subject) {
   const auto found = std::ranges::find_if(session.markers, [&](const record::MarkerRow& marker) {
@@ -89,8 +73,7 @@ core::Result<Mentions> Recordings::sessions_mentioning(const std::string& subjec
   const std::size_t searched = std::min(candidates.size(), most_searched);
   Mentions found{.unsearched = candidates.size() - searched};
   for (const std::string& id : std::span(candidates).first(searched)) {
-    DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
-    if (session.subject == subject) continue;
+    DTS_TRY_ASSIGN(const auto session, catalogue_->session_texts(id));
     const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject) ||
                              marker_with(session, subject) != nullptr;
     const bool is_corrected =
@@ -181,6 +164,7 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
     return core::fail(ErrorCode::WrongState, "another erasure is under way", "wait a minute, then try again");
   }
   erased_.reset();  // of an earlier one whose client did not wait
+  continued_.reset();
   if (is_recovering_) {
     return core::fail(ErrorCode::WrongState, "dtsd is making repaired copies of recordings", "wait a minute, then try again");
   }
@@ -195,7 +179,7 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
   DTS_TRY_ASSIGN(const auto mentioning, sessions_mentioning(subject));
   bool is_known = erasure_ || !sessions.empty();
   for (const std::string& id : mentioning.sessions) {
-    DTS_TRY_ASSIGN(const auto session, catalogue_->session(id));
+    DTS_TRY_ASSIGN(const auto session, catalogue_->session_texts(id));
     is_known = is_known || had_subject(session, subject);
   }
   if (subject.empty() || !is_known) return core::fail(ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list");
@@ -217,15 +201,42 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
   return {};
 }
 
+/// Removes the bytes of removed rows too. This comes after the files: their removal makes the room that this needs, and a full disk must
+/// not keep them. Fails with LimitExceeded if recordings would lack room meanwhile. Thread: any.
+core::Result<record::Erased> Recordings::overwritten(record::Erased removed, const std::function<bool()>& is_wanted) const {
+  const std::string file = catalogue_file(config_);
+  const std::uint64_t needed = 2 * (size_of(file) + size_of(file + "-wal"));  // a copy, and the log with all pages
+  if (lacks_room(needed)) {
+    return core::fail(ErrorCode::LimitExceeded,
+                      "the catalogue still has bytes of removed rows; to write it again, the disk of " + config_.directory + " needs " +
+                          std::to_string(needed / 1'000'000 + 1) + " MB of free space, and the room that a session needs",
+                      "make room, then restart dtsd or erase the subject again");
+  }
+  const auto is_emptied = record::Catalogue::overwrite_removed(file, config_.directory, is_wanted);
+  if (!is_wanted()) return core::fail(ErrorCode::Failed, "dtsd is stopping: it continues the erasure when it starts again");
+  if (!is_emptied) {
+    return core::fail(is_emptied.error().code, "the catalogue still has bytes of removed rows: " + is_emptied.error().what,
+                      is_emptied.error().hint);
+  }
+  if (!*is_emptied) {
+    removed.left.emplace_back(
+        "the log of the catalogue still has removed rows, because another program reads it: end that program and restart dtsd");
+  }
+  return removed;
+}
+
+/// Starts the thread that removes the files, unless `continue_erasure` has removed them, then the bytes of removed rows.
 void Recordings::start_erasing() {
   catalogue_->wait_at_most(kWaitWhileErasing);
-  erasing_thread_ = std::jthread([this, sessions = erasure_->sessions](const std::stop_token& stop) {
-    static_cast<void>(core::configure_this_thread("erase", {}));  // default policy, cannot be rejected
-    const auto is_wanted = [&stop] { return !stop.stop_requested(); };
-    auto removed = and_overwrite(record::remove_session_files(sessions_directory(config_), sessions, is_wanted), config_, is_wanted);
-    const std::lock_guard lock(removed_mutex_);
-    removed_ = std::move(removed);
-  });
+  erasing_thread_ =
+      std::jthread([this, sessions = erasure_->sessions, continued = std::exchange(continued_, std::nullopt)](const std::stop_token& stop) {
+        static_cast<void>(core::configure_this_thread("erase", {}));  // default policy, cannot be rejected
+        const auto is_wanted = [&stop] { return !stop.stop_requested(); };
+        auto removed = continued ? *continued : record::remove_session_files(sessions_directory(config_), sessions, is_wanted);
+        if (removed) removed = overwritten(std::move(*removed), is_wanted);
+        const std::lock_guard lock(removed_mutex_);
+        removed_ = std::move(removed);
+      });
 }
 
 void Recordings::collect_erased() {
@@ -237,6 +248,7 @@ void Recordings::collect_erased() {
   if (!removed) return;
   if (erasing_thread_.joinable()) erasing_thread_.join();  // `stop` joins it too
   catalogue_->wait_at_most(kWaitOtherwise);
+  enter_owed_now();
   finish_erasure(std::move(*removed));
 }
 
@@ -291,19 +303,19 @@ void Recordings::continue_erasure() {
   if (!found) return complain(tl::make_unexpected(found.error()));
   if (!*found) return;
   erasure_ = std::move(**found);
-  removed_ = erase_rows(*erasure_).and_then(
+  continued_ = erase_rows(*erasure_).and_then(
       [this] { return record::remove_session_files(sessions_directory(config_), erasure_->sessions, [] { return true; }); });
 }
 
-/// Ends what `continue_erasure` began, after the recordings were looked for: files that could not be removed were entered again, and if the
-/// catalogue was damaged, the mentions came from the files of other sessions.
+/// Removes the rows again that came back while the recordings were looked for: files that could not be removed were entered again, and if
+/// the catalogue was damaged, the mentions came from the files of other sessions. `start` then continues with the bytes of the rows.
 void Recordings::end_continued_erasure() {
-  auto removed = std::exchange(removed_, std::nullopt);
-  if (!removed) return;
+  if (!continued_) return;
   unerased_.clear();
-  if (auto erased = erase_rows(*erasure_); !erased) *removed = tl::make_unexpected(erased.error());
-  *removed = and_overwrite(std::move(*removed), config_, [] { return true; });
-  finish_erasure(std::move(*removed));
+  auto erased = erase_rows(*erasure_);
+  if (erased && *continued_) return;
+  finish_erasure(tl::make_unexpected(erased ? continued_->error() : erased.error()));
+  continued_.reset();
   erased_.reset();  // nobody waits for it
 }
 

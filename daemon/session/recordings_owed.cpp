@@ -17,15 +17,35 @@ constexpr int kCallsToRetry = 20;  // about a second
 void Recordings::enter_or_owe(std::function<core::Status()> entry) {
   core::Status entered;
   if (owed_.empty()) entered = entry();
-  complain(entered);
+  if (!entered && !is_written_again(entered.error())) complain(entered);
   if (entered && owed_.empty()) return;
   if (owed_.size() == kMostOwed) owed_.pop_front();
   owed_.push_back(std::move(entry));
 }
 
+/// Returns whether the catalogue is only busy, because an erasure writes it again: a retry in some seconds succeeds.
+bool Recordings::is_written_again(const core::Error& error) const {
+  return error.code == core::ErrorCode::Timeout && erasing_thread_.joinable();
+}
+
+tl::unexpected<core::Error> Recordings::written_again() {
+  return core::fail(core::ErrorCode::WrongState, "dtsd is writing its catalogue again, because a subject was erased",
+                    "try again in some seconds");
+}
+
+/// Replaces the error of a busy catalogue by one that says what to do.
+core::Status Recordings::explained(core::Status status) const {
+  if (status || !is_written_again(status.error())) return status;
+  return written_again();
+}
+
 void Recordings::enter_owed() {
   const bool is_owed = !owed_.empty() || !audit_problem_.empty();
   if (!is_owed || --calls_to_retry_ > 0) return;
+  enter_owed_now();
+}
+
+void Recordings::enter_owed_now() {
   calls_to_retry_ = kCallsToRetry;
   enter_owed_audit();
   while (!owed_.empty() && owed_.front()()) owed_.pop_front();
@@ -48,7 +68,7 @@ void Recordings::enter_audit(record::AuditEntry entry) {
   core::Status entered;
   if (audit_problem_.empty()) entered = append_audit(entry);
   if (entered && audit_problem_.empty()) return;
-  complain(entered);
+  if (!entered && !is_written_again(entered.error())) complain(entered);
   if (!entered) audit_problem_ = core::to_string(entered.error());
   if (owed_audit_.size() < kMostOwed) {
     owed_audit_.push_back(std::move(entry));

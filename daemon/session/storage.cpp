@@ -38,6 +38,12 @@ std::string catalogue_file(const StorageConfig& config) { return config.director
 
 std::string sessions_directory(const StorageConfig& config) { return config.directory + "/sessions"; }
 
+std::uint64_t size_of(const std::string& file) {
+  std::error_code unknown;
+  const auto size = std::filesystem::file_size(file, unknown);
+  return unknown ? 0 : size;
+}
+
 core::Status prepare_storage(const StorageConfig& config) {
   const std::string directory = sessions_directory(config);
   std::error_code error;

@@ -36,5 +36,7 @@ struct DiskView {
 [[nodiscard]] core::Status prepare_storage(const StorageConfig& config);
 [[nodiscard]] std::string catalogue_file(const StorageConfig& config);
 [[nodiscard]] std::string sessions_directory(const StorageConfig& config);
+/// Returns the size of a file; 0 if it is not known.
+[[nodiscard]] std::uint64_t size_of(const std::string& file);
 
 }  // namespace dts::session

@@ -158,7 +158,11 @@ std::string ErasedFolder::look() const {
   const auto recordings = session::Recordings::open(storage_in(state_), clock, core::Log());
   if (!recordings) return core::to_string(recordings.error());
   const record::Catalogue& catalogue = (*recordings)->catalogue();
-  if (fs::exists(state_ + "/erasure.json")) return "the erasure was not continued";
+  (*recordings)->start();
+  while (fs::exists(state_ + "/erasure.json")) {  // if it is not continued, the child exceeds its limit
+    static_cast<void>((*recordings)->take_finished());
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
   const auto subject = catalogue.sessions({.subject = kSubject, .shown = record::Shown::Both});
   const auto other = catalogue.session(other_session_);
   if (!subject || !other) return "the catalogue cannot be read";

@@ -87,7 +87,7 @@ TEST_F(EraseTest, Killed_TheSubjectIsCompleteOrGone) {
     kill_and_restart();
     client.join();
 
-    EXPECT_FALSE(has_journal());
+    EXPECT_TRUE(eventually([this] { return !has_journal(); }));
     std::set<std::string> expected{other};
     const bool is_gone = on_disk() == expected;
     gone += is_gone ? 1 : 0;

@@ -377,11 +377,18 @@ core::Result<std::vector<SessionRow>> Catalogue::sessions(const SessionFilter& f
 }
 
 core::Result<SessionRow> Catalogue::session(const std::string& id) const try {
+  DTS_TRY_ASSIGN(SessionRow session, session_texts(id));
+  session.parts = implementation_->parts_of(id);
+  session.trials = implementation_->trials_of(id);
+  return session;
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<SessionRow> Catalogue::session_texts(const std::string& id) const try {
   auto found = rows_of(implementation_->database.query(std::string(kSessionColumns) + "WHERE sessions.id = ?", id), read_session);
   if (found.empty()) return no_session(id);
   SessionRow session = std::move(found.front());
-  session.parts = implementation_->parts_of(id);
-  session.trials = implementation_->trials_of(id);
   session.corrections = implementation_->corrections_of(id);
   session.markers = implementation_->markers_of(id, {id, session.corrections});
   return session;
@@ -467,7 +474,7 @@ void Catalogue::wait_at_most(std::chrono::milliseconds time) const { implementat
 
 core::Result<bool> Catalogue::overwrite_removed(const std::string& file, const std::string& folder,
                                                 const std::function<bool()>& is_wanted) {
-  DTS_TRY_ASSIGN(const auto database, Database::open(file));
+  DTS_TRY_ASSIGN(const auto database, Database::open_again(file));
   try {
     database.wait_at_most(kLongestWait);
     database.interrupt_unless(is_wanted);
@@ -482,28 +489,39 @@ core::Result<bool> Catalogue::overwrite_removed(const std::string& file, const s
   }
 }
 
-core::Result<std::vector<std::string>> Catalogue::sessions_with(const std::string& text) const try {
+core::Result<std::vector<std::string>> Catalogue::sessions_with(const std::string& subject) const try {
   return rows_of(implementation_->database.query(
-                     "SELECT sessions.id FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id"
-                     " WHERE subjects.pseudonym = ?1 OR instr(sessions.label, ?1) > 0 OR"
+                     "SELECT sessions.id, COALESCE(sessions.corrected_subject, subjects.pseudonym, '') AS subject"
+                     " FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id"
+                     " WHERE subject <> ?1 AND (subjects.pseudonym = ?1 OR instr(sessions.label, ?1) > 0 OR"
                      " EXISTS (SELECT 1 FROM markers WHERE markers.session_id = sessions.id AND instr(text, ?1) > 0) OR"
                      " EXISTS (SELECT 1 FROM corrections"
                      " WHERE corrections.session_id = sessions.id AND"
-                     " (instr(old_value, ?1) > 0 OR instr(new_value, ?1) > 0 OR instr(reason, ?1) > 0)) ORDER BY sessions.id",
-                     text),
+                     " (instr(old_value, ?1) > 0 OR instr(new_value, ?1) > 0 OR instr(reason, ?1) > 0))) ORDER BY sessions.id",
+                     subject),
                  [](Statement& row) { return row.text(0); });
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
 }
 
-core::Result<std::vector<SubjectRow>> Catalogue::subjects() const try {
+core::Result<std::vector<SubjectRow>> Catalogue::subjects(const SubjectFilter& filter) const try {
   return rows_of(implementation_->database.query(
                      "SELECT COALESCE(sessions.corrected_subject, subjects.pseudonym, '') AS subject, count(*), sum(sessions.is_deleted),"
                      " min(sessions.started_utc_ns), max(sessions.started_utc_ns),"
                      " COALESCE(sum((SELECT sum(bytes) FROM parts WHERE parts.session_id = sessions.id)), 0)"
-                     " FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id GROUP BY subject HAVING subject <> ''"
-                     " ORDER BY subject"),
+                     " FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id"
+                     " WHERE subject <> '' AND (?1 = '' OR subject = ?1) GROUP BY subject ORDER BY subject LIMIT ?2",
+                     filter.subject, filter.limit),
                  read_subject);
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<std::size_t> Catalogue::count_subjects() const try {
+  auto row = implementation_->database.query(
+      "SELECT count(DISTINCT COALESCE(sessions.corrected_subject, subjects.pseudonym)) FROM sessions"
+      " LEFT JOIN subjects ON subjects.id = sessions.subject_id WHERE sessions.corrected_subject IS NOT ''");
+  return row.step() ? row.count(0) : 0;
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
 }

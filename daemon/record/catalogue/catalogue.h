@@ -160,6 +160,11 @@ struct SubjectRow {
   friend bool operator==(const SubjectRow&, const SubjectRow&) = default;
 };
 
+struct SubjectFilter {
+  std::string subject{};       ///< Empty: all.
+  std::size_t limit = 10'000;  ///< Most subjects to return.
+};
+
 /// The index of all recordings: an SQLite database (WAL, synchronous = FULL) in the state folder. If a file and the catalogue differ, the
 /// file is right. Everything except the audit trail can be rebuilt from the files. `open` migrates older schema versions and rejects newer
 /// ones. Thread: control.
@@ -217,14 +222,18 @@ class Catalogue {
   [[nodiscard]] static core::Result<bool> overwrite_removed(const std::string& file, const std::string& folder,
                                                             const std::function<bool()>& is_wanted);
 
-  [[nodiscard]] core::Result<std::vector<SubjectRow>> subjects() const;  ///< Sorted.
+  [[nodiscard]] core::Result<std::vector<SubjectRow>> subjects(const SubjectFilter& filter = {}) const;  ///< Sorted.
+  [[nodiscard]] core::Result<std::size_t> count_subjects() const;
   /// Returns the sessions that have corrections.
   [[nodiscard]] core::Result<std::vector<Corrections>> corrections() const;
   [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(
       const SessionFilter& filter) const;                                       ///< With parts and corrections, without trials and markers.
   [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;  ///< With all rows. Fails with NotFound.
-  /// Returns the IDs of all sessions whose recorded subject ID, recorded label, markers or corrections contain this text, sorted.
-  [[nodiscard]] core::Result<std::vector<std::string>> sessions_with(const std::string& text) const;
+  /// Returns a session without its parts and trials. Fails with NotFound.
+  [[nodiscard]] core::Result<SessionRow> session_texts(const std::string& id) const;
+  /// Returns the IDs of all sessions whose recorded subject ID, recorded label, markers or corrections contain this subject ID, sorted;
+  /// without the sessions of this subject.
+  [[nodiscard]] core::Result<std::vector<std::string>> sessions_with(const std::string& subject) const;
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
   /// Returns the newest attempt of each trial that has begun, in any part of the session.
   [[nodiscard]] core::Result<std::map<std::uint32_t, std::uint32_t>> newest_attempts(const std::string& session_id) const;

@@ -104,7 +104,10 @@ std::uint32_t Statement::count32(int column) const {
   return static_cast<std::uint32_t>(integer_in(column, 0, std::numeric_limits<std::uint32_t>::max()));
 }
 
-core::Result<Database> Database::open(const std::string& file) {
+core::Result<Database> Database::open(const std::string& file) { return open(file, false); }
+core::Result<Database> Database::open_again(const std::string& file) { return open(file, true); }
+
+core::Result<Database> Database::open(const std::string& file, bool is_checked) {
   DTS_TRY(create_private(file));
   std::error_code error;
   const auto path = std::filesystem::absolute(file, error);  // SQLite gives some relative names a special meaning, such as ":memory:"
@@ -112,7 +115,7 @@ core::Result<Database> Database::open(const std::string& file) {
   try {
     Database database(file, path);
     database.configure();
-    database.check();
+    if (!is_checked) database.check();
     return database;
   } catch (const SQLite::Exception& exception) {
     return error_of(file, exception);

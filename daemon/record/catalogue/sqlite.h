@@ -65,6 +65,8 @@ class Database {
  public:
   /// Opens or creates (mode 0640) a database. Fails with DataDamaged if it is damaged. Does not write to an existing file.
   [[nodiscard]] static core::Result<Database> open(const std::string& file);
+  /// Opens a further connection to a database that `open` has checked. The check reads the whole file.
+  [[nodiscard]] static core::Result<Database> open_again(const std::string& file);
 
   template <class... Values>
   [[nodiscard]] Statement query(const std::string& sql, const Values&... values) const {
@@ -95,6 +97,7 @@ class Database {
  private:
   friend class Transaction;
   Database(std::string file, const std::string& path);
+  [[nodiscard]] static core::Result<Database> open(const std::string& file, bool is_checked);
   void configure() const;
   void check() const;
 

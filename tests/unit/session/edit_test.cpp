@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <map>
+#include <thread>
 
 #include "record/recording.h"
 #include "session/correction_request.h"
@@ -73,6 +74,10 @@ class EditTest : public SupervisorTest {
     EXPECT_EQ(sqlite3_open((folder_ / "catalogue.sqlite").c_str(), &other), SQLITE_OK);
     EXPECT_EQ(sqlite3_exec(other, sql.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
     EXPECT_EQ(sqlite3_close(other), SQLITE_OK);
+  }
+  /// Returns whether no erasure is under way, or ends.
+  [[nodiscard]] bool is_completed() {
+    return eventually([this] { return !std::filesystem::exists(folder_ / "erasure.json"); });
   }
   [[nodiscard]] std::vector<record::AuditEntry> erasures_in_audit() {
     auto trail = recordings_->catalogue().audit(1000).value();
@@ -308,7 +313,8 @@ TEST_F(EditTest, AnErasedSubjectLeavesNothing) {
   EXPECT_EQ(recordings_->sessions_mentioning("P017")->unsearched, 0U);
   const Mentions bounded = recordings_->sessions_mentioning("P017", 1).value();
   EXPECT_THAT(bounded.sessions, ElementsAre(other));
-  EXPECT_EQ(bounded.unsearched, 2U) << "three sessions have the text";
+  EXPECT_EQ(bounded.unsearched, 0U) << "the subject's own sessions are not searched";
+  EXPECT_EQ(recordings_->sessions_mentioning("P017", 0)->unsearched, 1U);
 
   ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
   EXPECT_THAT(listed(), ElementsAre(other)) << "already";
@@ -340,7 +346,11 @@ TEST_F(EditTest, AnErasureThatACrashInterrupted_IsCompletedAtTheStart_Once) {
   const record::Erasure erasure{.subject = "P017", .who = kAnna, .utc_ns = 77, .sessions = {id}};
   ASSERT_TRUE(record::write_erasure(folder_.string(), erasure));  // the crash came right after this
 
-  start({Protocol{}, standing()});
+  open({Protocol{}, standing()});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "erasure.json")) << "writing the catalogue again must not delay the start";
+  EXPECT_THAT(listed(), ElementsAre(other));
+  run();
+  EXPECT_TRUE(is_completed());
 
   EXPECT_THAT(listed(), ElementsAre(other));
   EXPECT_THAT(files(), ElementsAre(other + ".xdf", other + ".xdf.idx"));
@@ -352,9 +362,11 @@ TEST_F(EditTest, AnErasureThatACrashInterrupted_IsCompletedAtTheStart_Once) {
     return entries;
   };
   EXPECT_EQ(count(), 1U);
+  EXPECT_THAT(log(), HasSubstr("a subject was erased: 1 session, 2 files"));
   end();
   ASSERT_TRUE(record::write_erasure(folder_.string(), erasure));  // or before the note was removed
   start({Protocol{}, standing()});
+  EXPECT_TRUE(is_completed());
   EXPECT_EQ(count(), 1U);
   EXPECT_TRUE(recordings_->catalogue().verify_audit());
 }
@@ -367,7 +379,7 @@ TEST_F(EditTest, AnErasureThatTheEndOfTheDaemonMeets_IsCompletedThenOrAtTheStart
   restart();
   EXPECT_THAT(listed(), ElementsAre(other));
   EXPECT_THAT(files(), ElementsAre(other + ".xdf", other + ".xdf.idx"));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+  EXPECT_TRUE(is_completed());
   const auto trail = recordings_->catalogue().audit(1000).value();
   EXPECT_EQ(std::ranges::count(trail, std::string("erase_subject"), &record::AuditEntry::what), 1);
 }
@@ -593,7 +605,7 @@ TEST_F(EditTest, AnErasureThatWasInterrupted_CleansCorrectionsOfADamagedCatalogu
   EXPECT_THAT(listed(), ElementsAre(other));
   EXPECT_EQ(row(other).notes, "as [erased]");
   EXPECT_EQ(record::read_corrections(corrections_file(other))->all, row(other).corrections);
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+  EXPECT_TRUE(is_completed());
 }
 
 TEST_F(EditTest, AnErasureIsNotForgotten_UntilItIsInTheAuditTrail) {
@@ -610,9 +622,108 @@ TEST_F(EditTest, AnErasureIsNotForgotten_UntilItIsInTheAuditTrail) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "erasure.json"));
   change_catalogue("DROP TRIGGER full");
   restart();
+  EXPECT_TRUE(is_completed());
   ASSERT_EQ(erasures_in_audit().size(), 1U);
   EXPECT_EQ(erasures_in_audit()[0].target + " " + erasures_in_audit()[0].who, "1 session local:anna");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "erasure.json"));
+}
+
+/// Reads the catalogue from its construction to its end. An erasure waits 1 s for it, and nothing can be written meanwhile.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& folder) {
+    EXPECT_EQ(sqlite3_open((folder / "catalogue.sqlite").c_str(), &database_), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(database_, "BEGIN; SELECT count(*) FROM sessions", nullptr, nullptr, nullptr), SQLITE_OK);
+  }
+  ~Reader() { sqlite3_close(database_); }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+ private:
+  sqlite3* database_ = nullptr;
+};
+
+TEST_F(EditTest, WhileTheCatalogueIsWrittenAgain_ErrorsSayWhatToDo) {
+  start({Protocol{}, standing()});
+  const std::string other = brief("P018");
+  static_cast<void>(brief("P017"));
+  static_cast<void>(log());
+  const std::string busy = "dtsd is writing its catalogue again, because a subject was erased; try again in some seconds";
+  {
+    const Reader reader(folder_);
+    ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+    core::Result<record::SessionRow> corrected;
+    for (int number = 0; (number == 0 || corrected) && number < 900; ++number) {
+      corrected = supervisor_->correct_session({.session_id = other, .notes = std::to_string(number), .reason = "r"}, kAnna);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_EQ(why_refused(corrected), busy);
+    EXPECT_EQ(why_refused(supervisor_->start_session("floor", {})), busy);
+    recordings_->enter_audit({.utc_ns = 1, .who = "local", .what = "mark", .target = "floor", .result = "ok"});
+    recordings_->enter_attempt(other, 1, 1);
+    EXPECT_EQ(why_refused(supervisor_->delete_session(other, "r", false, kAnna)), busy) << "an entry waits";
+  }
+  ASSERT_TRUE(erased());
+  EXPECT_TRUE(supervisor_->delete_session(other, "r", false, kAnna)) << "nothing waits any more";
+  EXPECT_EQ(log().find("catalogue:"), std::string::npos) << "entries that only wait are no errors";
+}
+
+TEST_F(EditTest, DuringAnErasure_OtherErrorsOfTheCatalogueStay) {
+  start({Protocol{}, standing()});
+  const std::string other = brief("P018");
+  static_cast<void>(brief("P017"));
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  ASSERT_TRUE(std::filesystem::exists(folder_ / "catalogue.sqlite-wal"));
+  while (std::filesystem::file_size(folder_ / "catalogue.sqlite-wal") > 0) std::this_thread::yield();  // the last step of its thread
+  EXPECT_THAT(
+      why_refused(recordings_->begin(rig(), {.session_id = other, .part = 2, .rig = "floor", .protocol = "free", .subject = "P019"})),
+      HasSubstr("is known with another rig, protocol or subject"));
+}
+
+TEST_F(EditTest, EntriesThatWaitForAnErasure_AreMadeBeforeTheEnd) {
+  start({Protocol{}, standing()});
+  const std::string other = brief("P018");
+  static_cast<void>(brief("P017"));
+  {
+    const Reader reader(folder_);
+    ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+    for (std::int64_t number = 1; recordings_->audit_problem().empty() && number < 1000; ++number) {
+      recordings_->enter_audit({.utc_ns = number, .who = "local", .what = "mark", .target = std::to_string(number), .result = "ok"});
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    ASSERT_NE(recordings_->audit_problem(), "");
+    recordings_->enter_attempt(other, 3, 2);
+    supervisor_->tick();  // retries, in vain
+    supervisor_->stop();
+  }
+  EXPECT_EQ(recordings_->catalogue().newest_attempts(other).value(), (std::map<std::uint32_t, std::uint32_t>{{3, 2}}));
+  const auto trail = recordings_->catalogue().audit(1000).value();
+  ASSERT_GE(trail.size(), 2U);
+  EXPECT_EQ(trail.back().what, "stop");
+  EXPECT_EQ(trail[trail.size() - 2].what, "mark");
+  EXPECT_EQ(log().find("entries of the audit trail are lost"), std::string::npos);
+}
+
+TEST_F(EditTest, AnErasureWithoutRoomForTheCatalogue_IsCompletedWhenThereIsRoom) {
+  start({Protocol{}, standing()});
+  static_cast<void>(brief("P017"));
+  end();
+  storage_.stop_below_mib = 1e12;
+  start({Protocol{}, standing()});
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  std::optional<core::Result<record::Erased>> done;
+  ASSERT_TRUE(eventually([&] {
+    done = recordings_->take_erased();
+    return done.has_value();
+  }));
+  EXPECT_THAT(why_refused(*done, core::ErrorCode::LimitExceeded), HasSubstr("MB of free space"));
+  EXPECT_THAT(files(), IsEmpty()) << "removed anyway: this makes room";
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "erasure.json"));
+  end();
+  storage_.stop_below_mib = 0.0;
+  start({Protocol{}, standing()});
+  EXPECT_TRUE(is_completed());
+  EXPECT_EQ(erasures_in_audit().size(), 1U);
 }
 
 TEST_F(EditTest, NotesAndReasonsFollowTheRuleOfLabels) {

@@ -218,6 +218,13 @@ TEST_F(CorrectionsTest, SubjectsAreCountedWithTheirCorrectedIds) {
   EXPECT_EQ(subjects[0], (SubjectRow{.subject = "A1", .sessions = 1, .first_utc_ns = 1000, .last_utc_ns = 1000}));
   EXPECT_EQ(subjects[1].sessions, 2U);
   EXPECT_EQ(subjects[1].deleted_sessions, 1U);
+  EXPECT_EQ(catalogue().count_subjects().value(), 2U);
+  EXPECT_EQ(catalogue().subjects({.limit = 1}).value(), std::vector{subjects[0]});
+  EXPECT_EQ(catalogue().subjects({.subject = "P017", .limit = 1}).value(), std::vector{subjects[1]});
+  EXPECT_TRUE(catalogue().subjects({.subject = "P018"})->empty());
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Subject, "P017", "")})));
+  EXPECT_EQ(catalogue().count_subjects().value(), 1U) << "a session without a subject";
+  EXPECT_EQ(catalogue().subjects()->size(), 1U);
 }
 
 TEST_F(CorrectionsTest, ErasedRowsAreNotEvenInTheBytesOfTheDatabase) {
@@ -288,8 +295,22 @@ TEST_F(CorrectionsTest, SessionsAreFoundByTheirTexts) {
   add_session("s3");
   ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Notes, "", "as X9%")}, "s2")));
   EXPECT_EQ(catalogue().sessions_with("X9").value(), std::vector<std::string>{"s2"});
-  EXPECT_EQ(catalogue().sessions_with("P017").value(), (std::vector<std::string>{"s1", "s2", "s3"})) << "the recorded subject ID";
+  EXPECT_TRUE(catalogue().sessions_with("P017")->empty()) << "the sessions of this subject";
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Subject, "P017", "P1")}, "s3")));
+  EXPECT_EQ(catalogue().sessions_with("P017").value(), std::vector<std::string>{"s3"}) << "the recorded subject ID";
   EXPECT_TRUE(catalogue().sessions_with("%").value() == std::vector<std::string>{"s2"}) << "no pattern";
+}
+
+TEST_F(CorrectionsTest, TheTextsOfASessionAreReadWithoutItsTrials) {
+  add_session();
+  ASSERT_TRUE(catalogue().put_marker({.session_id = "s1", .text = "cough"}));
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Label, "", "eyes closed")})));
+  SessionRow expected = catalogue().session("s1").value();
+  ASSERT_FALSE(expected.trials.empty() || expected.parts.empty());
+  expected.trials.clear();
+  expected.parts.clear();
+  EXPECT_EQ(catalogue().session_texts("s1").value(), expected);
+  EXPECT_EQ(code(catalogue().session_texts("s2")), core::ErrorCode::NotFound);
 }
 
 TEST_F(CorrectionsTest, ResultsAreReplacedAsAWhole) {

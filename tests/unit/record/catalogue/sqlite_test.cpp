@@ -122,6 +122,18 @@ TEST_F(CatalogueFile, DamagedPages_AreNeverTakenForGood) {
   EXPECT_EQ(static_cast<std::size_t>(noticed), good.size() / 4096 - 1);
 }
 
+TEST_F(CatalogueFile, OverwritingIsInterrupted_BeforeAllPagesAreRead) {
+  for (int index = 0; index < 200; ++index) {
+    ASSERT_TRUE(catalogue().begin_part(catalogue_test::facts("s" + std::to_string(index)), std::string(200, 'f')));
+  }
+  close();
+  std::string bad = bytes();
+  bad.replace(bad.size() - 4096, 64, 64, '\x5a');
+  write(bad);
+  ASSERT_EQ(code(Database::open(path())), core::ErrorCode::DataDamaged);
+  EXPECT_THAT(what(Catalogue::overwrite_removed(path(), folder_, [] { return false; })), HasSubstr("interrupted"));
+}
+
 TEST_F(CatalogueFile, CutOff_IsDamaged) {
   for (int index = 0; index < 50; ++index) ASSERT_TRUE(catalogue().begin_part(catalogue_test::facts("s" + std::to_string(index)), "f"));
   close();

@@ -100,6 +100,7 @@ int run_session_edit(const Arguments& arguments, cli::Console& console) {
   if (edit.notes) request.set_notes(*edit.notes);
   request.set_trial(edit.trial);
   request.set_attempt(edit.attempt);
+  request.set_part(edit.part);
   request.set_outcome(edit.outcome);
   request.set_marker(edit.marker);
   if (edit.marker > 0) request.set_marker_text(edit.text.value_or(""));

@@ -33,6 +33,7 @@ struct EditArguments {
   std::optional<std::string> notes;
   std::uint32_t trial = 0;
   std::uint32_t attempt = 0;  ///< 0: the newest.
+  std::uint32_t part = 0;     ///< 0: the newest; with `attempt`, the only one that has it.
   std::string outcome;
   std::uint32_t marker = 0;         ///< 0: no marker.
   std::optional<std::string> text;  ///< Of the marker.

@@ -167,6 +167,10 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
       ->option_text("N")
       ->check(whole_number_between(1, 1'000'000))
       ->needs(trial);
+  edit->add_option("--part", wishes.part, "Its part, if several parts have this attempt of the trial")
+      ->option_text("N")
+      ->check(whole_number_between(1, 1'000'000))
+      ->needs(trial);
   CLI::Option* outcome = edit->add_option("--outcome", wishes.outcome, "Correct outcome: done, redone, rejected or aborted")
                              ->option_text("NAME")
                              ->check(CLI::IsMember({"done", "redone", "rejected", "aborted"}))

@@ -28,6 +28,7 @@ dts::v1::Response CommandHandler::correct_session(const dts::v1::CorrectSessionR
                                                     .notes = given(request.has_notes(), request.notes()),
                                                     .trial = request.trial(),
                                                     .attempt = request.attempt(),
+                                                    .part = request.part(),
                                                     .outcome = request.outcome(),
                                                     .marker = request.marker(),
                                                     .marker_text = given(request.has_marker_text(), request.marker_text()),

@@ -21,16 +21,36 @@ void add_if_changed(std::vector<Correction>& corrections, CorrectedField field, 
     corrections.push_back({.who = {}, .field = field, .old_value = before, .new_value = *wanted, .reason = {}});
 }
 
+/// Fails if several parts have the attempt: sessions of earlier builds counted the attempts of each part from 1.
+core::Status check_unique(const record::SessionRow& session, const record::TrialRow& wanted) {
+  std::string parts;
+  for (const record::TrialRow& trial : session.trials) {
+    if (trial.trial != wanted.trial || trial.attempt != wanted.attempt || trial.part == wanted.part) continue;
+    parts += (parts.empty() ? "" : ", ") + std::to_string(trial.part);
+  }
+  if (parts.empty()) return {};
+  const std::string which = "--trial " + std::to_string(wanted.trial) + " --attempt " + std::to_string(wanted.attempt);
+  return core::fail(ErrorCode::InvalidArgument,
+                    "parts " + parts + " and " + std::to_string(wanted.part) + " of session " + session.id + " have attempt " +
+                        std::to_string(wanted.attempt) + " of trial " + std::to_string(wanted.trial),
+                    "name its part: dtsctl session edit " + session.id + " " + which + " --part " + std::to_string(wanted.part));
+}
+
 /// Returns the attempt that the request means.
 core::Result<const record::TrialRow*> find_trial(const record::SessionRow& session, const CorrectionRequest& request) {
   const record::TrialRow* found = nullptr;  // the rows are sorted by part, trial and attempt: the last one is the newest
   for (const record::TrialRow& trial : session.trials) {
-    const bool is_meant = trial.trial == request.trial && (request.attempt == 0 || trial.attempt == request.attempt);
+    const bool is_meant = trial.trial == request.trial && (request.attempt == 0 || trial.attempt == request.attempt) &&
+                          (request.part == 0 || trial.part == request.part);
     if (is_meant) found = &trial;
   }
-  if (found != nullptr) return found;
+  if (found != nullptr) {
+    if (request.attempt > 0 && request.part == 0) DTS_TRY(check_unique(session, *found));
+    return found;
+  }
   const std::string attempt = request.attempt > 0 ? "attempt " + std::to_string(request.attempt) + " of " : "";
-  return core::fail(ErrorCode::NotFound, "session " + session.id + " has no " + attempt + "trial " + std::to_string(request.trial),
+  const std::string part = request.part > 0 ? " in part " + std::to_string(request.part) : "";
+  return core::fail(ErrorCode::NotFound, "session " + session.id + " has no " + attempt + "trial " + std::to_string(request.trial) + part,
                     "see its trials: dtsctl session show " + session.id);
 }
 
@@ -44,9 +64,10 @@ core::Status check_done(const record::SessionRow& session, const record::TrialRo
   for (const record::TrialRow& trial : session.trials) {
     const bool is_other = &trial != &wanted && trial.trial == wanted.trial;
     if (!is_other || trial.outcome != "done") continue;
-    return core::fail(ErrorCode::WrongState,
-                      which + " cannot be done, because attempt " + std::to_string(trial.attempt) + " is done: a trial is valid once",
-                      "first correct attempt " + std::to_string(trial.attempt) + " to redone");
+    const std::string other =
+        "attempt " + std::to_string(trial.attempt) + (trial.part == wanted.part ? "" : " of part " + std::to_string(trial.part));
+    return core::fail(ErrorCode::WrongState, which + " cannot be done, because " + other + " is done: a trial is valid once",
+                      "first correct " + other + " to redone");
   }
   return {};
 }

@@ -100,7 +100,7 @@ core::Status Recordings::enter_interrupted() {
   if (rebuilt.added > 0) log_.info(std::to_string(rebuilt.added) + " recordings entered into the catalogue");
   sum_up_corrected();  // the last daemon may have ended between corrections and results
   end_continued_erasure();
-  if (rebuilt.read_again > 0) log_.info(std::to_string(rebuilt.read_again) + " recordings read again for their lost scans");
+  if (rebuilt.read_again > 0) log_.info(std::to_string(rebuilt.read_again) + " recordings read again for what the catalogue lacked");
   DTS_TRY_ASSIGN(auto sessions, catalogue_->sessions({.limit = 10'000, .shown = record::Shown::Both}));
   for (record::SessionRow& session : sessions) end_left_running(session);
   find_resumable(sessions);

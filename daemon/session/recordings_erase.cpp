@@ -50,12 +50,14 @@ bool remove_mention(record::Correction& correction, const std::string& subject) 
   return is_changed;
 }
 
-/// Returns the marker that was recorded with the subject ID in its text; nullptr if there is none.
-const record::MarkerRow* marker_with(const record::SessionRow& session, const std::string& subject) {
-  const auto found = std::ranges::find_if(session.markers, [&](const record::MarkerRow& marker) {
-    return record::without_mention(marker.recorded_text.empty() ? marker.text : marker.recorded_text, subject).has_value();
-  });
-  return found == session.markers.end() ? nullptr : &*found;
+/// Returns the numbers within the session of the markers that were recorded with the subject ID in their text and were not removed.
+std::vector<std::size_t> markers_with(const record::SessionRow& session, const std::string& subject) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t index = 0; index < session.markers.size(); ++index) {
+    const record::MarkerRow& marker = session.markers[index];
+    if (record::without_mention(marker.recorded_text.empty() ? marker.text : marker.recorded_text, subject)) numbers.push_back(index + 1);
+  }
+  return numbers;
 }
 
 /// Returns whether a session was recorded with this subject ID, or had it.
@@ -75,7 +77,7 @@ core::Result<Mentions> Recordings::sessions_mentioning(const std::string& subjec
   for (const std::string& id : std::span(candidates).first(searched)) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session_texts(id));
     const bool is_recorded = session.recorded_subject == subject || record::without_mention(session.recorded_label, subject) ||
-                             marker_with(session, subject) != nullptr;
+                             !markers_with(session, subject).empty();
     const bool is_corrected =
         std::ranges::any_of(session.corrections, [&](record::Correction one) { return remove_mention(one, subject); });
     if (is_recorded || is_corrected) found.sessions.push_back(id);
@@ -137,9 +139,13 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
                           " --subject ID --reason TEXT), then erase that ID");
     } else if (record::without_mention(session.recorded_label, erasure.subject)) {
       unerased_.push_back("the recordings of session " + id + " have this subject ID in their label");
-    } else if (marker_with(session, erasure.subject) != nullptr) {
-      unerased_.push_back("the recordings of session " + id + " have this subject ID in a marker: correct it (dtsctl session edit " + id +
-                          " --marker N --text TEXT --reason TEXT), so that lists and exports do not show it");
+    }
+    if (const auto markers = markers_with(session, erasure.subject); !markers.empty()) {
+      const std::string number = std::to_string(markers.front());
+      const std::string more = markers.size() > 1 ? " and in " + std::to_string(markers.size() - 1) + " more" : "";
+      unerased_.push_back("the recordings of session " + id + " have this subject ID in marker " + number + more +
+                          ": remove the text (dtsctl session edit " + id + " --marker " + number +
+                          " --remove --reason TEXT), so that lists and exports do not show it; the recordings keep it");
     }
     record::Corrections cleaned{.session_id = id, .all = session.corrections};
     bool is_changed = false;

@@ -127,7 +127,7 @@ void Catalogue::Implementation::enter_part(const SessionFacts& facts, const std:
   if (!facts.calibration_id.empty()) put_calibration(facts.calibration_id, facts.rig, "cop", facts.rig_definition);
   database.run(
       "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns,"
-      " calibration_id, losses) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?, '')",
+      " calibration_id, losses, has_events) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?, '', 1)",
       facts.session_id, facts.part, file, static_cast<int>(PartState::Recording), facts.started_utc_ns, facts.calibration_id);
 }
 
@@ -240,7 +240,10 @@ core::Status Catalogue::begin_attempt(const std::string& session_id, std::uint32
   const Database& database = implementation_->database;
   Transaction transaction(database);
   if (!database.query("SELECT 1 FROM sessions WHERE id = ?", session_id).step()) return no_session(session_id);
-  database.run("INSERT OR REPLACE INTO begun_attempts (session_id, trial, newest) VALUES (?, ?, ?)", session_id, trial, attempt);
+  database.run(
+      "INSERT INTO begun_attempts (session_id, trial, newest) VALUES (?, ?, ?)"
+      " ON CONFLICT (session_id, trial) DO UPDATE SET newest = max(newest, excluded.newest)",
+      session_id, trial, attempt);
   transaction.commit();
   return {};
 } catch (const SQLite::Exception& exception) {
@@ -332,18 +335,12 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
   if (!implementation_->has_part(found.facts.session_id, found.facts.part)) done = begin_part(found.facts, found.part.file);
   if (done) done = update_part(found.part);
   if (done) {
-    for (const char* table : {"trials", "markers"}) {
-      implementation_->database.run(std::string("DELETE FROM ") + table + " WHERE session_id = ? AND part = ?", found.part.session_id,
-                                    found.part.part);
-    }
-  }
-  for (const MarkerRow& marker : found.markers) {
-    if (done) done = put_marker(marker);
+    implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ?", found.part.session_id, found.part.part);
   }
   for (const TrialRow& trial : found.trials) {
     if (done) done = put_trial(trial);
   }
-  if (done) implementation_->apply({found.part.session_id, implementation_->corrections_of(found.part.session_id)});
+  if (done) done = enter_events(found);
   for (const ResultRow& result : found.results) {
     if (done) done = put_result(result);  // results belong to the session, not to a part
   }
@@ -354,6 +351,22 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
   }
   if (done) transaction.commit();
   return done;
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Status Catalogue::enter_events(const FoundRecording& found) try {
+  const std::string& id = found.part.session_id;
+  const Database& database = implementation_->database;
+  Transaction transaction(database);
+  database.run("UPDATE parts SET has_events = 1 WHERE session_id = ? AND part = ?", id, found.part.part);
+  if (database.changes() == 0) return no_part(id, found.part.part);
+  database.run("DELETE FROM markers WHERE session_id = ? AND part = ?", id, found.part.part);
+  for (const MarkerRow& marker : found.markers) DTS_TRY(put_marker(marker));
+  for (const auto& [trial, attempt] : found.begun_attempts) DTS_TRY(begin_attempt(id, trial, attempt));
+  implementation_->apply({id, implementation_->corrections_of(id)});
+  transaction.commit();
+  return {};
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
 }
@@ -414,6 +427,15 @@ core::Result<std::vector<PartRow>> Catalogue::unfinished_parts() const try {
 
 core::Result<std::vector<PartRow>> Catalogue::parts() const try {
   return rows_of(implementation_->database.query(std::string(kPartColumns) + "ORDER BY session_id, part"), read_part);
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Result<std::set<std::pair<std::string, std::uint32_t>>> Catalogue::parts_without_events() const try {
+  auto rows = implementation_->database.query("SELECT session_id, part FROM parts WHERE has_events = 0");
+  std::set<std::pair<std::string, std::uint32_t>> parts;
+  while (rows.step()) parts.emplace(rows.text(0), rows.count32(1));
+  return parts;
 } catch (const SQLite::Exception& exception) {
   return implementation_->database.failure(exception);
 }

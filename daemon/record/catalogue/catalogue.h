@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -134,7 +135,8 @@ struct FoundRecording {
   std::vector<TrialRow> trials{};
   std::vector<ResultRow> results{};
   std::vector<MarkerRow> markers{};
-  std::string session_state;  ///< State of the session if this is its newest part.
+  std::map<std::uint32_t, std::uint32_t> begun_attempts{};  ///< Newest attempt of each trial that has begun.
+  std::string session_state;                                ///< State of the session if this is its newest part.
   std::int64_t ended_utc_ns = 0;
 };
 
@@ -188,7 +190,8 @@ class Catalogue {
   [[nodiscard]] core::Status update_part(const PartRow& part);
   /// Ends a session. Fails with NotFound if there is no such session, and with InvalidArgument if `state` is not the state of an ended one.
   [[nodiscard]] core::Status end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
-  /// Notes that an attempt has begun: its number is not used again, however it ends. Fails with NotFound if there is no such session.
+  /// Notes that this attempt and all before it have begun: their numbers are not used again, however the attempts end. Fails with NotFound
+  /// if there is no such session.
   [[nodiscard]] core::Status begin_attempt(const std::string& session_id, std::uint32_t trial, std::uint32_t attempt);
   /// Adds a trial, or replaces the row of the same trial and attempt. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status put_trial(const TrialRow& trial);
@@ -204,6 +207,9 @@ class Catalogue {
   /// Adds a recording completely or not at all. If the part is known, replaces its row, its trials and its markers by those of the file.
   /// Changes the session's state only if this part is newer than all known parts. The corrections of the session stay.
   [[nodiscard]] core::Status enter(const FoundRecording& found);
+  /// Replaces the markers of a known part and adds its attempts, completely or not at all; ignores the other rows. Fails with NotFound if
+  /// there is no such part.
+  [[nodiscard]] core::Status enter_events(const FoundRecording& found);
 
   /// Replaces all corrections of a session, sets its values accordingly and replaces its results if some are given, completely or not at
   /// all. A text that a correction removed is not kept. Fails with NotFound if there is no such session, and like `set_results`.
@@ -240,6 +246,8 @@ class Catalogue {
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;
   [[nodiscard]] core::Result<std::vector<PartRow>> parts() const;  ///< All, sorted by session ID.
+  /// Returns the session ID and the number of the parts whose markers and attempts are not entered: an older version added them.
+  [[nodiscard]] core::Result<std::set<std::pair<std::string, std::uint32_t>>> parts_without_events() const;
 
   /// Appends an entry. Sets `number` and `hash`; cuts texts longer than 1 KiB.
   [[nodiscard]] core::Status append_audit(AuditEntry entry);
@@ -265,15 +273,15 @@ struct Rebuilt {
   std::size_t added = 0;                ///< Parts that the catalogue did not know.
   std::size_t missing = 0;              ///< Parts whose file does not exist any more.
   std::vector<std::string> unreadable;  ///< "file: why"
-  std::size_t read_again = 0;           ///< Parts whose losses the catalogue did not know.
+  std::size_t read_again = 0;           ///< Parts whose losses, markers or attempts the catalogue did not know.
   std::size_t found_again = 0;          ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
 };
 /// Adds every recording (*.xdf, *.xdf.part) in `folder` and its subfolders that the catalogue does not know, with its trials. Marks parts
 /// whose file does not exist any more as Missing. Identifies a recording by the facts in its header, not by its file name. If one part has
 /// several files, uses the closed one, or else the repaired copy. Adds a recording without footers as Interrupted. Reads the headers of
-/// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Then reads the
-/// corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added. A file
-/// elsewhere (a copied folder) counts only if it is longer than all of these. Writes a file that is missing; a failure is listed in
+/// files whose path the catalogue does not know, and the whole file if it adds the recording or lacks its losses, markers or attempts. Then
+/// reads the corrections beside the recordings: if file and catalogue differ, the longer list is right, because corrections are only added.
+/// A file elsewhere (a copied folder) counts only if it is longer than all of these. Writes a file that is missing; a failure is listed in
 /// `unreadable`. Removes files of corrections that a crash left unfinished. Fails with NotFound, and marks no part, if the folder does not
 /// exist.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);

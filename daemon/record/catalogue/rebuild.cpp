@@ -98,22 +98,39 @@ std::int64_t end_of(const PartRow& part) {
   return is_sane ? part.started_utc_ns + std::llround(part.duration_s * 1e9) : part.started_utc_ns;
 }
 
-core::Result<FoundRecording> read_whole(const std::string& file, const SessionFacts& facts) {
-  DTS_TRY_ASSIGN(auto recording, Recording::open(file));
-  TrialCollector trials(recording->find_stream("raw"));
-  bool is_aborted = false;
+/// Returns what the events of a recording say. Sets the names of the part in all rows, and no other field of it.
+FoundRecording collect(Recording& recording, const std::string& session_id, std::uint32_t part) {
+  TrialCollector trials(recording.find_stream("raw"));
+  FoundRecording found;
   while (true) {
-    const auto item = recording->next();
+    const auto item = recording.next();
     if (!item || !*item) break;  // `verify` reports what cannot be read
     trials.add(**item);
     const auto* timed = std::get_if<TimedEvent>(&**item);
-    if (timed != nullptr && timed->event.has_session()) is_aborted = timed->event.session().is_aborted();
+    if (timed != nullptr && timed->event.has_session()) found.session_state = timed->event.session().is_aborted() ? "aborted" : "";
   }
-  FoundRecording found;
-  found.facts = facts;
+  found.part.session_id = session_id;
+  found.part.part = part;
   found.trials = trials.rows();
-  found.part.session_id = facts.session_id;
-  found.part.part = facts.part;
+  for (TrialRow& trial : found.trials) {
+    trial.session_id = session_id;
+    trial.part = part;
+  }
+  found.markers = trials.markers();
+  for (MarkerRow& marker : found.markers) {
+    marker.session_id = session_id;
+    marker.part = part;
+  }
+  found.results = trials.session_results();
+  for (ResultRow& result : found.results) result.session_id = session_id;
+  found.begun_attempts = trials.begun_attempts();
+  return found;
+}
+
+core::Result<FoundRecording> read_whole(const std::string& file, const SessionFacts& facts) {
+  DTS_TRY_ASSIGN(auto recording, Recording::open(file));
+  FoundRecording found = collect(*recording, facts.session_id, facts.part);
+  found.facts = facts;
   found.part.file = file;
   found.part.started_utc_ns = facts.started_utc_ns;
   found.part.losses = recording->losses();
@@ -123,24 +140,13 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   } else {
     set_damaged(verified.error(), *recording, found.part);
   }
-  for (TrialRow& trial : found.trials) {
-    trial.session_id = facts.session_id;
-    trial.part = facts.part;
-  }
-  found.markers = trials.markers();
-  for (MarkerRow& marker : found.markers) {
-    marker.session_id = facts.session_id;
-    marker.part = facts.part;
-  }
-  found.results = trials.session_results();
-  for (ResultRow& result : found.results) result.session_id = facts.session_id;
-  found.session_state = session_state(found.part.state, is_aborted);
+  found.session_state = session_state(found.part.state, found.session_state == "aborted");
   found.ended_utc_ns = end_of(found.part);
   return found;
 }
 
 /// Returns true if the part is closed but its losses are not known.
-bool is_to_be_read_again(const PartRow& part) {
+bool lacks_losses(const PartRow& part) {
   const bool is_whole = part.state == PartState::Complete || part.state == PartState::Incomplete || part.state == PartState::Recovered;
   return is_whole && !part.losses;
 }
@@ -154,7 +160,7 @@ class Rebuild {
     }
   }
 
-  [[nodiscard]] core::Status fill_in_losses();
+  [[nodiscard]] core::Status fill_in();
   [[nodiscard]] core::Status consider(const std::string& file);
   [[nodiscard]] core::Status mark_missing();
   [[nodiscard]] core::Status read_corrections_in(const std::vector<std::string>& files);
@@ -178,15 +184,20 @@ class Rebuild {
   Rebuilt result_;
 };
 
-/// Reads unknown losses from the files. They stay unknown if the file cannot be read.
-core::Status Rebuild::fill_in_losses() {
+/// Reads from the files what the catalogue lacks: losses, markers and attempts. They stay unknown if the file cannot be read.
+core::Status Rebuild::fill_in() {
+  DTS_TRY_ASSIGN(const auto without_events, catalogue_.parts_without_events());
   for (auto& [key, part] : parts_) {
-    if (!is_to_be_read_again(part)) continue;
+    const bool lacks_events = without_events.contains(key) && part.state != PartState::Recording && part.state != PartState::Missing;
+    if (!lacks_losses(part) && !lacks_events) continue;
     const auto recording = Recording::open(part.file);
     if (!recording) continue;
-    part.losses = (*recording)->losses();
-    part.duration_s = (*recording)->duration_s();
-    DTS_TRY(catalogue_.update_part(part));
+    if (lacks_losses(part)) {
+      part.losses = (*recording)->losses();
+      part.duration_s = (*recording)->duration_s();
+      DTS_TRY(catalogue_.update_part(part));
+    }
+    if (lacks_events) DTS_TRY(catalogue_.enter_events(collect(**recording, part.session_id, part.part)));
     ++result_.read_again;
   }
   return {};
@@ -335,7 +346,7 @@ core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
   }
   DTS_TRY_ASSIGN(auto known, catalogue.parts());
   Rebuild rebuilding(catalogue, std::move(known));
-  DTS_TRY(rebuilding.fill_in_losses());
+  DTS_TRY(rebuilding.fill_in());
   for (const std::string& file : files.recordings) {
     DTS_TRY(rebuilding.consider(file));
   }

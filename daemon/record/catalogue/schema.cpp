@@ -153,7 +153,7 @@ ALTER TABLE trials ADD COLUMN is_valid INTEGER CHECK (is_valid IN (0, 1));
 )sql";
 
 /// The newest attempt of each trial that has begun: also one that is under way, or that an undo took back. Rows of `trials` are attempts
-/// that have ended. Markers, and their corrections.
+/// that have ended. Markers, and their corrections. `rebuild` reads the recordings of earlier parts again for the attempts and the markers.
 constexpr const char* kVersion9 = R"sql(
 CREATE TABLE begun_attempts (
   session_id TEXT NOT NULL REFERENCES sessions (id),
@@ -194,6 +194,8 @@ CREATE TABLE corrections (
 INSERT INTO corrections SELECT session_id, number, utc_ns, who, field, part, trial, attempt, 0, old_value, new_value, reason
   FROM corrections_before;
 DROP TABLE corrections_before;
+
+ALTER TABLE parts ADD COLUMN has_events INTEGER NOT NULL DEFAULT 0 CHECK (has_events IN (0, 1));  -- attempts and markers are entered
 )sql";
 
 constexpr std::array<const char*, 9> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5,

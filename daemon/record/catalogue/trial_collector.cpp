@@ -87,6 +87,8 @@ void TrialCollector::add_step(const v1::Event& event) {
     row.trial = change.trial();
     row.attempt = change.attempt();
     begin(event, row);
+    std::uint32_t& newest = begun_attempts_[change.trial()];
+    newest = std::max(newest, change.attempt());
   }
   const bool was_done = done_.contains({change.trial(), change.attempt()});
   if (change.step() == v1::TRIAL_EVENT_KIND_DONE) done_.insert({change.trial(), change.attempt()});

@@ -25,6 +25,8 @@ class TrialCollector {
   void add(const RecordedItem& item);
   /// Returns the rows, sorted by trial and attempt. The caller sets `session_id` and `part`.
   [[nodiscard]] std::vector<TrialRow> rows() const;
+  /// Returns the newest attempt of each trial that has begun, also one that an undo took back.
+  [[nodiscard]] const std::map<std::uint32_t, std::uint32_t>& begun_attempts() const { return begun_attempts_; }
   /// Returns the markers in the order of the recording. The caller sets `session_id` and `part`.
   [[nodiscard]] std::vector<MarkerRow> markers() const { return markers_; }
   /// Returns the results of the whole session. The caller sets `session_id`.
@@ -42,6 +44,7 @@ class TrialCollector {
   Place newest_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt. Empty outcome: the trial has not ended.
   std::set<std::pair<std::uint32_t, std::uint32_t>> done_;            ///< Trial and attempt, also if they were redone or rejected later.
+  std::map<std::uint32_t, std::uint32_t> begun_attempts_;             ///< Newest attempt by trial.
   std::map<std::string, ResultRow> session_results_;
   std::vector<MarkerRow> markers_;
 };

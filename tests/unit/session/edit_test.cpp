@@ -207,13 +207,51 @@ TEST_F(EditTest, AnErasureReportsMarkersOfOtherSessionsWithTheSubject) {
   start({Protocol{}, standing()});
   static_cast<void>(brief("P071"));
   const std::string other = record(kBlock, {.subject = "P018"});
-  ASSERT_TRUE(supervisor_->mark("", "P071 came in"));
+  for (const char* text : {"cough", "P071 came in", "P071 left"}) ASSERT_TRUE(supervisor_->mark("", text));
   ASSERT_TRUE(stop());
   EXPECT_THAT(recordings_->sessions_mentioning("P071")->sessions, ElementsAre(other));
   ASSERT_TRUE(supervisor_->erase_subject("P071", kAnna));
   const auto removed = erased();
   ASSERT_TRUE(removed);
-  EXPECT_THAT(removed->left, testing::Contains(HasSubstr("session " + other + " have this subject ID in a marker")));
+  EXPECT_THAT(removed->left, ElementsAre("the recordings of session " + other +
+                                         " have this subject ID in marker 2 and in 1 more: remove the text (dtsctl session edit " + other +
+                                         " --marker 2 --remove --reason TEXT), so that lists and exports do not show it; the recordings "
+                                         "keep it"));
+  for (const std::uint32_t marker : {2U, 3U}) {
+    ASSERT_TRUE(supervisor_->correct_session({.session_id = other, .marker = marker, .marker_text = "", .reason = "had an ID"}, kAnna));
+  }
+  EXPECT_THAT(recordings_->sessions_mentioning("P071")->sessions, IsEmpty()) << "no list has the ID any more";
+}
+
+TEST_F(EditTest, AnAttemptThatTwoPartsHave_IsCorrectedOnlyInTheNamedPart) {
+  start({Protocol{}, standing()});
+  const std::string id = stand();
+  change_catalogue(  // as earlier builds counted: each part from attempt 1
+      "CREATE TEMP TABLE p AS SELECT * FROM parts; UPDATE p SET part = 2; INSERT INTO parts SELECT * FROM p;"
+      "CREATE TEMP TABLE t AS SELECT * FROM trials; UPDATE t SET part = 2; INSERT INTO trials SELECT * FROM t");
+  const auto outcomes = [&] {
+    std::string text;
+    const record::SessionRow session = row(id);
+    for (const record::TrialRow& one : session.trials) {
+      text += std::to_string(one.part) + "." + std::to_string(one.trial) + "." + std::to_string(one.attempt) + " " + one.outcome + ", ";
+    }
+    return text;
+  };
+  CorrectionRequest request{.session_id = id, .trial = 1, .attempt = 1, .outcome = "rejected", .reason = "talked"};
+  EXPECT_EQ(why_refused(supervisor_->correct_session(request, kAnna), core::ErrorCode::InvalidArgument),
+            "parts 1 and 2 of session " + id + " have attempt 1 of trial 1; name its part: dtsctl session edit " + id +
+                " --trial 1 --attempt 1 --part 2");
+  request.part = 3;
+  EXPECT_THAT(why_refused(supervisor_->correct_session(request, kAnna), core::ErrorCode::NotFound),
+              HasSubstr("no attempt 1 of trial 1 in part 3"));
+  EXPECT_EQ(outcomes(), "1.1.1 done, 1.2.1 done, 2.1.1 done, 2.2.1 done, ");
+  request.part = 1;
+  ASSERT_TRUE(supervisor_->correct_session(request, kAnna));
+  EXPECT_EQ(outcomes(), "1.1.1 rejected, 1.2.1 done, 2.1.1 done, 2.2.1 done, ");
+  request.outcome = "done";
+  EXPECT_THAT(why_refused(supervisor_->correct_session(request, kAnna)), HasSubstr("attempt 1 of part 2 is done"));
+  ASSERT_TRUE(supervisor_->correct_session({.session_id = id, .trial = 2, .outcome = "rejected", .reason = "talked"}, kAnna));
+  EXPECT_EQ(outcomes(), "1.1.1 rejected, 1.2.1 done, 2.1.1 done, 2.2.1 rejected, ") << "without an attempt: the newest";
 }
 
 TEST_F(EditTest, ValuesThatAreNotAllowed_AreRejected) {

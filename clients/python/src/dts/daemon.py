@@ -251,6 +251,7 @@ class Daemon:
         notes: str | None = None,
         trial: int = 0,
         attempt: int = 0,
+        part: int = 0,
         outcome: Outcome | None = None,
         marker: int = 0,
         marker_text: str | None = None,
@@ -258,7 +259,7 @@ class Daemon:
         """Corrects a closed session and returns it. The recording stays as it is; `.corrections` of the session has both values.
 
         None leaves a value as it is, "" removes it. `trial` and `outcome` correct the outcome of a trial: of its newest attempt, or of
-        `attempt`. `marker` (its number in `.markers`) and `marker_text` correct the text of a marker. `reason` has 1 to 200 bytes and no
+        `attempt`; `part` is needed if several parts have this attempt. `marker` (its number in `.markers`) and `marker_text` correct the text of a marker. `reason` has 1 to 200 bytes and no
         name. Raises `NotFound` for an unknown session, trial or marker, `InvalidArgument` for a value
         that is not allowed or if nothing would change, and `WrongState` while the session runs.
         """
@@ -269,6 +270,7 @@ class Daemon:
             notes=notes,
             trial=trial,
             attempt=attempt,
+            part=part,
             outcome=outcome or "",
             marker=marker,
             marker_text=marker_text,

@@ -28,8 +28,8 @@ export const sessions = {
     notesHint: 'Do not type names or birth dates. To remove a text for good, save empty notes first',
     trial: 'Trial',
     noTrial: 'Correct no trial',
-    trialName: (trial: string, attempt: string, condition: string, outcome: string) =>
-      `Trial ${trial}${attempt === '1' ? '' : `, attempt ${attempt}`}, ${condition}: ${outcome}`,
+    trialName: (trial: string, attempt: string, part: string, condition: string, outcome: string) =>
+      `Trial ${trial}${attempt === '1' ? '' : `, attempt ${attempt}`}${part === '' ? '' : `, part ${part}`}, ${condition}: ${outcome}`,
     outcome: 'Outcome of the trial',
     marker: 'Marker',
     noMarker: 'Correct no marker',

@@ -191,6 +191,7 @@ TEST_F(CatalogueSessions, NewestAttempts_AreThoseThatHaveBegun_InAnyPart) {
   EXPECT_THAT(catalogue().newest_attempts("s1").value(), testing::IsEmpty());
   ASSERT_TRUE(catalogue().begin_attempt("s1", 1, 1));
   ASSERT_TRUE(catalogue().begin_attempt("s1", 1, 2)) << "under way: it has no row of its own";
+  ASSERT_TRUE(catalogue().begin_attempt("s1", 1, 1)) << "an older part was entered again";
   ASSERT_TRUE(catalogue().put_trial({.session_id = "s1", .part = 1, .trial = 2, .attempt = 3, .condition = "a", .outcome = "redone"}));
   ASSERT_TRUE(catalogue().put_trial({.session_id = "s1", .part = 2, .trial = 2, .attempt = 4, .condition = "a", .outcome = "done"}));
   ASSERT_TRUE(catalogue().begin_attempt("s1", 2, 4));

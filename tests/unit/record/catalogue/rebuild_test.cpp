@@ -29,7 +29,8 @@ class CatalogueRebuild : public catalogue_test::CatalogueFixture {
   [[nodiscard]] std::string file(const std::string& name) const { return path("sessions/" + name); }
 
   /// 200 scans at 100 Hz of synthetic data, an outage of 4 s and 100 more; one trial done, one under way at the end.
-  void record(const std::string& name, const SessionFacts& session, End end = End::Closed) const {
+  void record(const std::string& name, const SessionFacts& session, End end = End::Closed,
+              const std::vector<std::string>& more_events = {}) const {
     auto writer = XdfWriter::create(file(name), to_facts(session));
     ASSERT_TRUE(writer) << what(writer);
     XdfWriter& xdf = **writer;
@@ -51,6 +52,7 @@ class CatalogueRebuild : public catalogue_test::CatalogueFixture {
     ASSERT_TRUE(xdf.write_samples(raw, 1000.0, std::vector<double>(200, 1.5), {}));
     step("MEASURE", 1, 20);
     step("DONE", 1, 80);
+    for (const std::string& text : more_events) tell(1000.85, text);
     step("MEASURE", 2, 120);
     tell(1006.0, "segment: 1 segment_start { reason: GAP_REASON_OVERRUN missing_scans: 400 }");
     ASSERT_TRUE(xdf.write_samples(raw, 1006.0, std::vector<double>(100, 1.5), {.segment = 1}));
@@ -157,13 +159,30 @@ TEST_F(CatalogueRebuild, EachWayOfEnding_IsEnteredWithAllThatTheFileSays) {
 }
 
 TEST_F(CatalogueRebuild, PartsOfAnOlderCatalogue_AreReadAgainForWhatTheyLack) {
-  record("a.xdf", facts());
+  record("a.xdf", facts(), End::Closed,
+         {"scan: 85 trial { step: TRIAL_EVENT_KIND_REDONE trial: 1 attempt: 1 block: 1 }",
+          "scan: 85 trial { step: TRIAL_EVENT_KIND_READY trial: 1 attempt: 2 block: 1 }", "scan: 85 marker { text: 'fell' }",
+          "scan: 85 trial { step: TRIAL_EVENT_KIND_UNDONE trial: 1 attempt: 1 block: 1 }"});
+  const auto markers_and_attempts = [this] {
+    std::string text;
+    const SessionRow session = catalogue().session("s1").value();
+    for (const MarkerRow& marker : session.markers) {
+      text +=
+          std::to_string(marker.part) + "." + std::to_string(marker.number) + " " + marker.text + " " + std::to_string(marker.scan) + ", ";
+    }
+    const auto attempts = catalogue().newest_attempts("s1").value();
+    for (const auto& [trial, attempt] : attempts) text += "trial " + std::to_string(trial) + " attempt " + std::to_string(attempt) + ", ";
+    return text;
+  };
   EXPECT_EQ(rebuilt(), "1 added ");
   const std::string whole = sessions_text();
+  const std::string events = "1.1 fell 85, trial 1 attempt 2, trial 2 attempt 1, ";
+  EXPECT_EQ(markers_and_attempts(), events) << "attempt 2 was undone: its number is not used again";
   close();
   ASSERT_TRUE(
       meddle("UPDATE parts SET losses = '{}', duration_s = 3.0; PRAGMA user_version = 4;"  // as version 2 became version 3
-             "DROP TABLE begun_attempts; DROP TABLE markers; DROP TABLE corrections; ALTER TABLE trials DROP COLUMN corrected_outcome; "
+             "ALTER TABLE parts DROP COLUMN has_events; DROP TABLE begun_attempts; DROP TABLE markers; DROP TABLE corrections; ALTER TABLE "
+             "trials DROP COLUMN corrected_outcome; "
              "ALTER TABLE sessions "
              "DROP COLUMN notes;"
              "ALTER TABLE sessions DROP COLUMN corrected_subject; ALTER TABLE sessions DROP COLUMN corrected_label;"
@@ -171,7 +190,12 @@ TEST_F(CatalogueRebuild, PartsOfAnOlderCatalogue_AreReadAgainForWhatTheyLack) {
 
   EXPECT_EQ(rebuilt(), "1 read again ");
   EXPECT_EQ(sessions_text(), whole);
+  EXPECT_EQ(markers_and_attempts(), events);
   EXPECT_EQ(rebuilt(), "") << "once is enough";
+
+  ASSERT_TRUE(meddle("UPDATE parts SET has_events = 0; DELETE FROM markers; DELETE FROM begun_attempts"));  // version 8, losses known
+  EXPECT_EQ(rebuilt(), "1 read again ");
+  EXPECT_EQ(markers_and_attempts(), events);
 
   ASSERT_TRUE(meddle("UPDATE parts SET losses = ''"));
   torn("a.xdf", std::filesystem::file_size(file("a.xdf")));

@@ -84,6 +84,15 @@ TEST(TrialCollector, Undone_IsAsIfNothingHadHappened) {
               ElementsAre("1.1 redone 0:20-0:99", "1.3 done 0:120-0:140"));
 }
 
+TEST(TrialCollector, AnAttemptThatAnUndoTookBack_HasBegun) {
+  TrialCollector trials(0);
+  for (const TimedEvent& one : {event("measure", 1, 1, 20), event("redone", 1, 1, 50), event("ready", 1, 2, 50), event("undone", 1, 1, 60),
+                                event("done", 1, 1, 99), event("ready", 2, 1, 120)}) {
+    trials.add(one);
+  }
+  EXPECT_THAT(trials.begun_attempts(), ElementsAre(testing::Pair(1, 2), testing::Pair(2, 1)));
+}
+
 TEST(TrialCollector, GapWithin_NamesBothSegments) {
   EXPECT_THAT(collected({event("measure", 1, 1, 900), event("done", 1, 1, 40, 1)}), ElementsAre("1.1 done 0:900-1:40"));
 }

@@ -44,6 +44,12 @@ test.each<[string, Partial<Entered>, object | undefined]>([
   expect(requestOf(session, { ...unchanged, ...changes })).toEqual(expected);
 });
 
+test('requestOf.AttemptThatTwoPartsHave names its part', () => {
+  const trials = [...session.trials, { ...first!, part: 2 }];
+  const changes = { ...unchanged, trial: first!, outcome: 'rejected' };
+  expect(requestOf({ ...session, trials }, changes)).toEqual({ sessionId: 's1', trial: 1, attempt: 1, part: 1, outcome: 'rejected', reason: 'why' });
+});
+
 test('correctionOf.NewestCorrection says who, why and what was before; a recorded value has none', () => {
   expect(correctionOf(session, 'subject')).toMatch(/before: P108; by anna, .*: typed wrong again/);
   expect(correctionOf(session, 'label')).toBe('');

@@ -20,6 +20,10 @@ export interface Entered {
   readonly reason: string;
 }
 
+/** Returns whether another part has the same attempt of the same trial: sessions of earlier builds counted attempts in each part. */
+export const isInOtherPart = (session: SessionRecord, { part, trial, attempt }: TrialRecord): boolean =>
+  session.trials.some((one) => one.trial === trial && one.attempt === attempt && one.part !== part);
+
 /** Returns a request with the changed values only, or nothing if none changed. */
 export const requestOf = (session: SessionRecord, entered: Entered): CorrectionRequest | undefined => {
   const { trial, marker } = entered;
@@ -30,6 +34,7 @@ export const requestOf = (session: SessionRecord, entered: Entered): CorrectionR
   }
   if (trial !== undefined && entered.outcome !== '' && entered.outcome !== trial.outcome) {
     Object.assign(changes, { trial: trial.trial, attempt: trial.attempt, outcome: entered.outcome });
+    if (isInOtherPart(session, trial)) changes.part = trial.part;
   }
   if (marker !== undefined && entered.markerText.trim() !== marker.text) {
     Object.assign(changes, { marker: marker.number, markerText: entered.markerText.trim() });

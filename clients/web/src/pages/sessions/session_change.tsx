@@ -12,7 +12,7 @@ import { conditionName, labelRule } from '../../parts/names';
 import { dateTime, whole } from '../../parts/numbers';
 import { outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
-import { markerNumber, requestOf } from './corrections';
+import { isInOtherPart, markerNumber, requestOf } from './corrections';
 
 const words = strings.sessions.change;
 const outcomes = ['done', 'rejected', 'redone', 'aborted'] as const;
@@ -67,7 +67,13 @@ const Line = ({ label, hint = '', error, value, testId, onInput }: LineProps): J
 const trialKey = ({ part, trial, attempt }: TrialRecord): string => `${part}.${trial}.${attempt}`;
 
 const trialName = (session: SessionRecord, trial: TrialRecord): string =>
-  words.trialName(whole(trial.trial), whole(trial.attempt), conditionName(session.protocol, trial.condition), strings.common.outcomes[outcomeOf(trial)]);
+  words.trialName(
+    whole(trial.trial),
+    whole(trial.attempt),
+    isInOtherPart(session, trial) ? whole(trial.part) : '',
+    conditionName(session.protocol, trial.condition),
+    strings.common.outcomes[outcomeOf(trial)],
+  );
 
 interface ChangeProps {
   link: Link;

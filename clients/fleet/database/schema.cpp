@@ -274,9 +274,12 @@ CREATE VIEW study.session WITH (security_invoker = true) AS
 CREATE VIEW study.subject WITH (security_invoker = true) AS
   SELECT clinic, id AS session, subject, fields FROM session WHERE NOT is_deleted;
 CREATE VIEW study.part WITH (security_invoker = true) AS
-  SELECT clinic, session, part, bytes, state, scans, duration_s, lost_scans, is_loss_unknown, valid_trials, stored_utc FROM part;
-CREATE VIEW study.trial WITH (security_invoker = true) AS SELECT * FROM trial;
-CREATE VIEW study.result WITH (security_invoker = true) AS SELECT * FROM result;
+  SELECT p.clinic, p.session, p.part, p.bytes, p.state, p.scans, p.duration_s, p.lost_scans, p.is_loss_unknown, p.valid_trials, p.stored_utc
+  FROM part p JOIN session s ON s.clinic = p.clinic AND s.id = p.session WHERE NOT s.is_deleted;
+CREATE VIEW study.trial WITH (security_invoker = true) AS
+  SELECT t.* FROM trial t JOIN session s ON s.clinic = t.clinic AND s.id = t.session WHERE NOT s.is_deleted;
+CREATE VIEW study.result WITH (security_invoker = true) AS
+  SELECT r.* FROM result r JOIN session s ON s.clinic = r.clinic AND s.id = r.session WHERE NOT s.is_deleted;
 GRANT SELECT ON study.session, study.part, study.trial, study.result TO reader;
 GRANT SELECT ON study.subject TO subject_reader;
 )sql"};

@@ -68,8 +68,7 @@ std::optional<SessionKey> parse_session_key(std::string_view text) {
   if (!text.starts_with(',') || second == std::string_view::npos || second + 1 == text.size()) return std::nullopt;
   key.clinic = text.substr(1, second - 1);
   key.id = text.substr(second + 1);
-  // PostgreSQL's time has no value for larger numbers.
-  constexpr std::int64_t kLargest_us = 4'000'000'000'000'000;
+  constexpr std::int64_t kLargest_us = INT64_MAX / 1000;  // as much as a start in ns can be
   if (!wire::is_clinic_name(key.clinic) || key.started_us < 0 || key.started_us > kLargest_us) return std::nullopt;
   return key;
 }

@@ -461,6 +461,7 @@ core::Status run_forwarder(const Settings& settings, const core::Log& log) {
   DTS_TRY(make_folder(settings.state_folder));
   DTS_TRY_ASSIGN(auto store, open_store(settings.state_folder, log));
   DTS_TRY(store->set_rules(settings.rules));
+  DTS_TRY(store->set_centre(settings.clinic, settings.ca_pem));
   DTS_TRY(store->retry_held());
   auto endpoints = client::find_endpoints(settings.daemon);
   if (!endpoints) return tl::make_unexpected(error_of(endpoints.error()));

@@ -149,6 +149,18 @@ core::Status Store::set_rules(const wire::SendRules& rules) {
   });
 }
 
+core::Status Store::set_centre(const std::string& clinic, const std::string& ca_pem) {
+  return guarded([this, &clinic, &ca_pem] {
+    const std::string text = clinic + "\n" + ca_pem;
+    auto row = database_.query("SELECT 1 FROM word WHERE name = 'centre' AND value = ?", text);
+    if (row.step()) return;
+    database_.run("INSERT OR REPLACE INTO word (name, value) VALUES ('centre', ?)", text);
+    database_.run("UPDATE session SET is_sent = 0, why_not = ''");
+    database_.run("UPDATE file SET state = ?, sent = '', tries = 0, receipt_utc_ns = 0, hub = '', why_not = '', not_before = 0",
+                  static_cast<int>(FileState::Waiting));
+  });
+}
+
 core::Status Store::retry_held() {
   return guarded([this] {
     database_.run("UPDATE file SET state = ?, sent = '', why_not = '' WHERE state = ?", static_cast<int>(FileState::Waiting),

@@ -9,7 +9,7 @@ namespace {
 using database::Column;
 using database::Rows;
 
-constexpr std::int64_t kMostParts = 100'000;
+constexpr std::int64_t kMostParts = 1'000'000;  // as in wire/messages.cpp
 
 /// Worker and tries together name this take: a job that was taken again has other ones.
 constexpr const char* kIsMine = " WHERE id = $1 AND worker = $2 AND tries = $3 AND state = 'running'";

@@ -233,6 +233,26 @@ TEST_F(OutboxTest, OtherRules_SendFactsAndReadFilesAgain) {
   EXPECT_EQ(store_->next_facts().value()->label(), "Frau Weber");
 }
 
+TEST_F(OutboxTest, AnotherCentreOrName_GetsEverythingAgain) {
+  ASSERT_TRUE(store_->set_centre("kent", "authority"));
+  clinic_.add_part(clinic_.add("a", kS), "/a.xdf", sha('a'), 100);
+  look_at_all();
+  ASSERT_TRUE(store_->set_sent_sha256(*store_->next_file(kNow).value(), hashes('a', 'c'), kNow));
+  send_facts();
+  v1::Receipt receipt;
+  receipt.set_stored_utc_ns(kNow);
+  ASSERT_TRUE(store_->set_stored(*store_->next_file(kNow).value(), receipt));
+  ASSERT_TRUE(store_->set_centre("kent", "authority"));
+  EXPECT_FALSE(store_->next_file(kNow).value());
+  EXPECT_FALSE(store_->next_facts().value());
+  ASSERT_TRUE(store_->set_centre("kent-2", "authority"));
+  EXPECT_TRUE(store_->next_facts().value());
+  const auto file = store_->next_file(kNow).value();
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->receipt_utc_ns, 0);
+  EXPECT_EQ(store_->backlog().value().last_receipt_utc_ns(), 0);
+}
+
 TEST_F(OutboxTest, DeletedSession_IsToldAndNotErased) {
   clinic_.add("a", kS);
   look_at_all();

@@ -52,6 +52,10 @@ class Store {
   /// If the rules have changed, all sessions are looked at again, and the files without a receipt are read again.
   [[nodiscard]] core::Status set_rules(const wire::SendRules& rules);
 
+  /// Receipts count for one clinic at one centre. If the name of the clinic or the authority of the centre has changed, all facts and files
+  /// are offered again.
+  [[nodiscard]] core::Status set_centre(const std::string& clinic, const std::string& ca_pem);
+
   /// Tries again what was held or rejected: a person may have corrected the reason.
   [[nodiscard]] core::Status retry_held();
 

@@ -105,13 +105,18 @@ class Database {
   template <class Work>
   [[nodiscard]] auto transaction(Work work) -> decltype(work()) {
     DTS_TRY(begin());
-    auto result = work();
-    if (!result) {
-      roll_back();
+    try {
+      auto result = work();
+      if (!result) {
+        roll_back();
+        return result;
+      }
+      DTS_TRY(commit());
       return result;
+    } catch (...) {  // no memory
+      roll_back();
+      throw;
     }
-    DTS_TRY(commit());
-    return result;
   }
 
   /// Receives notifications of `channel` (LISTEN) from now on, also after a new connection.

@@ -17,11 +17,11 @@ constexpr std::int64_t kAskAgainNs = 3600 * core::kNanosecondsPerSecond;
 
 bool is_erasure(const v1::AuditEntry& entry) { return entry.what() == "erase_subject" && entry.result() == "ok"; }
 
-/// Returns true if the trail shows that the session was erased after dtsd had listed it at `listed_utc_ns`.
-bool is_explained(const v1::GetAuditResponse& trail, std::int64_t listed_utc_ns) {
-  if (!trail.problem().empty() || trail.entries().empty() || trail.entries(0).utc_ns() > listed_utc_ns) return false;
-  return std::ranges::any_of(trail.entries(), [listed_utc_ns](const v1::AuditEntry& entry) {
-    return is_erasure(entry) && entry.utc_ns() > listed_utc_ns - kLongestErasureNs;
+/// Returns true if the trail shows an erasure between the last list with the session and the first without it.
+bool is_explained(const v1::GetAuditResponse& trail, const MissingSession& session) {
+  if (!trail.problem().empty() || trail.entries().empty() || trail.entries(0).utc_ns() > session.listed_utc_ns) return false;
+  return std::ranges::any_of(trail.entries(), [&session](const v1::AuditEntry& entry) {
+    return is_erasure(entry) && entry.utc_ns() > session.listed_utc_ns - kLongestErasureNs && entry.utc_ns() <= session.missed_utc_ns;
   });
 }
 
@@ -79,19 +79,21 @@ core::Status Outbox::add_unlisted(std::vector<std::string>& ids, const std::stop
 
 /// Asks for the audit trail only if another session is missing, or once an hour: dtsd makes an entry in it for each question. An erasure is
 /// entered when it has ended, which may be after its sessions are gone.
-core::Status Outbox::look_for_erasures(const std::vector<std::pair<std::string, std::int64_t>>& missing, std::int64_t utc_ns) {
-  std::map<std::string, std::int64_t> now(missing.begin(), missing.end());
+core::Status Outbox::look_for_erasures(const std::vector<MissingSession>& missing, std::int64_t utc_ns) {
+  std::map<std::string, std::int64_t> now;
+  for (const MissingSession& session : missing) now.emplace(session.id, session.listed_utc_ns);
   if (now.empty() || (now == unexplained_ && utc_ns < asked_utc_ns_ + kAskAgainNs)) return {};
   asked_utc_ns_ = utc_ns;
   DTS_TRY_ASSIGN(const auto trail, clinic_.audit());
-  for (const auto& [session, listed_utc_ns] : missing) {
+  for (const MissingSession& one : missing) {
+    const std::string& session = one.id;
     const auto shown = clinic_.show(session);
     if (shown) {  // restored, or beyond what was listed
       now.erase(session);
       continue;
     }
     if (shown.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(shown.error());
-    if (is_explained(trail, listed_utc_ns)) {
+    if (is_explained(trail, one)) {
       DTS_TRY(store_.set_erased(session));
       log_.info("session " + session + " was erased here: the centre is asked to erase it, too");
       now.erase(session);

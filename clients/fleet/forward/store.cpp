@@ -21,7 +21,7 @@ constexpr std::size_t kHexDigits = 2 * wire::kSha256Bytes;
 constexpr const char* kSchema =
     "CREATE TABLE session (id TEXT PRIMARY KEY, listed TEXT NOT NULL, content TEXT NOT NULL, revision INTEGER NOT NULL,"
     " is_sent INTEGER NOT NULL, why_not TEXT NOT NULL, started_utc_ns INTEGER NOT NULL, facts TEXT NOT NULL,"
-    " missing_since INTEGER NOT NULL DEFAULT 0, is_erased INTEGER NOT NULL DEFAULT 0);"
+    " missing_since INTEGER NOT NULL DEFAULT 0, missed_at INTEGER NOT NULL DEFAULT 0, is_erased INTEGER NOT NULL DEFAULT 0);"
     "CREATE TABLE file (session TEXT NOT NULL, part INTEGER NOT NULL, recorded TEXT NOT NULL, sent TEXT NOT NULL DEFAULT '',"
     " file TEXT NOT NULL, bytes INTEGER NOT NULL, started_utc_ns INTEGER NOT NULL, state INTEGER NOT NULL DEFAULT 0,"
     " tries INTEGER NOT NULL DEFAULT 0, receipt_utc_ns INTEGER NOT NULL DEFAULT 0, hub TEXT NOT NULL DEFAULT '',"
@@ -144,7 +144,7 @@ core::Status Store::set_rules(const wire::SendRules& rules) {
     auto row = database_.query("SELECT 1 FROM word WHERE name = 'rules' AND value = ?", text);
     if (row.step()) return;
     database_.run("INSERT OR REPLACE INTO word (name, value) VALUES ('rules', ?)", text);
-    database_.run("UPDATE session SET listed = ''");
+    database_.run("UPDATE session SET listed = '', content = '', facts = ''");  // the stored facts follow the earlier rules
     database_.run("UPDATE file SET sent = '' WHERE state != ?", static_cast<int>(FileState::Stored));
   });
 }
@@ -155,7 +155,7 @@ core::Status Store::set_centre(const std::string& clinic, const std::string& ca_
     auto row = database_.query("SELECT 1 FROM word WHERE name = 'centre' AND value = ?", text);
     if (row.step()) return;
     database_.run("INSERT OR REPLACE INTO word (name, value) VALUES ('centre', ?)", text);
-    database_.run("UPDATE session SET is_sent = 0, why_not = ''");
+    database_.run("UPDATE session SET is_sent = 0, why_not = '', listed = '', content = ''");
     database_.run("UPDATE file SET state = ?, sent = '', tries = 0, receipt_utc_ns = 0, hub = '', why_not = '', not_before = 0",
                   static_cast<int>(FileState::Waiting));
   });
@@ -254,8 +254,7 @@ core::Status Store::facts_rejected(const v1::FleetSession& sent, const std::stri
   });
 }
 
-core::Result<std::vector<std::pair<std::string, std::int64_t>>> Store::note_list(const std::vector<std::string>& listed,
-                                                                                 std::int64_t utc_ns) {
+core::Result<std::vector<MissingSession>> Store::note_list(const std::vector<std::string>& listed, std::int64_t utc_ns) {
   return guarded([this, &listed, utc_ns] {
     record::Transaction transaction(database_);
     database_.execute("CREATE TEMP TABLE IF NOT EXISTS listed (id TEXT PRIMARY KEY); DELETE FROM listed;");
@@ -269,12 +268,13 @@ core::Result<std::vector<std::pair<std::string, std::int64_t>>> Store::note_list
     const std::int64_t before =
         database_.number("SELECT coalesce((SELECT CAST(value AS INTEGER) FROM word WHERE name = 'listed_utc_ns'), 0)");
     database_.run("UPDATE session SET missing_since = 0 WHERE missing_since != 0 AND id IN (SELECT id FROM listed)");
-    database_.run("UPDATE session SET missing_since = ? WHERE missing_since = 0 AND id NOT IN (SELECT id FROM listed)", before);
+    database_.run("UPDATE session SET missing_since = ?, missed_at = ? WHERE missing_since = 0 AND id NOT IN (SELECT id FROM listed)",
+                  before, utc_ns);
     database_.run("INSERT OR REPLACE INTO word (name, value) VALUES ('listed_utc_ns', ?)", std::to_string(utc_ns));
-    std::vector<std::pair<std::string, std::int64_t>> missing;
+    std::vector<MissingSession> missing;
     {
-      auto rows = database_.query("SELECT id, missing_since FROM session WHERE missing_since > 0 AND is_erased = 0");
-      while (rows.step()) missing.emplace_back(rows.text(0), rows.integer(1));
+      auto rows = database_.query("SELECT id, missing_since, missed_at FROM session WHERE missing_since > 0 AND is_erased = 0");
+      while (rows.step()) missing.push_back({.id = rows.text(0), .listed_utc_ns = rows.integer(1), .missed_utc_ns = rows.integer(2)});
     }
     transaction.commit();
     return missing;

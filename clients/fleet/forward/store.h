@@ -42,6 +42,13 @@ struct FileRow {
   bool is_session_sent = false;  ///< The centre has the newest facts of its session, or does not want them.
 };
 
+/// A session that dtsd does not list any more.
+struct MissingSession {
+  std::string id;
+  std::int64_t listed_utc_ns = 0;  ///< The last complete list that had it,
+  std::int64_t missed_utc_ns = 0;  ///< and the first that had not.
+};
+
 /// What is known of the outbox: which facts and files the centre has. Everything in it can be made again: from dtsd, from the recordings
 /// and from the centre's answers. Only sessions that are erased while it is lost stay at the centre. Thread: any.
 class Store {
@@ -72,8 +79,7 @@ class Store {
 
   /// Notes which sessions dtsd has, from a complete list that was asked for at `utc_ns`. Returns those that are missing, with the time when
   /// dtsd last listed them.
-  [[nodiscard]] core::Result<std::vector<std::pair<std::string, std::int64_t>>> note_list(const std::vector<std::string>& listed,
-                                                                                          std::int64_t utc_ns);
+  [[nodiscard]] core::Result<std::vector<MissingSession>> note_list(const std::vector<std::string>& listed, std::int64_t utc_ns);
   /// Returns all sessions that are known and not erased.
   [[nodiscard]] core::Result<std::vector<std::string>> sessions() const;
   /// The clinic has erased this session: the centre must do so too.

@@ -172,7 +172,7 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
   auto bytes = SentBytes::open(file.file, options_.rules);
   if (!bytes) return put_off(file, bytes.error().what);
   if (bytes->size() != file.bytes) return put_off(file, file.file + " has another size than before");
-  const auto mailbox = uplink_.open_mailbox();
+  auto mailbox = uplink_.open_mailbox();
   if (!mailbox) return set_problem(mailbox.error().what);
   const auto sha256 = wire::bytes_of_hex(file.sent_sha256);
   if (!sha256) return complain(store_.hold(file, sha256.error().what));
@@ -184,6 +184,10 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
     const auto now = steady_clock::now();
     const std::uint64_t counted = uplink_.connections();
     if (const bool is_due = is_retry_due_.exchange(false, std::memory_order_relaxed); is_due || counted != connections) {
+      if (counted != connections) {  // perhaps another link: answers to the old address would not arrive
+        mailbox = uplink_.open_mailbox();
+        if (!mailbox) return set_problem(mailbox.error().what);
+      }
       connections = counted;
       transfer.restart();
     }

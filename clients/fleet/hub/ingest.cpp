@@ -119,11 +119,13 @@ v1::UploadAnswer Ingest::begin(const RecordingName& name, const v1::UploadOffer&
     return upload_answer(known->second.have);
   }
   std::uint64_t have = known == uploads_.end() ? 0 : known->second.have;
-  if (known == uploads_.end()) {
+  const std::uint64_t offered_before = known == uploads_.end() ? 0 : known->second.offer.bytes();
+  if (known == uploads_.end() || offer.bytes() > offered_before) {
     const auto first = uploads_.lower_bound({.clinic = name.clinic, .sha256 = ""});
-    const bool is_many = std::count_if(first, uploads_.end(), [&](const auto& one) { return one.first.clinic == name.clinic; }) >=
-                         static_cast<std::ptrdiff_t>(kMostUploads);
-    if (is_many || offered_bytes(name.clinic) + offer.bytes() > options_.staged_bytes) {
+    const bool is_many = known == uploads_.end() && std::count_if(first, uploads_.end(), [&](const auto& one) {
+                                                      return one.first.clinic == name.clinic;
+                                                    }) >= static_cast<std::ptrdiff_t>(kMostUploads);
+    if (is_many || offered_bytes(name.clinic) - offered_before + offer.bytes() > options_.staged_bytes) {
       lock.unlock();
       return later("this clinic has too many files that are not whole; the centre removes them 7 days after their last change", kFullWaitS);
     }

@@ -34,7 +34,7 @@ constexpr std::int64_t kPingIntervalMs = 5000;  // a dead link is noticed after 
 constexpr int kMostPingsOut = 2;
 constexpr std::int64_t kConnectTimeoutMs = 5000;
 constexpr int kMostWaiting = 4096;
-constexpr int kMostWaitingBytes = 64 * 1024 * 1024;
+constexpr int kMostWaitingBytes = 16 * 1024 * 1024;
 constexpr std::chrono::milliseconds kLongestClose{2000};
 
 core::ErrorCode code_of(natsStatus status) noexcept {

@@ -29,7 +29,7 @@ struct Letter {
   std::string data{};
 };
 
-/// Letters of a subject, which may have wildcards. They wait here until they are read: at most 4096 or 64 MiB, then the newest are dropped
+/// Letters of a subject, which may have wildcards. They wait here until they are read: at most 4096 or 16 MiB, then the newest are dropped
 /// and counted. Thread: one at a time. It must not outlive its link.
 class Subscription {
  public:

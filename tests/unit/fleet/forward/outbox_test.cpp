@@ -233,6 +233,19 @@ TEST_F(OutboxTest, OtherRules_SendFactsAndReadFilesAgain) {
   EXPECT_EQ(store_->next_facts().value()->label(), "Frau Weber");
 }
 
+TEST_F(OutboxTest, TighterRules_TakeBackFactsThatWait) {
+  ASSERT_TRUE(store_->set_rules({.labels = true}));
+  outbox_ = std::make_unique<Outbox>(clinic_, *store_, wire::SendRules{.labels = true}, core::Log());
+  clinic_.add("a", kS);
+  look_at_all();
+  ASSERT_EQ(store_->next_facts().value()->label(), "Frau Weber");
+  ASSERT_TRUE(store_->set_rules({}));
+  EXPECT_FALSE(store_->next_facts().value()) << "until dtsd has listed the session again";
+  outbox_ = std::make_unique<Outbox>(clinic_, *store_, wire::SendRules{}, core::Log());
+  look_at_all();
+  EXPECT_FALSE(store_->next_facts().value()->has_label());
+}
+
 TEST_F(OutboxTest, AnotherCentreOrName_GetsEverythingAgain) {
   ASSERT_TRUE(store_->set_centre("kent", "authority"));
   clinic_.add_part(clinic_.add("a", kS), "/a.xdf", sha('a'), 100);
@@ -246,9 +259,11 @@ TEST_F(OutboxTest, AnotherCentreOrName_GetsEverythingAgain) {
   EXPECT_FALSE(store_->next_file(kNow).value());
   EXPECT_FALSE(store_->next_facts().value());
   ASSERT_TRUE(store_->set_centre("kent-2", "authority"));
-  EXPECT_TRUE(store_->next_facts().value());
+  look_at_all();
+  send_facts();
   const auto file = store_->next_file(kNow).value();
   ASSERT_TRUE(file);
+  EXPECT_TRUE(file->is_session_sent);
   EXPECT_EQ(file->receipt_utc_ns, 0);
   EXPECT_EQ(store_->backlog().value().last_receipt_utc_ns(), 0);
 }
@@ -344,6 +359,14 @@ TEST_F(NoErasureTest, CatalogueFromABackup) {
   clinic_.add_entry(kNow - 7200 * kS, "erase_subject");  // long before
   clinic_.add_entry(kNow - 3600 * kS, "start_session");
   expect_none();
+}
+
+TEST_F(NoErasureTest, CatalogueFromABackup_AndAnErasureOfAnotherSubjectLater) {
+  clinic_.sessions.clear();
+  clinic_.add_entry(kNow - 3600 * kS, "start_session");
+  expect_none();
+  clinic_.add_entry(kNow + 20000 * kS, "erase_subject");
+  expect_none(kNow + 20060 * kS);
 }
 
 TEST_F(NoErasureTest, ErasureThatFailed) {

@@ -61,7 +61,8 @@ def examine(clinic: Clinic) -> str:
     session = clinic.dtsctl("session", "start", "--rig", "floor", "--protocol", "standing", "--subject", "P017").strip()
     for attempt, action in enumerate(("next", "redo", "redo", "redo"), start=1):
         clinic.dtsctl("session", "trial", action, "--rig", "floor")
-        wait_until("the trial is measured", lambda count=attempt: len(trials_of(clinic, session)) >= count)
+        wait_until("the trial has its values",
+                   lambda count=attempt: len(trials_of(clinic, session)) >= count and "sway" in trials_of(clinic, session)[-1])
         if not trials_of(clinic, session)[-1].get("fault"):
             break
     clinic.dtsctl("session", "stop", "--rig", "floor")

@@ -159,7 +159,8 @@ def privacy(checks: Checks) -> None:
         centre.start()
         clinics.append(Clinic(centre, "kent", rigs=(FLOOR,), seed=1))
         clinics.append(Clinic(centre, "essex", rigs=(FLOOR,), seed=2, settings='[privacy]\nsend_labels = true\nsend_fields = ["weight_kg"]\n'))
-        wait_until("nats-server is up", lambda: "Server is ready" in centre.nats.text())
+        # Not earlier: nats-server ends connections that begin while it reads its users again.
+        wait_until("nats-server has read the users of dts-hub", lambda: "Reloaded server configuration" in centre.nats.text())
         places = Places(centre, clinics)
         for clinic in clinics:
             clinic.protocols["short"] = PROTOCOL

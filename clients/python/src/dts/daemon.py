@@ -400,7 +400,7 @@ class Session:
             if kind is None:
                 self.stop()
             else:
-                self.abort(f"{kind.__name__} in a Python program")
+                self.abort(f"{kind.__name__} in a program")  # a second word with a capital letter would look like a name
         except WrongState:  # it ended by itself in this moment
             if self.is_running:
                 raise

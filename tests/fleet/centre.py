@@ -121,9 +121,11 @@ class Centre:
         """A certificate authority, and with it a certificate of nats-server for 127.0.0.1."""
         ca, ca_key, key, request = (self.folder / name for name in ("ca.pem", "ca.key", "nats.key", "nats.csr"))
         extensions = self.folder / "nats.ext"
-        extensions.write_text("subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth\n")
+        extensions.write_text("subjectAltName=IP:127.0.0.1,DNS:localhost\nextendedKeyUsage=serverAuth\n"
+                              "subjectKeyIdentifier=hash\nauthorityKeyIdentifier=keyid\n")
         curve = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-noenc")
-        run("openssl", "req", "-x509", *curve, "-keyout", ca_key, "-out", ca, "-days", "30", "-subj", "/CN=Demo authority")
+        run("openssl", "req", "-x509", *curve, "-keyout", ca_key, "-out", ca, "-days", "30", "-subj", "/CN=Demo authority",
+            "-addext", "keyUsage=critical,keyCertSign,cRLSign")
         run("openssl", "req", *curve, "-keyout", key, "-out", request, "-subj", "/CN=centre")
         run("openssl", "x509", "-req", "-in", request, "-CA", ca, "-CAkey", ca_key, "-CAcreateserial", "-days", "30", "-extfile", extensions,
             "-out", self.folder / "nats.pem")

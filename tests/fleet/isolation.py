@@ -58,7 +58,9 @@ def expect_rejected(checks: Checks, centre: Centre, attacker: Clinic, victim: st
         what = "publish to" if verb == "Publish" else "subscribe to"
         checks.expect(f"{attacker.name} cannot {what} {len(subjects)} subjects, most of {victim}, the centre and the server", not allowed, allowed)
         checks.expect(f"  each attempt is in the log of nats-server with the key of {attacker.name}", not unlogged, unlogged)
-    checks.expect(f"{attacker.name} has received nothing", client.letters.empty())
+    # Its own inbox gets the answers to the beats of its own dts-forward.
+    foreign = [letter.subject for letter in client.letters.queue if not letter.subject.startswith(f"_INBOX.{attacker.name}.")]
+    checks.expect(f"{attacker.name} has received nothing of others", not foreign, foreign)
     client.close()
 
 

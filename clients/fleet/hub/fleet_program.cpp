@@ -434,8 +434,8 @@ void add_job_commands(FleetLine& line) {
 
 }  // namespace
 
-std::unique_ptr<cli::CommandLine> make_fleet_tree() {
-  auto line = std::make_unique<FleetLine>(cli::Program{
+std::shared_ptr<cli::CommandLine> make_fleet_tree() {
+  auto line = std::make_shared<FleetLine>(cli::Program{
       .name = "dts-fleet",
       .version = DTS_VERSION,
       .description = "Looks after the centre of a fleet of clinics",

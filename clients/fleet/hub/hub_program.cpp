@@ -69,8 +69,8 @@ std::optional<Settings> settings_of(const std::string& file, cli::Console& conso
   return std::nullopt;
 }
 
-std::unique_ptr<cli::CommandLine> make_hub_tree() {
-  auto line = std::make_unique<HubLine>(cli::Program{.name = "dts-hub",
+std::shared_ptr<cli::CommandLine> make_hub_tree() {
+  auto line = std::make_shared<HubLine>(cli::Program{.name = "dts-hub",
                                                      .version = DTS_VERSION,
                                                      .description = "Receives and keeps what the clinics of a fleet record",
                                                      .examples = "dts-hub run --config hub.toml | serve the clinics\n"

@@ -13,8 +13,8 @@
 namespace dts::fleet::hub {
 
 /// The command lines of dts-hub and dts-fleet.
-[[nodiscard]] std::unique_ptr<cli::CommandLine> make_hub_tree();
-[[nodiscard]] std::unique_ptr<cli::CommandLine> make_fleet_tree();
+[[nodiscard]] std::shared_ptr<cli::CommandLine> make_hub_tree();
+[[nodiscard]] std::shared_ptr<cli::CommandLine> make_fleet_tree();
 /// Executes one of them; returns the exit status.
 [[nodiscard]] int run_hub_program(const std::vector<std::string>& words, cli::Console& console);
 [[nodiscard]] int run_fleet_program(const std::vector<std::string>& words, cli::Console& console);

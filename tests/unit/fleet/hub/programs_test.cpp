@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-void check_examples(std::unique_ptr<cli::CommandLine> (*make_tree)()) {
+void check_examples(std::shared_ptr<cli::CommandLine> (*make_tree)()) {
   const auto tree = make_tree();
   for (const CLI::App* command : cli::commands_of(tree->app)) {
     ASSERT_FALSE(cli::examples(*command).empty()) << cli::full_name(*command);

@@ -11,23 +11,10 @@
 #include <filesystem>
 #include <system_error>
 
+#include "core/descriptor.h"
+
 namespace dts::files {
 namespace {
-
-/// A file descriptor that the destructor closes.
-class Descriptor {
- public:
-  explicit Descriptor(int number) noexcept : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const noexcept { return number_; }
-
- private:
-  int number_;
-};
 
 bool write_all(int descriptor, std::string_view text) noexcept {
   while (!text.empty()) {
@@ -41,7 +28,7 @@ bool write_all(int descriptor, std::string_view text) noexcept {
 
 /// Writes into an existing file that is not regular (a pipe, /dev/stdout); never replaces it.
 bool write_through(const std::string& path, std::string_view text) noexcept {
-  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  const core::Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   return file.get() >= 0 && write_all(file.get(), text);
 }
 
@@ -70,7 +57,7 @@ core::Status write_whole_file(const std::string& path, std::string_view text, mo
   const auto resolved = std::filesystem::weakly_canonical(path, unresolved);  // if `path` is a link, keeps it and replaces its target
   const std::string target = unresolved ? path : resolved.string();
   const std::string temporary = target + "." + std::to_string(::getpid()) + ".part";
-  const Descriptor file(open_temporary(temporary, exists ? &there : nullptr, new_mode));
+  const core::Descriptor file(open_temporary(temporary, exists ? &there : nullptr, new_mode));
   if (file.get() < 0) return failed(errno);
   if (!write_all(file.get(), text) || ::fsync(file.get()) != 0 || ::rename(temporary.c_str(), target.c_str()) != 0) {
     const int error = errno;
@@ -79,7 +66,7 @@ core::Status write_whole_file(const std::string& path, std::string_view text, mo
   }
   // The file is written. Synchronise the folder, so that the new name survives a power failure; ignore a failure: nothing can be done.
   const auto folder = std::filesystem::path(target).parent_path();
-  const Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const core::Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() >= 0) ::fsync(directory.get());
   return {};
 }
@@ -87,7 +74,7 @@ core::Status write_whole_file(const std::string& path, std::string_view text, mo
 core::Result<std::string> read_whole_file(const std::string& path, std::size_t most_bytes) {
   const auto refused = [](const std::string& why) { return core::fail(core::ErrorCode::InvalidArgument, why); };
   const auto unreadable = [&refused](int why) { return refused("cannot be read: " + std::generic_category().message(why)); };
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  const core::Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (file.get() < 0) return errno == ENXIO ? refused("is not a regular file") : unreadable(errno);
   struct stat facts {};
   if (::fstat(file.get(), &facts) != 0) return unreadable(errno);

@@ -37,7 +37,7 @@ title = "Eyes closed"
 """
 QUERY = """\
 SELECT clinic, split_part(name, '/', 1) AS condition, count(*) AS sessions, round(avg(value)::numeric, 1) AS velocity_mm_s
-FROM result WHERE name LIKE '%/MVELO' GROUP BY 1, 2 ORDER BY 1, 2"""
+FROM result WHERE name LIKE '%/MVELO' AND analysis = 'clinic' GROUP BY 1, 2 ORDER BY 1, 2"""
 
 begun_s = time.monotonic()
 

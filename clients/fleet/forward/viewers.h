@@ -37,7 +37,7 @@ class Viewers {
   bool is_allowed_;
   core::Log log_;
   std::map<std::string, Time> topics_;  ///< Until when.
-  std::map<std::string, Time> names_;   ///< Likewise.
+  std::map<std::string, Time> names_;   ///< The same for people.
   Time refused_at_{};                   ///< When a rejected request was last logged.
 };
 

@@ -26,7 +26,7 @@ namespace {
 
 using database::Database;
 
-constexpr int kServeMs = 100;  // longest delay before a signal is handled
+constexpr int kServeMs = 100;  // how long a turn waits for a signal
 constexpr auto kRejectedPause = std::chrono::seconds(1);
 constexpr auto kLongestEnd = std::chrono::milliseconds(1500);
 constexpr std::uint32_t kLaterS = 5;

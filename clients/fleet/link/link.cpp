@@ -144,11 +144,11 @@ void on_disconnected(natsConnection* connection, void* closure) {
 
 void on_closed(natsConnection* connection, void* closure) {
   const std::unique_ptr<SharedReports> own(static_cast<SharedReports*>(closure));
-  Reports& told = **own;
-  told.set_problem("the server rejects the connection: " + last_error(connection));
-  const std::lock_guard lock(told.mutex);
-  told.is_closed = true;
-  told.changed.notify_all();
+  Reports& own_reports = **own;
+  own_reports.set_problem("the server rejects the connection: " + last_error(connection));
+  const std::lock_guard lock(own_reports.mutex);
+  own_reports.is_closed = true;
+  own_reports.changed.notify_all();
 }
 
 void on_error(natsConnection* connection, natsSubscription* /*subscription*/, natsStatus status, void* closure) {
@@ -218,8 +218,8 @@ std::uint64_t Subscription::dropped() const {
 
 class Link::Implementation {
  public:
-  Implementation(SharedReports told, Connection opened, std::string prefix)
-      : reports(std::move(told)), connection(std::move(opened)), inbox_prefix(std::move(prefix)) {}
+  Implementation(SharedReports shared, Connection opened, std::string prefix)
+      : reports(std::move(shared)), connection(std::move(opened)), inbox_prefix(std::move(prefix)) {}
   ~Implementation() {
     {
       const std::lock_guard lock(reports->mutex);
@@ -250,16 +250,16 @@ core::Result<std::unique_ptr<Link>> Link::open(const LinkOptions& wanted, const 
   natsOptions* made = nullptr;
   DTS_TRY(check(natsOptions_Create(&made), "cannot prepare a connection"));
   const Options options(made);
-  auto told = std::make_shared<Reports>(log, wanted.name, wanted.seed);
-  auto closure = std::make_unique<SharedReports>(told);
+  auto shared = std::make_shared<Reports>(log, wanted.name, wanted.seed);
+  auto closure = std::make_unique<SharedReports>(shared);
   DTS_TRY(check(set_options(options.get(), wanted, closure.get(), public_key), "cannot connect to " + wanted.servers.front()));
   natsConnection* opened = nullptr;
   const natsStatus status = natsConnection_Connect(&opened, options.get());
   if (status != NATS_OK && status != NATS_NOT_YET_CONNECTED) return failed(status, "cannot connect to " + wanted.servers.front());
   if (status == NATS_OK) on_connected(opened, closure.get());  // libnats reports only a connection that it made later
   static_cast<void>(closure.release());                        // on_closed deletes it
-  return std::unique_ptr<Link>(new Link(
-      std::make_unique<Implementation>(std::move(told), Connection(opened), wanted.inbox_prefix.empty() ? "_INBOX" : wanted.inbox_prefix)));
+  return std::unique_ptr<Link>(new Link(std::make_unique<Implementation>(std::move(shared), Connection(opened),
+                                                                         wanted.inbox_prefix.empty() ? "_INBOX" : wanted.inbox_prefix)));
 }
 
 core::Status Link::publish(const Letter& letter) {

@@ -14,6 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "core/descriptor.h"
+
 namespace dts::fleet::wire {
 namespace {
 
@@ -103,20 +105,6 @@ NKey key_of(const std::array<std::uint8_t, kKeyBytes>& seed) {
   return {.public_key = encoded(std::span(&kUser, 1), public_key), .seed = encoded(kUserSeed, seed)};
 }
 
-class Descriptor {
- public:
-  explicit Descriptor(int number) noexcept : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int number() const noexcept { return number_; }
-
- private:
-  int number_;
-};
-
 }  // namespace
 
 NKey create_nkey() {
@@ -134,15 +122,15 @@ core::Result<NKey> nkey_of_seed(std::string_view seed) {
 bool is_public_nkey(std::string_view text) { return decoded(text, kPublicLetters, std::span(&kUser, 1)).has_value(); }
 
 core::Result<NKey> read_nkey(const std::string& file) {
-  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (opened.number() < 0) return core::fail_errno(errno, "cannot read the key " + file);
+  const core::Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (opened.get() < 0) return core::fail_errno(errno, "cannot read the key " + file);
   struct stat found {};
-  if (::fstat(opened.number(), &found) != 0) return core::fail_errno(errno, "cannot read the key " + file);
+  if (::fstat(opened.get(), &found) != 0) return core::fail_errno(errno, "cannot read the key " + file);
   if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
     return core::fail(core::ErrorCode::NotAllowed, "others can read the key " + file, "run: chmod 600 " + file);
   }
   std::array<char, kSeedLetters + 2> text{};  // room for a line end, and for what is too long
-  const ssize_t length = ::read(opened.number(), text.data(), text.size());
+  const ssize_t length = ::read(opened.get(), text.data(), text.size());
   if (length < 0) return core::fail_errno(errno, "cannot read the key " + file);
   std::string_view seed(text.data(), static_cast<std::size_t>(length));
   if (seed.ends_with('\n')) seed.remove_suffix(1);
@@ -159,9 +147,9 @@ core::Result<NKey> read_or_create_nkey(const std::string& file) {
   // A file of this name is complete from the moment that it exists: link() does not replace another one.
   const std::string scratch = file + "." + std::to_string(::getpid()) + ".new";
   {
-    const Descriptor opened(::open(scratch.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR));
-    if (opened.number() < 0) return core::fail_errno(errno, "cannot create the key " + file);
-    if (::write(opened.number(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) || ::fsync(opened.number()) != 0) {
+    const core::Descriptor opened(::open(scratch.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, S_IRUSR | S_IWUSR));
+    if (opened.get() < 0) return core::fail_errno(errno, "cannot create the key " + file);
+    if (::write(opened.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) || ::fsync(opened.get()) != 0) {
       const int reason = errno;
       ::unlink(scratch.c_str());
       return core::fail_errno(reason, "cannot write the key " + file);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/worker/job_queue.h"
 
+#include <limits>
+
 #include "fleet/worker/kinds.h"
 
 namespace dts::fleet::worker {
@@ -8,8 +10,6 @@ namespace {
 
 using database::Column;
 using database::Rows;
-
-constexpr std::int64_t kMostParts = 1'000'000;  // as in wire/messages.cpp
 
 /// Worker and tries together name this take: a job that was taken again has other ones.
 constexpr const char* kIsMine = " WHERE id = $1 AND worker = $2 AND tries = $3 AND state = 'running'";
@@ -45,7 +45,7 @@ core::Result<std::optional<TakenJob>> JobQueue::take() {
   DTS_TRY_ASSIGN(job.id, rows.integer(0, 0));
   DTS_TRY_ASSIGN(job.tries, rows.integer(0, 5));
   DTS_TRY_ASSIGN(const std::int64_t part, rows.integer(0, 4));
-  if (part < 1 || part > kMostParts)
+  if (part < 1 || part > std::numeric_limits<std::uint32_t>::max())
     return core::fail(core::ErrorCode::DataDamaged, "job " + std::to_string(job.id) + ": no part " + std::to_string(part));
   job.part = static_cast<std::uint32_t>(part);
   return std::optional(std::move(job));

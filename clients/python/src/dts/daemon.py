@@ -259,9 +259,9 @@ class Daemon:
         """Corrects a closed session and returns it. The recording stays as it is; `.corrections` of the session has both values.
 
         None leaves a value as it is, "" removes it. `trial` and `outcome` correct the outcome of a trial: of its newest attempt, or of
-        `attempt`; `part` is needed if several parts have this attempt. `marker` (its number in `.markers`) and `marker_text` correct the text of a marker. `reason` has 1 to 200 bytes and no
-        name. Raises `NotFound` for an unknown session, trial or marker, `InvalidArgument` for a value
-        that is not allowed or if nothing would change, and `WrongState` while the session runs.
+        `attempt`; `part` is needed if several parts have this attempt. `marker` (its number in `.markers`) and `marker_text` correct the
+        text of a marker. `reason` has 1 to 200 bytes and no name. Raises `NotFound` for an unknown session, trial or marker,
+        `InvalidArgument` for a value that is not allowed or if nothing would change, and `WrongState` while the session runs.
         """
         wanted = sessions_pb2.CorrectSessionRequest(
             session_id=session_id,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the centre is told while the clinic works: beats, and who may watch what.
+// What the centre receives while the clinic works: beats, and streams for those who may watch.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

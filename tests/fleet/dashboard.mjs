@@ -121,11 +121,19 @@ await check('the floor of the clinic is live', async () => {
   console.log(`        first position after ${firstMs.toFixed(0)} ms; age of the newest scan when painted: median ${ages[ages.length >> 1]?.toFixed(0)} ms`);
   assert.ok(ages.length > 0 && ages.every((age) => Math.abs(age) < patienceMs), `ages in ms: ${ages.slice(0, 9)}`);
 });
-await check('the page has no buttons that move a rig', async () => {
-  assert.equal(await by(page, 'open-start').count(), 0);
-  assert.equal(await by(page, 'tare').count(), 0);
-  assert.match(await page.locator('main').innerText(), /can only look/);
-});
+/** A remote rig can only be watched: no button but those of the drawing, no key, no advice to press one. */
+const expectNothingToCommand = async () => {
+  const text = await page.locator('main').innerText();
+  assert.match(text, /can only look/);
+  assert.doesNotMatch(text, /start a|start session|press|tare plate|redo|accept|stop session|place the|step onto/i);
+  const buttons = await page.locator('main button').allInnerTexts();
+  assert.deepEqual(buttons.filter((label) => !/zoom|plate/i.test(label)), []);
+  for (const key of ['a', 'r', 'x', 's', ' ']) await page.keyboard.press(key);
+  assert.equal(await page.getByRole('dialog').count(), 0);
+  assert.equal(await by(page, 'command-error').count(), 0);
+  await waitFor(async () => /\d/.test(await by(page, 'data-age').innerText()), 'the age of the data is shown');
+};
+await check('the page of the floor offers no command, and shows the age of the data', expectNothingToCommand);
 await check('no finding of axe on a live page', expectAccessible);
 
 await check('a cut line is shown, and the page is live again after it', async () => {
@@ -141,6 +149,7 @@ await check('the chair of the clinic is live', async () => {
   await by(page, 'prompt').waitFor();
   await waitFor(async () => (await by(page, 'status-line').getAttribute('data-state')) === 'up', 'the status line is well');
 });
+await check('the page of the chair offers no command, and shows the age of the data', expectNothingToCommand);
 await check('nothing was requested elsewhere, and no script failed', () => tabs.close());
 await browser.close();
 process.exit(0);

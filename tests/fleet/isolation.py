@@ -8,8 +8,9 @@ import time
 
 from centre import Centre
 from checks import Checks, run_test
-from child import Failure, wait_until
+from child import PROGRAMS, wait_until
 from clinic import FLOOR, Clinic
+from gateway import Gateway, is_let_in
 from nats_client import NatsClient, NKey
 from protobuf import fixed64, message
 
@@ -106,12 +107,28 @@ def expect_revoked(checks: Checks, centre: Centre, clinic: Clinic, other: Clinic
     checks.expect("the list of clinics shows it", states.get(clinic.name) == "revoked" and states.get(other.name) != "revoked", states)
 
 
-def is_let_in(centre: Centre, key: NKey) -> bool:
-    try:
-        NatsClient(centre.nats_port, centre.folder / "ca.pem", key).close()
-    except (Failure, OSError):
-        return False
-    return True
+def expect_dashboard_watches_only(checks: Checks, centre: Centre, gateway: Gateway, clinic: Clinic) -> None:
+    client = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(gateway.key_file))
+    own = f"_DASHBOARD.{gateway.public_key}"
+    client.publish(f"dts.v1.{clinic.name}.down.live")
+    for subject in ("dts.v1.*.live.>", f"dts.v1.{clinic.name}.live.>", f"{own}.>"):
+        client.subscribe(subject)
+    client.wait_for_server()
+    errors = client.taken_errors()
+    checks.expect("the key of the dashboard may ask for live data and receive them", not errors, errors)
+    publish = [subject for subject in foreign_subjects(clinic.name) if not subject.endswith(".down.live")]
+    publish += [f"dts.v1.{clinic.name}.down.ask", f"{own}.x", "_DASHBOARD.x.y"]
+    subscribe = [pattern for pattern in foreign_patterns(clinic.name) if ".live." not in pattern]
+    subscribe += ["dts.v1.*.up.>", "dts.v1.*.facts", "dts.v1.*.down.live", "_DASHBOARD.>", "_DASHBOARD.*.>"]
+    for verb, subjects, act in (("Publish", publish, client.publish), ("Subscription", subscribe, client.subscribe)):
+        allowed = []
+        for subject in subjects:
+            act(subject)
+            client.wait_for_server()
+            if not any(f'Permissions Violation for {verb} to "{subject}"' in error for error in client.taken_errors()):
+                allowed.append(subject)
+        checks.expect(f"  and nothing else: {verb.lower()} of {len(subjects)} subjects is rejected", not allowed, allowed)
+    client.close()
 
 
 def isolation(checks: Checks) -> None:
@@ -125,6 +142,10 @@ def isolation(checks: Checks) -> None:
         kent, essex = clinics
         expect_rejected(checks, centre, kent, "essex")
         expect_rejected(checks, centre, essex, "kent")
+        if (PROGRAMS / "dts-fleet-gateway").exists():
+            gateway = Gateway(centre)
+            gateway.enrol()
+            expect_dashboard_watches_only(checks, centre, gateway, kent)
         expect_no_foreign_reply(checks, centre, kent, essex)
         expect_no_foreign_reply(checks, centre, essex, kent)
         expect_revoked(checks, centre, kent, essex)

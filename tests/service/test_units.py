@@ -131,6 +131,16 @@ class Together(unittest.TestCase):
         self.assertLessEqual({"setrlimit", "prlimit64"}, set(worker["SystemCallFilter"][-1].split()))  # the limits of dtslab
         self.assertEqual(worker["OOMPolicy"], ["continue"])
 
+    @unittest.skipUnless("dts-fleet-gateway" in units.UNITS, "the fleet is not built")
+    def test_DashboardOfTheCentre_HasNoGroupAndNoFolderOfTheHub(self) -> None:
+        """Its key and its role in PostgreSQL are its own: it cannot use those of the hub."""
+        dashboard, hub = (units.settings(units.unit_text(name)) for name in ("dts-fleet-gateway", "dts-hub"))
+        self.assertNotEqual(dashboard["User"], hub["User"])
+        self.assertNotIn("SupplementaryGroups", dashboard)
+        self.assertEqual(dashboard["StateDirectory"], ["dts-fleet-gateway"])
+        self.assertEqual(dashboard["StateDirectoryMode"], ["0700"])
+        self.assertIn("MemoryMax", dashboard)
+
     def test_GatewayReachesTheDaemon(self) -> None:
         daemon, gateway = (units.settings(units.unit_text(name)) for name in ("dtsd", "dts-gateway"))
         self.assertEqual(gateway["SupplementaryGroups"], daemon["Group"])

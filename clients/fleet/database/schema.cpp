@@ -282,6 +282,50 @@ CREATE VIEW study.result WITH (security_invoker = true) AS
   SELECT r.* FROM result r JOIN session s ON s.clinic = r.clinic AND s.id = r.session WHERE NOT s.is_deleted;
 GRANT SELECT ON study.session, study.part, study.trial, study.result TO reader;
 GRANT SELECT ON study.subject TO subject_reader;
+)sql",
+                                                               R"sql(
+-- dts-fleet-gateway: reads what the dashboard shows. "dashboard" sees all clinics, "study_dashboard" those in the table permit.
+DO $$
+BEGIN
+  IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'dashboard') THEN CREATE ROLE dashboard NOLOGIN; END IF;
+  IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = 'study_dashboard') THEN CREATE ROLE study_dashboard NOLOGIN; END IF;
+END $$;
+GRANT SELECT ON beat, beat_history, rig, result TO dashboard, study_dashboard;
+GRANT SELECT (id, title, state) ON clinic TO dashboard, study_dashboard;
+GRANT SELECT (clinic, id, rig, protocol, subject, label, state, started, ended, planned_trials, is_deleted) ON session
+  TO dashboard, study_dashboard;
+GRANT SELECT (clinic, session, part, duration_s, lost_scans, valid_trials, store_key) ON part TO dashboard, study_dashboard;
+GRANT SELECT (clinic, sha256, bytes, session, part, stored_utc, hub) ON receipt TO dashboard, study_dashboard;
+GRANT SELECT ON permit TO study_dashboard;
+
+ALTER TABLE beat ENABLE ROW LEVEL SECURITY;
+ALTER TABLE beat_history ENABLE ROW LEVEL SECURITY;
+ALTER TABLE rig ENABLE ROW LEVEL SECURITY;
+ALTER TABLE receipt ENABLE ROW LEVEL SECURITY;
+CREATE POLICY all_rows ON clinic FOR SELECT TO dashboard USING (true);
+CREATE POLICY all_rows ON beat FOR SELECT TO dashboard USING (true);
+CREATE POLICY all_rows ON beat_history FOR SELECT TO dashboard USING (true);
+CREATE POLICY all_rows ON rig FOR SELECT TO dashboard USING (true);
+CREATE POLICY all_rows ON session FOR SELECT TO dashboard USING (true);
+CREATE POLICY all_rows ON part FOR SELECT TO dashboard USING (true);
+CREATE POLICY all_rows ON result FOR SELECT TO dashboard USING (true);
+CREATE POLICY all_rows ON receipt FOR SELECT TO dashboard USING (true);
+ALTER POLICY own ON permit TO reader, study_dashboard;
+ALTER POLICY permitted ON clinic TO reader, study_dashboard;
+ALTER POLICY whole_clinic ON session TO reader, study_dashboard;
+ALTER POLICY one_protocol ON session TO reader, study_dashboard;
+ALTER POLICY whole_clinic ON part TO reader, study_dashboard;
+ALTER POLICY one_protocol ON part TO reader, study_dashboard;
+ALTER POLICY whole_clinic ON result TO reader, study_dashboard;
+ALTER POLICY one_protocol ON result TO reader, study_dashboard;
+CREATE POLICY permitted ON beat FOR SELECT TO study_dashboard USING (clinic IN (SELECT clinic FROM permit WHERE role = current_user));
+CREATE POLICY permitted ON beat_history FOR SELECT TO study_dashboard
+  USING (clinic IN (SELECT clinic FROM permit WHERE role = current_user));
+CREATE POLICY permitted ON rig FOR SELECT TO study_dashboard USING (clinic IN (SELECT clinic FROM permit WHERE role = current_user));
+CREATE POLICY whole_clinic ON receipt FOR SELECT TO study_dashboard
+  USING (clinic IN (SELECT clinic FROM permit WHERE role = current_user AND protocol IS NULL));
+CREATE POLICY one_protocol ON receipt FOR SELECT TO study_dashboard USING ((clinic, session) IN (
+  SELECT s.clinic, s.id FROM session s JOIN permit p USING (clinic, protocol) WHERE p.role = current_user));
 )sql"};
 
 constexpr const char* kStart =

@@ -2,7 +2,6 @@
 #include "fleet/desk/live.h"
 
 #include <algorithm>
-#include <atomic>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <charconv>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "fleet/desk/least_lead.h"
+#include "fleet/desk/under_way.h"
 #include "fleet/desk/watch.h"
 #include "fleet/wire/subjects.h"
 #include "gateway/bus/hub.h"
@@ -18,9 +18,7 @@
 namespace dts::fleet::desk {
 namespace {
 
-constexpr unsigned kPolicyViolation = 1008;  // RFC 6455, 7.4.1
-/// Messages of a clinic between its watch and the io thread. More are dropped; the page shows the missing scans.
-constexpr int kMostUnderWay = 2048;
+constexpr unsigned kPolicyViolation = 1008;       // RFC 6455, 7.4.1
 constexpr std::chrono::seconds kOffsetPause{10};  // as often as heartbeats
 
 std::int64_t utc_now_ns() { return std::chrono::nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count(); }
@@ -77,24 +75,24 @@ class ClinicView : public std::enable_shared_from_this<ClinicView> {
   double clock_offset_s_ = 0.0;                      ///< Until it is known: none.
   std::optional<std::int64_t> utc_minus_monotonic_;  ///< Of the clinic, ns.
   LeastLead lead_;
-  std::atomic<int> under_way_ = 0;
+  UnderWay under_way_;
   gateway::Hub hub_;
   std::unique_ptr<Watch> watch_;  ///< Last: its thread ends first.
 };
 
-/// Thread: watch.
+/// Thread: watch. What exceeds the limit is dropped; the page shows the missing scans.
 void ClinicView::pass(gateway::BusItem item) {
-  if (std::holds_alternative<gateway::CarriedPointer>(item) && under_way_.load(std::memory_order_relaxed) >= kMostUnderWay) return;
-  under_way_.fetch_add(1, std::memory_order_relaxed);
+  const auto* message = std::get_if<gateway::CarriedPointer>(&item);
+  if (message != nullptr && !under_way_.add((*message)->bytes.size())) return;
   boost::asio::post(io_, [weak = weak_from_this(), item = std::move(item)] {
     if (const auto view = weak.lock()) view->handle(item);
   });
 }
 
 void ClinicView::handle(const gateway::BusItem& item) {
-  under_way_.fetch_sub(1, std::memory_order_relaxed);
-  if (const auto* message = std::get_if<gateway::CarriedPointer>(&item);
-      message != nullptr && (*message)->kind == gateway::Carried::Kind::Status) {
+  const auto* message = std::get_if<gateway::CarriedPointer>(&item);
+  if (message != nullptr) under_way_.remove((*message)->bytes.size());
+  if (message != nullptr && (*message)->kind == gateway::Carried::Kind::Status) {
     v1::StatusSnapshot status;
     if (status.ParseFromString((*message)->bytes)) {
       utc_minus_monotonic_ = status.utc_minus_monotonic_ns();

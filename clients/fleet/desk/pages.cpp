@@ -121,13 +121,16 @@ FROM page s CROSS JOIN LATERAL (
 }
 
 core::Result<std::string> measures_page(Database& database) {
-  // Each step of the recursion finds the next name in the index. Only the count reads more, and only the index.
+  // A clinic chooses these names: the limits end the recursion, too. Each step of the recursion finds the next name in the index. Only the
+  // count reads more, and only the index.
   static const std::string kSql = R"sql(
 WITH RECURSIVE measure AS (
   (SELECT name, analysis FROM result WHERE started IS NOT NULL ORDER BY name, analysis LIMIT 1)
   UNION ALL
   SELECT n.* FROM measure m CROSS JOIN LATERAL (SELECT name, analysis FROM result
     WHERE started IS NOT NULL AND (name, analysis) > (m.name, m.analysis) ORDER BY name, analysis LIMIT 1) n
+), some_measures AS (
+  SELECT * FROM measure LIMIT $1
 ), protocol AS (
   (SELECT protocol FROM session ORDER BY protocol LIMIT 1)
   UNION ALL
@@ -136,11 +139,11 @@ WITH RECURSIVE measure AS (
 SELECT json_build_object('measures', (SELECT coalesce(json_agg(json_build_object('name', name, 'analysis', analysis,
     'unit', (SELECT unit FROM result r WHERE r.name = m.name AND r.analysis = m.analysis AND started IS NOT NULL LIMIT 1),
     'count', (SELECT count(*) FROM result r WHERE r.name = m.name AND r.analysis = m.analysis AND started IS NOT NULL))
-    ORDER BY name, analysis), '[]') FROM measure m),
-  'protocols', (SELECT coalesce(json_agg(protocol ORDER BY protocol), '[]') FROM protocol)))sql";
+    ORDER BY name, analysis), '[]') FROM some_measures m),
+  'protocols', (SELECT coalesce(json_agg(protocol ORDER BY protocol), '[]') FROM (SELECT * FROM protocol LIMIT $2) some_protocols)))sql";
   return database.transaction([&]() -> core::Result<std::string> {
     DTS_TRY(database.run_script("SET LOCAL statement_timeout = '30s'"));  // the answer is kept for minutes
-    return only_cell(database.run(kSql));
+    return only_cell(database.run(kSql, {kMostMeasures, kMostProtocols}));
   });
 }
 

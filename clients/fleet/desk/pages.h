@@ -49,6 +49,9 @@ struct TrendFilter {
 /// Fails with NotFound.
 [[nodiscard]] core::Result<std::string> clinic_page(database::Database& database, std::string_view version, const std::string& clinic);
 [[nodiscard]] core::Result<std::string> sessions_page(database::Database& database, const SessionFilter& filter);
+/// The first `kMostMeasures` and `kMostProtocols` by name.
+inline constexpr int kMostMeasures = 1000;
+inline constexpr int kMostProtocols = 200;
 [[nodiscard]] core::Result<std::string> measures_page(database::Database& database);
 [[nodiscard]] core::Result<std::string> trend_page(database::Database& database, const TrendFilter& filter);
 

@@ -19,6 +19,7 @@ using gateway::Respond;
 constexpr std::size_t kLongestValue = 200;
 constexpr std::int64_t kLargest_ms = 4'000'000'000'000;  // UTC; PostgreSQL's time has no value for much larger numbers
 constexpr std::chrono::minutes kMeasuresLife{10};
+constexpr std::chrono::seconds kFailureLife{10};  // a count that took too long must not be repeated at once
 
 core::Result<std::string> text_of(const Query& query, const std::string& name) {
   const auto found = query.find(name);
@@ -123,15 +124,14 @@ void Routes::serve_fleet(const HttpRequest& request, Respond respond) {
 }
 
 void Routes::serve_measures(Respond respond) {
-  if (measures_ && std::chrono::steady_clock::now() - measured_at_ < kMeasuresLife) return respond(answer_of(*measures_));
+  const auto life = measures_ && *measures_ ? std::chrono::steady_clock::duration(kMeasuresLife) : kFailureLife;
+  if (measures_ && std::chrono::steady_clock::now() - measured_at_ < life) return respond(answer_of(*measures_));
   await_measures_.push_back(std::move(respond));
   if (await_measures_.size() > 1) return;
   queries_.submit([](database::Database& database) { return measures_page(database); },
                   [this](const core::Result<std::string>& document) {
-                    if (document) {
-                      measures_ = *document;
-                      measured_at_ = std::chrono::steady_clock::now();
-                    }
+                    measures_ = document;
+                    measured_at_ = std::chrono::steady_clock::now();
                     for (const Respond& waiting : std::exchange(await_measures_, {})) waiting(answer_of(document));
                   });
 }

@@ -34,7 +34,7 @@ class Routes {
   const gateway::StaticFiles& files_;
   QueryPool& queries_;
   std::string version_;
-  std::optional<std::string> measures_;  ///< The answer of a moment ago: it counts all results.
+  std::optional<core::Result<std::string>> measures_;  ///< The answer of a moment ago: it counts all results.
   std::chrono::steady_clock::time_point measured_at_{};
   std::vector<gateway::Respond> await_measures_;  ///< Requests that wait for the count under way.
 };

@@ -15,11 +15,11 @@
 #include "cli/exit_status.h"
 #include "cli/try.h"
 #include "core/log.h"
+#include "files/whole_file.h"
 #include "fleet/desk/live.h"
 #include "fleet/desk/nats.h"
 #include "fleet/desk/query_pool.h"
 #include "fleet/desk/routes.h"
-#include "fleet/desk/settings.h"
 #include "fleet/wire/nkey.h"
 #include "fleet/wire/subjects.h"
 #include "gateway/http/server.h"
@@ -31,12 +31,12 @@ namespace asio = boost::asio;
 
 constexpr std::chrono::milliseconds kLongestGoodbye{500};
 constexpr std::chrono::seconds kReportPause{1};
+constexpr std::size_t kMostCaBytes = 1024 * 1024;
 
 /// All parts of the program, in the order of their dependencies.
 class Centre {
  public:
-  Centre(const Settings& settings, std::function<void(const std::string&)> log)
-      : log_(std::move(log)), queries_(io_, settings.connection) {}
+  Centre(const Options& options, std::function<void(const std::string&)> log) : log_(std::move(log)), queries_(io_, options.database) {}
   ~Centre() = default;
   Centre(const Centre&) = delete;
   Centre& operator=(const Centre&) = delete;
@@ -44,7 +44,7 @@ class Centre {
   Centre& operator=(Centre&&) = delete;
 
   /// First `open_live`, then `open`.
-  core::Status open_live(const Settings& settings);
+  core::Status open_live(const Options& options);
   client::Result<void> open(const gateway::Options& options);
   void run();
   [[nodiscard]] std::uint16_t port() const noexcept { return server_->port(); }
@@ -69,13 +69,22 @@ class Centre {
   std::unique_ptr<gateway::Server> server_;  ///< Last: its closing tabs leave their views.
 };
 
-core::Status Centre::open_live(const Settings& settings) {
-  DTS_TRY_ASSIGN(const auto key, wire::read_nkey(settings.key_file));
-  DTS_TRY_ASSIGN(nats_, Nats::open({.servers = settings.servers,
-                                    .ca_pem = settings.ca_pem,
+core::Result<std::string> read_ca(const std::string& file) {
+  if (file.empty()) return std::string();
+  auto text = files::read_whole_file(file, kMostCaBytes);
+  if (text) return text;
+  return core::fail(core::ErrorCode::InvalidArgument, "cannot read '" + file + "': " + text.error().what,
+                    "name the certificates of the authority in nats-ca");
+}
+
+core::Status Centre::open_live(const Options& options) {
+  DTS_TRY_ASSIGN(const auto key, wire::read_nkey(options.nats_key_file));
+  DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(options.nats_ca_file));
+  DTS_TRY_ASSIGN(nats_, Nats::open({.servers = options.nats_servers,
+                                    .ca_pem = ca_pem,
                                     .name = "dts-fleet-gateway",
                                     .seed = key.seed,
-                                    .inbox_prefix = std::string(wire::kHubInboxPrefix)},
+                                    .inbox_prefix = wire::dashboard_inbox_prefix(key.public_key)},
                                    core::Log::to_stderr(core::LogLevel::Info)));
   live_ = std::make_unique<Live>(io_, *nats_, queries_, DTS_VERSION);
   return {};
@@ -143,15 +152,9 @@ void Centre::end() {
 }  // namespace
 
 int serve(const Options& options, cli::Console& console) {
-  files::Problems problems;
-  const Settings settings = load_settings(options.config, problems);
-  if (!problems.empty()) {
-    for (const files::Problem& problem : problems) console.talk << files::to_string(problem) << std::endl;
-    return cli::exit_status(core::ErrorCode::InvalidArgument);
-  }
   const gateway::Options& wanted = options.server;
-  Centre centre(settings, [&console](const std::string& line) { console.talk << line << std::endl; });
-  if (auto opened = centre.open_live(settings); !opened) return cli::fail_with(console, opened.error());
+  Centre centre(options, [&console](const std::string& line) { console.talk << line << std::endl; });
+  if (auto opened = centre.open_live(options); !opened) return cli::fail_with(console, opened.error());
   if (auto opened = centre.open(wanted); !opened) return cli::fail_with(console, opened.error());
   const std::string scheme = wanted.certificate_file.empty() ? "http" : "https";
   const std::string address = wanted.listen.substr(0, wanted.listen.rfind(':'));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "cli/console.h"
 #include "gateway/options.h"
@@ -10,7 +11,10 @@ namespace dts::fleet::desk {
 
 struct Options {
   gateway::Options server;
-  std::string config;  ///< hub.toml
+  std::vector<std::string> nats_servers;
+  std::string nats_ca_file;   ///< Empty: no TLS, on loopback addresses.
+  std::string nats_key_file;  ///< The dashboard's own nkey.
+  std::string database;       ///< As libpq understands it. Its role needs to read only.
 };
 
 /// Serves the dashboard of the centre until SIGINT, SIGTERM or SIGHUP. Prints its address on `console.talk`. Returns the exit status.

@@ -72,6 +72,13 @@ std::vector<std::string> topics_of(const v1::StatusSnapshot* status, const std::
   return topics;
 }
 
+std::string problem_of_status(const v1::StatusSnapshot& status) {
+  if (status.rigs_size() > kMostRigs) return "the clinic reports more than " + std::to_string(kMostRigs) + " rigs";
+  const bool is_sound =
+      std::ranges::all_of(status.rigs(), [](const v1::RigStatus& rig) { return rig.rig().published_size() <= kMostStreams; });
+  return is_sound ? "" : "the clinic reports more than " + std::to_string(kMostStreams) + " streams of a rig";
+}
+
 class Watch::Loop {
  public:
   Loop(Nats& nats, std::string clinic, std::function<void(gateway::BusItem)> on_item)
@@ -81,10 +88,12 @@ class Watch::Loop {
   void want(std::vector<std::string> prefixes) {
     const std::lock_guard lock(mutex_);
     prefixes_ = std::move(prefixes);
+    has_new_wish_ = true;
   }
   void set_viewers(std::set<std::string> names) {
     const std::lock_guard lock(mutex_);
     viewers_ = std::move(names);
+    has_new_wish_ = true;
   }
   [[nodiscard]] std::int64_t delay_ns() const noexcept { return delay_ns_.load(std::memory_order_relaxed); }
 
@@ -97,11 +106,12 @@ class Watch::Loop {
   };
   void turn(const std::stop_token& stop);
   [[nodiscard]] bool connect();
-  [[nodiscard]] Wish present_wish();
+  void renew_wish();
   void ask_if_due();
   void read_answers();
   void read_letters();
   void pass_on(link::Letter&& letter);
+  [[nodiscard]] bool take_status(const std::string& bytes);
   void judge();
   void report(bool is_up, const std::string& problem);
 
@@ -114,6 +124,9 @@ class Watch::Loop {
   std::string inbox_;
   std::uint64_t connections_ = 0;
   std::optional<v1::StatusSnapshot> status_;
+  std::string status_problem_;  ///< Of the newest status.
+  bool has_new_status_ = false;
+  Wish wish_;
   Wish asked_;
   Clock::time_point asked_at_{};
   Clock::time_point first_asked_at_{};
@@ -126,8 +139,9 @@ class Watch::Loop {
   std::atomic<std::int64_t> delay_ns_ = -1;
   std::mutex mutex_;
   std::condition_variable_any stopped_;
-  std::vector<std::string> prefixes_;  ///< Guarded by `mutex_`, as the viewers.
+  std::vector<std::string> prefixes_;  ///< Guarded by `mutex_`, as the next two.
   std::set<std::string> viewers_;
+  bool has_new_wish_ = true;
 };
 
 /// Catches what libraries throw, for example if memory runs out.
@@ -175,19 +189,22 @@ bool Watch::Loop::connect() {
   return link_->is_connected();
 }
 
-Watch::Loop::Wish Watch::Loop::present_wish() {
+void Watch::Loop::renew_wish() {
   const std::lock_guard lock(mutex_);
-  return {.topics = topics_of(status_ ? &*status_ : nullptr, prefixes_), .viewers = viewers_};
+  if (!has_new_status_ && !has_new_wish_) return;
+  has_new_status_ = false;
+  has_new_wish_ = false;
+  wish_ = {.topics = topics_of(status_ ? &*status_ : nullptr, prefixes_), .viewers = viewers_};
 }
 
 void Watch::Loop::ask_if_due() {
-  Wish wish = present_wish();
+  renew_wish();
   const auto now = Clock::now();
   const auto pause = now - asked_at_;
-  const bool is_due = wish != asked_ || link_->connections() != connections_ || pause >= (is_answered_ ? kRenewal : kPatience / 2);
+  const bool is_due = wish_ != asked_ || link_->connections() != connections_ || pause >= (is_answered_ ? kRenewal : kPatience / 2);
   if (!is_due || pause < kShortestPause) return;
   connections_ = link_->connections();
-  asked_ = std::move(wish);
+  asked_ = wish_;
   asked_at_ = now;
   if (first_asked_at_ == Clock::time_point()) first_asked_at_ = now;
   is_answered_ = false;
@@ -211,7 +228,9 @@ void Watch::Loop::read_answers() {
     if (!is_answered_ && (known_ns < 0 || half_ns < known_ns)) delay_ns_.store(half_ns, std::memory_order_relaxed);
     is_answered_ = true;
     refusal_ = answer->has_refusal() ? "the clinic answers: " + answer->refusal().reason() : "";
-    if (answer->has_refusal()) status_.reset();  // its rigs may be others now
+    if (!answer->has_refusal()) continue;
+    status_.reset();  // its rigs may be others now
+    has_new_status_ = true;
   }
 }
 
@@ -227,20 +246,30 @@ void Watch::Loop::read_letters() {
 void Watch::Loop::pass_on(link::Letter&& letter) {
   const auto subject = wire::parse_subject(letter.subject);
   if (!subject || subject->matter != wire::Matter::Live || subject->clinic != clinic_) return;
+  if (std::ranges::find(asked_.topics, subject->topic) == asked_.topics.end()) return;  // nobody asked for it
   auto message = carried_of(subject->topic, std::move(letter.data));
   if (!message) return;
+  if (message->kind == gateway::Carried::Kind::Status && !take_status(message->bytes)) return;
   received_at_ = Clock::now();
-  if (message->kind == gateway::Carried::Kind::Status) {
-    status_.emplace();
-    (void)status_->ParseFromString(message->bytes);
-    report(true, {});
-  }
   if (is_up_) on_item_(std::move(message));
+}
+
+/// Returns false for a status that must not be passed on.
+bool Watch::Loop::take_status(const std::string& bytes) {
+  v1::StatusSnapshot status;
+  (void)status.ParseFromString(bytes);
+  status_problem_ = problem_of_status(status);
+  if (!status_problem_.empty()) return false;
+  status_ = std::move(status);
+  has_new_status_ = true;
+  report(true, {});
+  return true;
 }
 
 void Watch::Loop::judge() {
   if (!link_ || !link_->is_connected()) return report(false, "the centre has no connection to nats-server");
   if (!refusal_.empty()) return report(false, refusal_);
+  if (!status_problem_.empty()) return report(false, status_problem_);
   const auto now = Clock::now();
   const bool is_silent = now - std::max(received_at_, first_asked_at_) > (received_at_ == Clock::time_point() ? kPatience : kSilence);
   if (is_silent) report(false, is_answered_ ? "the clinic sends no data" : "the clinic is not connected to the centre");

@@ -19,9 +19,9 @@
 namespace dts::fleet::desk {
 
 /// Watches the rigs of one clinic on a thread of its own ("watch"): asks the clinic for topics again and again, because it publishes only
-/// what was asked for within the last 10 s, and passes on what it publishes.
+/// what was asked for within the last 10 s, and passes on what it publishes of that. Anything else is dropped.
 ///
-///     want, add_viewer --> LiveRequest (4 s) --> clinic --> live.> --> check --> on_item
+///     want, set_viewers --> LiveRequest (4 s) --> clinic --> live.> --> check --> on_item
 class Watch {
  public:
   /// `on_item` is called on the watch's thread.
@@ -51,5 +51,10 @@ class Watch {
 /// Returns the topics of a clinic with these prefixes, at most `kMostTopics`, with those that are always watched first.
 inline constexpr std::size_t kMostTopics = 64;
 [[nodiscard]] std::vector<std::string> topics_of(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes);
+
+/// Returns what is wrong with a status; empty: nothing. A clinic is not trusted: a status could name any number of rigs.
+inline constexpr int kMostRigs = 64;
+inline constexpr int kMostStreams = 64;  ///< Of a rig.
+[[nodiscard]] std::string problem_of_status(const v1::StatusSnapshot& status);
 
 }  // namespace dts::fleet::desk

@@ -3,10 +3,12 @@
 
 #include <arpa/inet.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
 
 #include "files/whole_file.h"
+#include "fleet/wire/nkey.h"
 #include "fleet/wire/subjects.h"
 
 namespace dts::fleet::hub {
@@ -46,6 +48,22 @@ void read_nats(files::TomlReader reader, Settings& settings) {
   reader.finish();
 }
 
+DashboardKey read_dashboard(files::TomlReader& reader) {
+  DashboardKey read;
+  reader.require("key");
+  read.public_key = reader.text("key", "");
+  read.clinics = reader.texts("clinics", {});
+  if (reader.has("key") && !wire::is_public_nkey(read.public_key)) {
+    reader.report("key", "is not a public key: \"U...\", as dts-fleet-gateway key prints it");
+  }
+  if (reader.has("clinics") && read.clinics.empty()) reader.report("clinics", "names no clinic; remove the line to allow all clinics");
+  for (const std::string& clinic : read.clinics) {
+    if (!wire::is_clinic_name(clinic)) reader.report("clinics", "'" + clinic + "' is not a name of a clinic: a-z, 0-9 and -");
+  }
+  reader.finish();
+  return read;
+}
+
 /// Splits "127.0.0.1:9464".
 void read_metrics(files::TomlReader reader, Settings& settings) {
   const std::string listen = reader.text("listen", "");
@@ -75,6 +93,12 @@ Settings load_settings(const std::string& file, files::Problems& problems) {
   loaded.name = top.text("name", "");
   if (top.has("name") && !wire::is_worker_name(loaded.name)) top.report("name", "has 1 to 32 of the characters a-z, 0-9 and -: \"hub-1\"");
   read_nats(top.table("nats"), loaded);
+  for (files::TomlReader& dashboard : top.tables("dashboard")) {
+    loaded.dashboards.push_back(read_dashboard(dashboard));
+    const auto is_same = [&](const DashboardKey& other) { return other.public_key == loaded.dashboards.back().public_key; };
+    if (std::count_if(loaded.dashboards.begin(), loaded.dashboards.end(), is_same) > 1)
+      dashboard.report("key", "is that of another dashboard");
+  }
   files::TomlReader database = top.table("database");
   database.require("connection");
   loaded.connection = database.text("connection", "");

@@ -11,6 +11,12 @@
 
 namespace dts::fleet::hub {
 
+/// A dashboard of the centre (dts-fleet-gateway) as a user of nats-server.
+struct DashboardKey {
+  std::string public_key;
+  std::vector<std::string> clinics;  ///< Whose rigs it may watch. Empty: all.
+};
+
 /// hub.toml. All values are checked; names of files are relative to the file's folder.
 struct Settings {
   core::LogLevel log_level = core::LogLevel::Info;
@@ -21,7 +27,8 @@ struct Settings {
   std::string ca_file;                      ///< Empty: no TLS, on loopback addresses.
   std::string key_file;                     ///< The hub's nkey; made by `dts-fleet users` if there is none.
   std::string users_file;                   ///< Empty: another hub writes it.
-  std::string pid_file;                     ///< Of nats-server, which reads the users file again at SIGHUP; empty: systemd sends it.
+  std::vector<DashboardKey> dashboards;
+  std::string pid_file;  ///< Of nats-server, which reads the users file again at SIGHUP; empty: systemd sends it.
 
   std::string connection;  ///< Of PostgreSQL.
 

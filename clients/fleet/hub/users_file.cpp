@@ -27,16 +27,20 @@ std::string quoted_list(const std::vector<std::string>& texts) {
 
 std::string user_line(const std::string& public_key, const wire::Permissions& permissions) {
   return "  {nkey: " + public_key + ", permissions: {publish: {allow: " + quoted_list(permissions.publish) +
-         "}, subscribe: {allow: " + quoted_list(permissions.subscribe) + "}, allow_responses: {max: 1, ttl: \"30s\"}}}\n";
+         "}, subscribe: {allow: " + quoted_list(permissions.subscribe) + "}" +
+         (permissions.may_answer ? ", allow_responses: {max: 1, ttl: \"30s\"}" : "") + "}}\n";
 }
 
 }  // namespace
 
-std::string users_text(const std::string& hub_public_key, const std::vector<Clinic>& clinics) {
+std::string users_text(const std::string& hub_public_key, const std::vector<DashboardKey>& dashboards, const std::vector<Clinic>& clinics) {
   std::string text =
-      "# Written by dts-hub from the table clinic. Change it with dts-fleet clinic add and dts-fleet clinic revoke.\n"
+      "# Written by dts-hub from the table clinic and hub.toml. Change it with dts-fleet clinic add and revoke, or in [[dashboard]].\n"
       "authorization {\n users = [\n";
   text += user_line(hub_public_key, wire::hub_permissions());
+  for (const DashboardKey& dashboard : dashboards) {
+    text += user_line(dashboard.public_key, wire::dashboard_permissions(dashboard.public_key, dashboard.clinics));
+  }
   for (const Clinic& clinic : clinics) {
     // A line of the database that is not a name and a key must not become configuration.
     if (clinic.is_revoked || !wire::is_clinic_name(clinic.id) || !wire::is_public_nkey(clinic.nkey)) continue;
@@ -47,7 +51,7 @@ std::string users_text(const std::string& hub_public_key, const std::vector<Clin
 
 core::Result<bool> write_users(const Settings& settings, const std::string& hub_public_key, const std::vector<Clinic>& clinics) {
   if (settings.users_file.empty()) return false;
-  const std::string text = users_text(hub_public_key, clinics);
+  const std::string text = users_text(hub_public_key, settings.dashboards, clinics);
   const auto present = files::read_whole_file(settings.users_file, kMostUsersBytes);
   if (present && *present == text) return false;
   DTS_TRY(record::replace_file(settings.users_file, text, kUsersMode));

@@ -10,9 +10,10 @@
 
 namespace dts::fleet::hub {
 
-/// Returns the part of nats-server's configuration with its users: the hub, and the clinics that are not revoked, each with what it may
-/// publish and receive.
-[[nodiscard]] std::string users_text(const std::string& hub_public_key, const std::vector<Clinic>& clinics);
+/// Returns the part of nats-server's configuration with its users: the hub, the dashboards, and the clinics that are not revoked, each with
+/// what it may publish and receive.
+[[nodiscard]] std::string users_text(const std::string& hub_public_key, const std::vector<DashboardKey>& dashboards,
+                                     const std::vector<Clinic>& clinics);
 
 /// Writes the users file as a whole if it differs. Returns whether it was written.
 [[nodiscard]] core::Result<bool> write_users(const Settings& settings, const std::string& hub_public_key,

@@ -99,6 +99,8 @@ std::string of_all_clinics(Matter matter, std::string_view worker) { return join
 
 std::string inbox_prefix(std::string_view clinic) { return "_INBOX." + std::string(clinic); }
 
+std::string dashboard_inbox_prefix(std::string_view public_key) { return "_DASHBOARD." + std::string(public_key); }
+
 bool is_inbox_of(std::string_view clinic, std::string_view reply) noexcept {
   return drop(reply, "_INBOX.") && drop(reply, clinic) && drop(reply, ".") && !reply.empty() &&
          reply.find_first_of("*> \t\r\n") == std::string_view::npos;
@@ -112,8 +114,17 @@ Permissions clinic_permissions(std::string_view clinic) {
 
 Permissions hub_permissions() {
   const std::string all = std::string(kVersion) + kAnyClinic + ".";
-  return {.publish = {all + "down.>", inbox_prefix(kAnyClinic) + ".>"},
-          .subscribe = {all + "up.>", all + "facts", all + "erase", all + "beat", all + "live.>", std::string(kHubInboxPrefix) + ".>"}};
+  return {.publish = {inbox_prefix(kAnyClinic) + ".>"},
+          .subscribe = {all + "up.>", all + "facts", all + "erase", all + "beat", std::string(kHubInboxPrefix) + ".>"}};
+}
+
+Permissions dashboard_permissions(std::string_view public_key, const std::vector<std::string>& clinics) {
+  Permissions permissions{.publish = {}, .subscribe = {dashboard_inbox_prefix(public_key) + ".>"}, .may_answer = false};
+  for (const std::string& clinic : clinics.empty() ? std::vector<std::string>{kAnyClinic} : clinics) {
+    permissions.publish.push_back(to_text({.clinic = clinic, .matter = Matter::DownLive}));
+    permissions.subscribe.push_back(to_text({.clinic = clinic, .matter = Matter::Live, .topic = ">"}));
+  }
+  return permissions;
 }
 
 }  // namespace dts::fleet::wire

@@ -35,16 +35,21 @@ struct Subject {
 
 /// Returns "_INBOX.CLINIC": replies to this clinic have subjects below it, so that no clinic can read those of another.
 [[nodiscard]] std::string inbox_prefix(std::string_view clinic);
-inline constexpr std::string_view kHubInboxPrefix = "_HUB";  ///< Answers of clinics to the hub.
+inline constexpr std::string_view kHubInboxPrefix = "_HUB";
+/// Returns "_DASHBOARD.KEY": answers of clinics to the dashboard with this public key.
+[[nodiscard]] std::string dashboard_inbox_prefix(std::string_view public_key);
 /// Returns true if the hub may answer to `reply`. Without this check, a clinic could let the hub publish to another clinic.
 [[nodiscard]] bool is_inbox_of(std::string_view clinic, std::string_view reply) noexcept;
 
-/// What a user of nats-server may do; everything else is rejected. Both may also answer what they receive (`allow_responses`).
+/// What a user of nats-server may do; everything else is rejected.
 struct Permissions {
   std::vector<std::string> publish;
   std::vector<std::string> subscribe;
+  bool may_answer = true;  ///< May answer each message that it receives, once (`allow_responses`).
 };
 [[nodiscard]] Permissions clinic_permissions(std::string_view clinic);
 [[nodiscard]] Permissions hub_permissions();
+/// May ask these clinics for live data, and receive it. `clinics`: empty: all.
+[[nodiscard]] Permissions dashboard_permissions(std::string_view public_key, const std::vector<std::string>& clinics);
 
 }  // namespace dts::fleet::wire

@@ -31,6 +31,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostTalk = 2000;
 constexpr auto kLook = std::chrono::milliseconds(200);
+/// Processor time between SIGXCPU, which names the reason, and SIGKILL, which cannot be ignored.
+constexpr std::uint64_t kGrace_s = 2;
 
 class Descriptor {
  public:
@@ -74,48 +76,105 @@ constexpr std::uint32_t kMachine = AUDIT_ARCH_AARCH64;
 #error "the filter of system calls needs the number of this machine (linux/audit.h)"
 #endif
 
-/// Without sockets there is no way to the database or the network, without processes nothing outlives the program.
-bool filter_system_calls() {
-  constexpr std::uint32_t kNumber = offsetof(seccomp_data, nr);
-  constexpr std::uint32_t kFirstArgument = offsetof(seccomp_data, args);  // the lower half on our little-endian machines
-  const auto load = [](std::uint32_t offset) { return sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offset); };
-  const auto answer = [](std::uint32_t action) { return sock_filter BPF_STMT(BPF_RET | BPF_K, action); };
-  const auto unless_equal_skip = [](std::uint32_t value, std::uint8_t count) {
-    return sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, count);
-  };
-  std::vector<sock_filter> filter{load(offsetof(seccomp_data, arch)), unless_equal_skip(kMachine, 1),
-                                  sock_filter BPF_JUMP(BPF_JMP | BPF_JA, 1, 0, 0), answer(SECCOMP_RET_KILL_PROCESS), load(kNumber)};
-  // Numbers of the x32 ABI would pass the comparisons below.
-  filter.push_back(sock_filter BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, 0x40000000U, 0, 1));
-  filter.push_back(answer(SECCOMP_RET_KILL_PROCESS));
-  for (const long number : {
+/// System calls that are always rejected. Without sockets there is no way to the database or the network, without processes nothing
+/// outlives the program. The rest could change files or processes of the worker's user: limits of descriptors and file sizes do not prevent
+/// that.
+constexpr std::array kRejected{
 #ifdef SYS_fork
-           SYS_fork, SYS_vfork,
+    SYS_fork, SYS_vfork,
 #endif
-           SYS_socket, SYS_io_uring_setup, SYS_ptrace, SYS_process_vm_readv, SYS_process_vm_writev, SYS_pidfd_getfd, SYS_unshare, SYS_bpf,
-           SYS_userfaultfd, SYS_keyctl}) {
-    filter.push_back(unless_equal_skip(static_cast<std::uint32_t>(number), 1));
-    filter.push_back(answer(SECCOMP_RET_ERRNO | EPERM));
+    SYS_socket, SYS_io_uring_setup, SYS_ptrace, SYS_process_vm_readv, SYS_process_vm_writev, SYS_pidfd_getfd, SYS_unshare, SYS_bpf,
+    SYS_userfaultfd, SYS_keyctl, SYS_mq_open, SYS_mq_unlink, SYS_shmget, SYS_msgget, SYS_semget,
+    // Other processes.
+    SYS_tkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo, SYS_pidfd_open, SYS_pidfd_send_signal, SYS_process_madvise, SYS_setpriority,
+    SYS_ioprio_set, SYS_sched_setaffinity, SYS_sched_setscheduler, SYS_sched_setparam, SYS_sched_setattr, SYS_migrate_pages, SYS_move_pages,
+    SYS_perf_event_open,
+// Names and attributes of files.
+#ifdef SYS_unlink
+    SYS_unlink, SYS_rmdir, SYS_rename, SYS_link, SYS_symlink, SYS_mkdir, SYS_mknod, SYS_chmod, SYS_chown, SYS_lchown, SYS_creat, SYS_utime,
+    SYS_utimes, SYS_futimesat,
+#endif
+#ifdef SYS_renameat
+    SYS_renameat,
+#endif
+    SYS_unlinkat, SYS_renameat2, SYS_linkat, SYS_symlinkat, SYS_mkdirat, SYS_mknodat, SYS_truncate, SYS_ftruncate, SYS_fallocate,
+    SYS_fchmod, SYS_fchmodat, 452 /* fchmodat2, Linux 6.6 */, SYS_fchown, SYS_fchownat, SYS_setxattr, SYS_lsetxattr, SYS_fsetxattr,
+    SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr, SYS_utimensat, SYS_open_by_handle_at, SYS_mount, SYS_umount2, SYS_chroot,
+    SYS_pivot_root};
+
+/// Rejects system calls of this process, for good.
+class SystemCallFilter {
+ public:
+  SystemCallFilter() {
+    load(offsetof(seccomp_data, arch));
+    jump(BPF_JEQ, kMachine, 1, 0);
+    answer(SECCOMP_RET_KILL_PROCESS);
+    load(kNumber);
+    // Numbers of the x32 ABI would pass the comparisons below.
+    jump(BPF_JGE, 0x40000000U, 0, 1);
+    answer(SECCOMP_RET_KILL_PROCESS);
   }
-  // The flags of clone3 are not visible here; glibc then uses clone.
-  filter.push_back(unless_equal_skip(SYS_clone3, 1));
-  filter.push_back(answer(SECCOMP_RET_ERRNO | ENOSYS));
-  filter.push_back(unless_equal_skip(SYS_clone, 3));
-  filter.push_back(load(kFirstArgument));
-  filter.push_back(sock_filter BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, CLONE_THREAD, 1, 0));
-  filter.push_back(answer(SECCOMP_RET_ERRNO | EPERM));
-  filter.push_back(answer(SECCOMP_RET_ALLOW));
-  const sock_fprog program{.len = static_cast<unsigned short>(filter.size()), .filter = filter.data()};
-  return ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
+  void reject(long number, int error = EPERM) {
+    jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 1);
+    answer(SECCOMP_RET_ERRNO | static_cast<std::uint32_t>(error));
+  }
+  /// Rejects the call if an argument is this value, is another one, has one of these bits, or has none of them.
+  void reject_if_equal(long number, unsigned argument, std::uint32_t value) { reject_if(number, argument, BPF_JEQ, value, true); }
+  void reject_if_other(long number, unsigned argument, std::uint32_t value) { reject_if(number, argument, BPF_JEQ, value, false); }
+  void reject_if_any_bit(long number, unsigned argument, std::uint32_t bits) { reject_if(number, argument, BPF_JSET, bits, true); }
+  void reject_if_no_bit(long number, unsigned argument, std::uint32_t bits) { reject_if(number, argument, BPF_JSET, bits, false); }
+  [[nodiscard]] bool apply() {
+    answer(SECCOMP_RET_ALLOW);
+    const sock_fprog program{.len = static_cast<unsigned short>(filter_.size()), .filter = filter_.data()};
+    return ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
+  }
+
+ private:
+  static constexpr std::uint32_t kNumber = offsetof(seccomp_data, nr);
+  static constexpr std::uint32_t kArguments = offsetof(seccomp_data, args);
+
+  void load(std::uint32_t offset) { filter_.push_back(sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offset)); }
+  void jump(std::uint16_t comparison, std::uint32_t value, std::uint8_t skip_if_true, std::uint8_t skip_if_false) {
+    filter_.push_back(sock_filter{static_cast<std::uint16_t>(BPF_JMP | BPF_K | comparison), skip_if_true, skip_if_false, value});
+  }
+  void answer(std::uint32_t action) { filter_.push_back(sock_filter BPF_STMT(BPF_RET | BPF_K, action)); }
+  void reject_if(long number, unsigned argument, std::uint16_t comparison, std::uint32_t value, bool is_rejected_if_true) {
+    jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 4);
+    load(kArguments + argument * 8U);  // the lower half on our little-endian machines; the kernel reads no more of an int
+    jump(comparison, value, is_rejected_if_true ? 0 : 1, is_rejected_if_true ? 1 : 0);
+    answer(SECCOMP_RET_ERRNO | EPERM);
+    load(kNumber);
+  }
+
+  std::vector<sock_filter> filter_{};
+};
+
+bool filter_system_calls() {
+  constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC;
+  const auto own = static_cast<std::uint32_t>(::getpid());
+  SystemCallFilter filter;
+  for (const long number : kRejected) filter.reject(number);
+  // Flags behind a pointer are not visible here; glibc then uses clone and openat.
+  for (const long number : {SYS_clone3, SYS_openat2}) filter.reject(number, ENOSYS);
+  filter.reject_if_no_bit(SYS_clone, 0, CLONE_THREAD);
+#ifdef SYS_open
+  filter.reject_if_any_bit(SYS_open, 1, kWriting);
+#endif
+  filter.reject_if_any_bit(SYS_openat, 2, kWriting);
+  for (const long number : {SYS_kill, SYS_tgkill}) filter.reject_if_other(number, 0, own);
+  filter.reject_if_other(SYS_prlimit64, 0, 0);
+  // Signals to the owner of a descriptor.
+  for (const int command : {F_SETOWN, F_SETOWN_EX, F_SETSIG}) filter.reject_if_equal(SYS_fcntl, 1, static_cast<std::uint32_t>(command));
+  return filter.apply();
 }
 
-bool limit(__rlimit_resource resource, std::uint64_t most) {
-  const rlimit both{.rlim_cur = most, .rlim_max = most};
+bool limit(__rlimit_resource resource, std::uint64_t most, std::uint64_t grace = 0) {
+  const rlimit both{.rlim_cur = most, .rlim_max = most + grace};
   return ::setrlimit(resource, &both) == 0;
 }
 
 bool limit_resources(const Limits& limits) {
-  return limit(RLIMIT_AS, limits.memory_bytes) && limit(RLIMIT_CPU, static_cast<std::uint64_t>(limits.time.count())) &&
+  return limit(RLIMIT_AS, limits.memory_bytes) && limit(RLIMIT_CPU, static_cast<std::uint64_t>(limits.time.count()), kGrace_s) &&
          limit(RLIMIT_FSIZE, 0) && limit(RLIMIT_CORE, 0) && limit(RLIMIT_NOFILE, 64);
 }
 
@@ -229,11 +288,13 @@ std::optional<int> start_problem(const Descriptor& problem) {
   return ::read(problem.number(), &error, sizeof error) == static_cast<ssize_t>(sizeof error) ? std::optional(error) : std::nullopt;
 }
 
-core::Result<Ended> ended(int status, Output& output) {
+core::Result<Ended> ended(int status, Output& output, const Limits& limits) {
+  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
+    return core::fail(core::ErrorCode::Timeout,
+                      "the program needed more than " + std::to_string(limits.time.count()) + " s of processor time");
+  }
   if (WIFSIGNALED(status)) {
-    const int number = WTERMSIG(status);
-    return core::fail(core::ErrorCode::Failed, std::string("the program crashed: ") + ::strsignal(number) +
-                                                   (number == SIGXCPU ? ": it needs more processor time than the limit" : ""));
+    return core::fail(core::ErrorCode::Failed, std::string("the program crashed: ") + ::strsignal(WTERMSIG(status)));
   }
   return Ended{.out = std::move(output.out), .talk = std::move(output.talk), .status = WEXITSTATUS(status)};
 }
@@ -267,7 +328,7 @@ core::Result<Ended> run_confined(const std::string& program, const std::vector<s
     if (!output.read_available()) {
       return core::fail(core::ErrorCode::LimitExceeded, "the program printed more than " + std::to_string(limits.output_bytes) + " bytes");
     }
-    if (has_ended) return ended(child.end(), output);
+    if (has_ended) return ended(child.end(), output, limits);
     if (Clock::now() >= end) {
       return core::fail(core::ErrorCode::Timeout, "the program did not end within " + std::to_string(limits.time.count()) + " s");
     }

@@ -25,11 +25,11 @@ struct Ended {
 };
 
 /// Runs a program that reads a file of somebody we do not trust, and waits for its end. It has no input, no environment and no descriptor
-/// of ours, can write no file, start no process, open no socket and look into no process, and ends with this thread. Calls `keeps_on` at
-/// least once a second: false ends the program. In whatever way this function returns, the program has ended.
+/// of ours, can change no file, start no process, signal or look into no process, open no socket, and ends with this thread. Calls
+/// `keeps_on` at least once a second: false ends the program. In whatever way this function returns, the program has ended.
 ///
 /// Fails with NotFound or NotAllowed if it cannot be started, Timeout, LimitExceeded for too much output, Failed if a signal ended it (also
-/// for too much memory or processor time), WrongState if `keeps_on` ended it. Call it while the process has one thread.
+/// for too much memory), WrongState if `keeps_on` ended it. Call it while the process has one thread.
 [[nodiscard]] core::Result<Ended> run_confined(const std::string& program, const std::vector<std::string>& words, const Limits& limits,
                                                const std::function<bool()>& keeps_on);
 

@@ -40,10 +40,24 @@ void Hub::handle(const BusItem& item) {
 
 /// Keeps retained messages; drops those of a daemon that was restarted.
 void Hub::keep(const CarriedPointer& message) {
-  if (message->instance_id != instance_id_) retained_.clear();
+  if (message->instance_id != instance_id_) {
+    retained_.clear();
+    retained_bytes_ = 0;
+  }
   instance_id_ = message->instance_id;
-  if (message->is_retained) retained_[message->topic] = message;
+  if (message->is_retained) retain(message);
   if (message->topic == kStatusTopic) status_received_at_ = std::chrono::steady_clock::now();
+}
+
+/// A message that does not fit is not kept: later subscribers get the next one of its topic.
+void Hub::retain(const CarriedPointer& message) {
+  if (const auto known = retained_.find(message->topic); known != retained_.end()) {
+    retained_bytes_ -= known->second->bytes.size();
+    retained_.erase(known);
+  }
+  if (retained_.size() >= kMostRetained || retained_bytes_ + message->bytes.size() > kMostRetainedBytes) return;
+  retained_bytes_ += message->bytes.size();
+  retained_[message->topic] = message;
 }
 
 std::unique_ptr<Tab> Hub::open_tab(const Identity& identity, TabConnection& connection) {

@@ -49,6 +49,7 @@ class Hub {
   /// Returns the sum over all tabs, including closed ones.
   [[nodiscard]] TabQueue::Dropped dropped() const;
 
+  [[nodiscard]] std::size_t retained_bytes() const noexcept { return retained_bytes_; }
   [[nodiscard]] std::int64_t host_time() const { return clock_(); }
   /// Called by tabs: when their topics changed, and when they close.
   void wishes_changed(HubTab& tab);
@@ -58,7 +59,10 @@ class Hub {
   /// Most topic updates per second for the reader, apart from a burst: each update costs reader and daemon work in proportion to the
   /// topics.
   static constexpr double kWishSends_hz = 5.0;
+  static constexpr std::size_t kMostRetained = 256;
+  static constexpr std::size_t kMostRetainedBytes = std::size_t{4} << 20U;
   void keep(const CarriedPointer& message);
+  void retain(const CarriedPointer& message);
   void send_wishes();
   void send_wishes_later();
 
@@ -76,7 +80,8 @@ class Hub {
   std::set<std::string> wishes_;          ///< The topics last passed to the reader.
   std::chrono::steady_clock::time_point status_received_at_{};
   std::uint64_t instance_id_ = 0;                   ///< Of the daemon that sent the retained messages.
-  std::map<std::string, CarriedPointer> retained_;  ///< By topic; limited by the number of states of the daemon's rigs.
+  std::map<std::string, CarriedPointer> retained_;  ///< By topic, within the limits above: the daemon of a clinic is not trusted.
+  std::size_t retained_bytes_ = 0;
 };
 
 }  // namespace dts::gateway

@@ -12,6 +12,7 @@ import { clockTime, fixed, whole } from './numbers';
 /** Old data must be reported within 2 s. With four checks a second the report comes after at most 1.75 s; the rest is spare for a busy computer. */
 export const oldAfterMs = 1500;
 const ageShownFromMs = 250;
+const clinicAgeShownFromMs = 0; // between a clinic and the centre, no delay is the usual one
 
 /**
  * Reports whether a rig's data are old, until the returned function is called. Uses the clock and not onPaint: on a busy computer the browser may
@@ -45,7 +46,10 @@ const useAge = (link: Link, rig: string): ReadonlySignal<number> => {
   useEffect(() => {
     let newestMs = NaN;
     const stopBlocks = link.onBlock(`${rig}/`, (block) => (newestMs = newestMs > block.newestMs ? newestMs : block.newestMs));
-    const stopTicks = link.onTick((nowMs) => (ageMs.value = nowMs - newestMs > ageShownFromMs ? nowMs - newestMs : 0));
+    const stopTicks = link.onTick((nowMs) => {
+      const shownFromMs = link.me.value.isFleet ? clinicAgeShownFromMs : ageShownFromMs;
+      ageMs.value = nowMs - newestMs > shownFromMs ? nowMs - newestMs : 0;
+    });
     return () => {
       stopBlocks();
       stopTicks();
@@ -54,7 +58,7 @@ const useAge = (link: Link, rig: string): ReadonlySignal<number> => {
   return ageMs;
 };
 
-/** Dims its children and shows "No data since" when the rig's data are old; shows the age of data that are late. */
+/** Dims its children and shows "No data since" when the rig's data are old; shows the age of data that are late, and of a clinic's data always. */
 export const Live = ({ link, rig, children }: { link: Link; rig: string; children: ComponentChildren }): JSX.Element => {
   const isOld = useIsOld(link, rig).value;
   const ageMs = useAge(link, rig).value;

@@ -27,6 +27,7 @@ export const chair = {
     words: { free: 'Idle', waiting: 'Wait', ready: 'Ready', go: 'GO', back: 'Back', resting: 'Rest', finished: 'Done' },
     hints: {
       free: 'No session. Reaches are shown as they are found. Start a session to measure a person.',
+      freeElsewhere: 'No session. Reaches are shown as they are found.',
       waiting: 'Place the target, then start the trial.',
       ready: 'Hands on the thighs, lean back, wait for Go.',
       go: 'Reach for the target.',

@@ -27,8 +27,8 @@ class LiveTest : public gateway::IoTest {
   void SetUp() override {
     if (!test::NatsServer::program()) GTEST_SKIP() << "nats-server is not installed";
     server_.emplace();
-    auto opened = Nats::open({.servers = {"nats://127.0.0.1:" + std::to_string(server_->port())}, .name = "desk", .inbox_prefix = "_HUB"},
-                             core::Log());
+    auto opened = Nats::open(
+        {.servers = {"nats://127.0.0.1:" + std::to_string(server_->port())}, .name = "desk", .inbox_prefix = "_DASHBOARD.x"}, core::Log());
     ASSERT_TRUE(opened);
     nats_ = std::move(*opened);
     live_.emplace(io_, *nats_, queries_, "1.2.3");

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "fleet/database/schema.h"
@@ -230,6 +231,89 @@ TEST_F(PagesTest, Measures_HaveUnitAndCount) {
   EXPECT_EQ(page["protocols"], json::array({"reach", "romberg"}));
 }
 
+TEST_F(PagesTest, MeasuresAndProtocols_AreLimited) {
+  sql("INSERT INTO session (clinic, id, revision, rig, protocol, subject, state, started, planned_trials, is_deleted, fields) "
+      "SELECT 'kent', 'S' || n, 1, 'floor', 'p' || n, 'P1', 'complete', now(), 4, false, '{}' FROM generate_series(1, 300) n");
+  sql("INSERT INTO result (clinic, session, name, analysis, value, unit) SELECT 'kent', 'S1', 'M' || n, 'clinic', n, 'mm' FROM "
+      "generate_series(1, 1500) n");
+
+  const json page = read(measures_page(*database_));
+  EXPECT_EQ(page["measures"].size(), std::size_t{kMostMeasures});
+  EXPECT_EQ(page["protocols"].size(), std::size_t{kMostProtocols});
+}
+
+/// All pages as a role of the dashboard.
+class DashboardRoleTest : public PagesTest {
+ protected:
+  void SetUp() override {
+    PagesTest::SetUp();
+    if (!database_) return;
+    for (const char* clinic : {"kent", "dover"}) {
+      add_beat(clinic);
+      add_session(clinic, "A", "2026-11-20 10:00Z", "romberg");
+      add_session(clinic, "B", "2026-11-20 11:00Z", "reach");
+      for (const char* session : {"A", "B"}) {
+        add_result(clinic, session, 1.0);
+        const std::string key = std::string("'") + clinic + "', '" + session + "'";
+        sql("INSERT INTO part (clinic, session, part, bytes, store_key) VALUES (" + key + ", 1, 5, 'k')");
+        sql("INSERT INTO receipt VALUES ('" + std::string(clinic) + "', sha256('" + session + "'), 5, '" + session +
+            "', 1, now(), 'hub-1', 'k')");
+      }
+    }
+  }
+  void become(const std::string& role, const std::string& group) {
+    sql("DO $$ BEGIN IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = '" + role + "') THEN CREATE ROLE " + role +
+        "; END IF; END $$; GRANT " + group + " TO " + role + "; SET ROLE " + role);
+  }
+  static std::set<std::string> clinics_of(const json& sessions) {
+    std::set<std::string> found;
+    for (const json& session : sessions["sessions"]) found.insert(session["clinic"]);
+    return found;
+  }
+  void expect_rejected(const std::string& statement) {
+    const auto done = database_->run(statement);
+    ASSERT_FALSE(done) << statement;
+    EXPECT_EQ(done.error().code, core::ErrorCode::NotAllowed) << statement;
+  }
+};
+
+TEST_F(DashboardRoleTest, Dashboard_SeesAllClinics_AndChangesNothing) {
+  become("desk", "dashboard");
+
+  EXPECT_EQ(clinics().size(), 2U);
+  EXPECT_EQ(clinics()[0]["rigs"].size(), 1U);
+  EXPECT_EQ(read(clinic_page(*database_, "1.2.0", "kent"))["receipts"].size(), 2U);
+  EXPECT_THAT(clinics_of(read(sessions_page(*database_, {}))), ElementsAre("dover", "kent"));
+  EXPECT_EQ(read(measures_page(*database_))["measures"][0]["count"], 4);
+  EXPECT_EQ(read(trend_page(*database_, {.measure = "MVELO"}))["points"].size(), 2U);
+  for (const char* statement :
+       {"DELETE FROM session", "UPDATE clinic SET title = ''", "INSERT INTO permit VALUES ('desk', 'kent')", "SELECT nkey FROM clinic",
+        "SELECT notes FROM session", "SELECT fields FROM session", "SELECT * FROM audit", "SELECT * FROM job", "TRUNCATE receipt"}) {
+    expect_rejected(statement);
+  }
+}
+
+TEST_F(DashboardRoleTest, StudyDashboard_SeesWhatIsPermitted) {
+  sql("INSERT INTO permit (role, clinic) VALUES ('anna', 'kent')");
+  sql("INSERT INTO permit (role, clinic, protocol) VALUES ('bert', 'dover', 'reach')");
+  become("anna", "study_dashboard");
+  EXPECT_EQ(clinics().size(), 1U);
+  EXPECT_THAT(clinics_of(read(sessions_page(*database_, {}))), ElementsAre("kent"));
+  EXPECT_EQ(read(clinic_page(*database_, "1.2.0", "kent"))["receipts"].size(), 2U);
+  EXPECT_EQ(clinic_page(*database_, "1.2.0", "dover").error().code, core::ErrorCode::NotFound);
+  EXPECT_EQ(read(trend_page(*database_, {.measure = "MVELO"}))["points"].size(), 1U);
+  sql("RESET ROLE");
+  become("bert", "study_dashboard");
+  const json page = read(sessions_page(*database_, {}));
+  EXPECT_THAT(ids(page), ElementsAre("B"));
+  EXPECT_EQ(page["sessions"][0]["stored_parts"], 1);
+  EXPECT_EQ(read(clinic_page(*database_, "1.2.0", "dover"))["receipts"].size(), 1U);
+  EXPECT_EQ(read(measures_page(*database_))["protocols"], json::array({"reach"}));
+  sql("RESET ROLE");
+  become("nobody_yet", "study_dashboard");
+  EXPECT_THAT(clinics(), IsEmpty());
+}
+
 TEST_F(PagesTest, Trend_HasQuartilesOfEachWeekAndClinic) {
   for (int number = 1; number <= 5; ++number) {  // Monday to Friday
     const std::string id = "A" + std::to_string(number);
@@ -266,8 +350,8 @@ TEST_F(PagesTest, HiddenSession_LeavesTheTrendAndReturns) {
 
 TEST(SessionKeyTest, OnlyWhatAPageSaid) {
   EXPECT_EQ(parse_session_key("1700000000000000,kent,2026,A"), (SessionKey{1700000000000000, "kent", "2026,A"}));
-  for (const char* text :
-       {"", "17", "17,kent", "17,kent,", "17,Kent,A", "-1,kent,A", "99999999999999999999,kent,A", "9300000000000000000,kent,A", ",kent,A"}) {
+  for (const char* text : {"", "17", "17,kent", "17,kent,", "17,Kent,A", "-1,kent,A", "99999999999999999999,kent,A",
+                           "9300000000000000000,kent,A", ",kent,A"}) {
     EXPECT_FALSE(parse_session_key(text)) << text;
   }
 }

@@ -69,6 +69,15 @@ TEST_F(RoutesTest, DatabaseThatDoesNotAnswer_IsNamedWithWhatToDo) {
   }
 }
 
+TEST_F(RoutesTest, CountThatFailed_IsNotRepeatedAtOnce) {
+  EXPECT_EQ(get("/api/fleet/measures").status, 503U);
+  std::optional<HttpResponse> answer;
+  routes_->handle({.method = "GET", .path = "/api/fleet/measures", .query = {}, .remote_address = "127.0.0.1"},
+                  [&](HttpResponse response) { answer = std::move(response); });
+  ASSERT_TRUE(answer);  // without waiting for PostgreSQL
+  EXPECT_EQ(answer->status, 503U);
+}
+
 TEST_F(RoutesTest, WrongQueries_AreRejectedBeforePostgreSqlSeesThem) {
   const std::vector<std::pair<std::string, gateway::Query>> wrong{{"sessions", {{"clinic", "Kent"}}},
                                                                   {"sessions", {{"limit", "0"}}},

@@ -62,6 +62,18 @@ TEST(TopicsOf, StatusAndRetainedEventsAlways_OthersByPrefix) {
   EXPECT_THAT(topics_of(&status, {""}), Contains("floor/raw"));
 }
 
+TEST(ProblemOfStatus, RigsAndStreamsAreLimited) {
+  auto status = status_of_kent();
+  EXPECT_EQ(problem_of_status(status), "");
+  for (int stream = 0; stream <= kMostStreams; ++stream) status.mutable_rigs(0)->mutable_rig()->add_published("s");
+  EXPECT_EQ(problem_of_status(status), "the clinic reports more than 64 streams of a rig");
+  status.clear_rigs();
+  for (int rig = 0; rig < kMostRigs; ++rig) status.add_rigs();
+  EXPECT_EQ(problem_of_status(status), "");
+  status.add_rigs();
+  EXPECT_EQ(problem_of_status(status), "the clinic reports more than 64 rigs");
+}
+
 TEST(TopicsOf, StatusOfAHostileClinic_IsLimited) {
   v1::StatusSnapshot status;
   for (int rig = 0; rig < 500; ++rig) status.add_rigs()->mutable_rig()->set_name("r" + std::to_string(rig));
@@ -74,8 +86,8 @@ class WatchTest : public ::testing::Test {
   void SetUp() override {
     if (!test::NatsServer::program()) GTEST_SKIP() << "nats-server is not installed";
     server_.emplace();
-    auto opened = Nats::open({.servers = {"nats://127.0.0.1:" + std::to_string(server_->port())}, .name = "desk", .inbox_prefix = "_HUB"},
-                             core::Log());
+    auto opened = Nats::open(
+        {.servers = {"nats://127.0.0.1:" + std::to_string(server_->port())}, .name = "desk", .inbox_prefix = "_DASHBOARD.x"}, core::Log());
     ASSERT_TRUE(opened);
     nats_ = std::move(*opened);
   }
@@ -147,13 +159,43 @@ TEST_F(WatchTest, TheClinicSeesWhoWatchesWhat) {
 TEST_F(WatchTest, LettersThatAreNoMessages_AreDropped) {
   FakeClinic clinic(server_->port());
   const auto watched = watch();
-  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "dtsd/status"); }));
-  clinic.publish("floor/cop", "\x0a\xff");
-  clinic.publish("floor/raw", block_of_cop().SerializeAsString());
+  watched->want({"floor/cop", "floor/raw"});
+  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "floor/cop"); }));  // so both were asked for
+  clinic.publish("floor/raw", "\x0a\xff");
+  clinic.publish("floor/session", "");
 
-  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "floor/raw"); }));
+  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "floor/session"); }));
   const std::lock_guard lock(mutex_);
-  EXPECT_FALSE(has_topic(items_, "floor/cop"));
+  EXPECT_FALSE(has_topic(items_, "floor/raw"));
+}
+
+TEST_F(WatchTest, TopicsThatNobodyAskedFor_AreDropped) {
+  FakeClinic clinic(server_->port());
+  const auto watched = watch();
+  watched->want({"floor/cop"});
+  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "floor/cop"); }));
+  for (const char* topic : {"floor/raw", "other/cop", "other/session"}) clinic.publish(topic, block_of_cop().SerializeAsString());
+  clinic.publish("floor/session", "");
+
+  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "floor/session"); }));
+  const std::lock_guard lock(mutex_);
+  for (const char* topic : {"floor/raw", "other/cop", "other/session"}) EXPECT_FALSE(has_topic(items_, topic)) << topic;
+}
+
+TEST_F(WatchTest, StatusWithTooManyRigs_IsNotPassedOn_AndNamed) {
+  FakeClinic clinic(server_->port());
+  const auto watched = watch();
+  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "dtsd/status"); }));
+  v1::StatusSnapshot status;
+  for (int rig = 0; rig < 10'000; ++rig) status.add_rigs()->mutable_rig()->set_name("r" + std::to_string(rig));
+  clinic.publish("dtsd/status", status.SerializeAsString());
+
+  ASSERT_TRUE(has_problem("the clinic reports more than 64 rigs"));
+  const std::lock_guard lock(mutex_);
+  for (const auto& item : items_) {
+    const auto* message = std::get_if<gateway::CarriedPointer>(&item);
+    if (message != nullptr) EXPECT_LT((*message)->bytes.size(), 1000U) << (*message)->topic;
+  }
 }
 
 TEST_F(WatchTest, Refusal_IsReportedInTheWordsOfTheClinic) {

@@ -42,7 +42,7 @@ class CatalogueTest : public DatabaseTest {
 
 TEST_F(CatalogueTest, Migrate_Again_ChangesNothing) {
   EXPECT_TRUE(migrate(*database_));
-  EXPECT_EQ(value("SELECT count(*) FROM schema_version"), "1");
+  EXPECT_EQ(value("SELECT count(*) FROM schema_version"), std::to_string(database::kSchemaVersion));
 }
 
 TEST_F(CatalogueTest, Migrate_TablesOfANewerHub_AreRejected) {

@@ -5,6 +5,7 @@
 
 #include <fstream>
 
+#include "fleet/wire/nkey.h"
 #include "support/temporary_folder.h"
 
 namespace dts::fleet::hub {
@@ -64,6 +65,25 @@ TEST_F(SettingsTest, Mistakes_AreNamed) {
     EXPECT_NE(problem_of(sound + "[metrics]\nlisten = \"" + listen + "\"\n").find("IPv4"), std::string::npos) << listen;
   }
   EXPECT_NE(problem_of(sound + "[quota]\nbytes_a_day = 0\n").find("bytes_a_day"), std::string::npos);
+}
+
+TEST_F(SettingsTest, DashboardsHaveAKey_AndPerhapsClinics) {
+  const std::string one = wire::create_nkey().public_key;
+  const std::string other = wire::create_nkey().public_key;
+  const std::string sound = kSound;
+  const Settings settings =
+      load(sound + "[[dashboard]]\nkey = \"" + one + "\"\n[[dashboard]]\nkey = \"" + other + "\"\nclinics = [\"kent\"]\n");
+  ASSERT_TRUE(problems_.empty()) << files::to_string(problems_.front());
+  ASSERT_EQ(settings.dashboards.size(), 2U);
+  EXPECT_EQ(settings.dashboards[0].public_key, one);
+  EXPECT_TRUE(settings.dashboards[0].clinics.empty());
+  EXPECT_EQ(settings.dashboards[1].clinics, std::vector<std::string>{"kent"});
+  const std::string keyed = sound + "[[dashboard]]\nkey = \"" + one + "\"\n";
+  EXPECT_NE(problem_of(sound + "[[dashboard]]\nclinics = [\"kent\"]\n").find("key"), std::string::npos);
+  EXPECT_NE(problem_of(sound + "[[dashboard]]\nkey = \"U\\\"}\"\n").find("public key"), std::string::npos);
+  EXPECT_NE(problem_of(keyed + "clinics = []\n").find("names no clinic"), std::string::npos);
+  EXPECT_NE(problem_of(keyed + "clinics = [\"*\"]\n").find("a-z"), std::string::npos);
+  EXPECT_NE(problem_of(keyed + "[[dashboard]]\nkey = \"" + one + "\"\n").find("another dashboard"), std::string::npos);
 }
 
 TEST_F(SettingsTest, MissingTables_AreNamed) {

@@ -19,16 +19,28 @@ TEST(UsersFile, HasTheHubAndTheClinicsThatAreNotRevoked) {
   const auto kent = wire::create_nkey().public_key;
   const auto leeds = wire::create_nkey().public_key;
   const std::string text =
-      users_text(hub, {{.id = "kent", .title = "", .nkey = kent}, {.id = "leeds", .title = "", .nkey = leeds, .is_revoked = true}});
+      users_text(hub, {}, {{.id = "kent", .title = "", .nkey = kent}, {.id = "leeds", .title = "", .nkey = leeds, .is_revoked = true}});
   EXPECT_NE(text.find(hub), std::string::npos);
   EXPECT_NE(text.find("{nkey: " + kent + ", permissions: {publish: {allow: [\"dts.v1.kent.up.>\""), std::string::npos) << text;
   EXPECT_EQ(text.find(leeds), std::string::npos);
   EXPECT_EQ(text.find("leeds"), std::string::npos);
 }
 
+TEST(UsersFile, DashboardsMayAnswerNothing) {
+  const auto all = wire::create_nkey().public_key;
+  const auto one = wire::create_nkey().public_key;
+  const std::string text = users_text("UA", {{.public_key = all, .clinics = {}}, {.public_key = one, .clinics = {"kent"}}}, {});
+  const std::string end = ", \"dts.v1.*.live.>\"]}}}\n";
+  EXPECT_NE(text.find("{nkey: " + all + ", permissions: {publish: {allow: [\"dts.v1.*.down.live\"]}, subscribe: {allow: [\"_DASHBOARD." +
+                      all + ".>\"" + end),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("{nkey: " + one + ", permissions: {publish: {allow: [\"dts.v1.kent.down.live\"]}"), std::string::npos) << text;
+}
+
 TEST(UsersFile, RowsThatAreNoNameAndKey_AreLeftOut) {
   const auto key = wire::create_nkey().public_key;
-  const std::string text = users_text(key, {{.id = "x\"}]}", .title = "", .nkey = key}, {.id = "kent", .title = "", .nkey = "U\"}"}});
+  const std::string text = users_text(key, {}, {{.id = "x\"}]}", .title = "", .nkey = key}, {.id = "kent", .title = "", .nkey = "U\"}"}});
   EXPECT_EQ(text.find("x\"}"), std::string::npos);
   EXPECT_EQ(text.find("kent"), std::string::npos);
 }
@@ -41,7 +53,7 @@ TEST(UsersFile, IsWrittenOnlyIfItDiffers) {
   EXPECT_EQ(write_users(settings, "UA", {}), true);
   EXPECT_EQ(write_users(settings, "UA", {}), false);
   EXPECT_EQ(write_users(settings, "UB", {}), true);
-  EXPECT_EQ(content_of(settings.users_file), users_text("UB", {}));
+  EXPECT_EQ(content_of(settings.users_file), users_text("UB", {}, {}));
 }
 
 TEST(UsersFile, OnlyANatsServerIsSignalled) {

@@ -69,6 +69,22 @@ TEST(SubjectsTest, AClinicMayOnlyUseItsOwnSubjects) {
   EXPECT_EQ(kent.subscribe, (std::vector<std::string>{"dts.v1.kent.down.>", "_INBOX.kent.>"}));
 }
 
+TEST(SubjectsTest, TheHubReceivesNoLiveData_AndAsksForNone) {
+  const Permissions hub = hub_permissions();
+  EXPECT_EQ(hub.publish, (std::vector<std::string>{"_INBOX.*.>"}));
+  EXPECT_EQ(hub.subscribe, (std::vector<std::string>{"dts.v1.*.up.>", "dts.v1.*.facts", "dts.v1.*.erase", "dts.v1.*.beat", "_HUB.>"}));
+}
+
+TEST(SubjectsTest, ADashboardMayOnlyWatch) {
+  const Permissions all = dashboard_permissions("UA", {});
+  EXPECT_EQ(all.publish, (std::vector<std::string>{"dts.v1.*.down.live"}));
+  EXPECT_EQ(all.subscribe, (std::vector<std::string>{"_DASHBOARD.UA.>", "dts.v1.*.live.>"}));
+  EXPECT_FALSE(all.may_answer);
+  const Permissions two = dashboard_permissions("UA", {"kent", "leeds"});
+  EXPECT_EQ(two.publish, (std::vector<std::string>{"dts.v1.kent.down.live", "dts.v1.leeds.down.live"}));
+  EXPECT_EQ(two.subscribe, (std::vector<std::string>{"_DASHBOARD.UA.>", "dts.v1.kent.live.>", "dts.v1.leeds.live.>"}));
+}
+
 TEST(SubjectsTest, TheHubSubscribesToTheSameSubjectOfAllClinics) {
   EXPECT_EQ(of_all_clinics(Matter::Open), "dts.v1.*.up.open");
   EXPECT_EQ(of_all_clinics(Matter::Chunk, "hub-1"), "dts.v1.*.up.hub-1.chunk");

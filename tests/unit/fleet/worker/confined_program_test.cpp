@@ -65,8 +65,73 @@ TEST_F(ConfinedProgramTest, HasNoInput_NoEnvironment_AndNoDescriptorOfOurs) {
 
 TEST_F(ConfinedProgramTest, CannotWriteAFile) {
   const std::string file = folder_.path() + "/written";
-  EXPECT_EQ(code_of_script("echo text > " + file), core::ErrorCode::Failed);
-  EXPECT_EQ(std::filesystem::file_size(file), 0U);
+  const auto ended = run_script("echo text > " + file);
+  ASSERT_TRUE(ended) << ended.error().what;
+  EXPECT_NE(ended->status, 0);
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+/// Each line of the program tries one thing on a file and a folder of this user.
+TEST_F(ConfinedProgramTest, CannotChangeAFile) {
+  const std::string file = folder_.path() + "/recording";
+  std::ofstream(file) << "whole";
+  std::filesystem::permissions(file, std::filesystem::perms::owner_all);
+  const auto ended = run_script(R"(import os
+def attempt(what, *words, **more):
+  try:
+    getattr(os, what)(*words, **more)
+    print(what)
+  except PermissionError:
+    pass
+file, other = ')" + file + R"(', ')" +
+                                    file + R"(2'
+attempt('open', file, os.O_RDONLY | os.O_TRUNC)
+attempt('open', file, os.O_WRONLY)
+attempt('open', other, os.O_RDONLY | os.O_CREAT)
+attempt('unlink', file)
+attempt('remove', 'recording', dir_fd=os.open(os.path.dirname(file), os.O_RDONLY))
+attempt('rename', file, other)
+attempt('truncate', file, 0)
+attempt('link', file, other)
+attempt('symlink', file, other)
+attempt('mkdir', other)
+attempt('mkfifo', other)
+attempt('chmod', file, 0o777)
+attempt('chown', file, os.getuid(), os.getgid())
+attempt('utime', file)
+attempt('setxattr', file, 'user.x', b'1')
+print('end'))",
+                                "/usr/bin/python3");
+  ASSERT_TRUE(ended) << ended.error().what;
+  EXPECT_EQ(ended->out, "end\n") << ended->talk;
+  EXPECT_EQ(std::filesystem::file_size(file), 5U);
+}
+
+TEST_F(ConfinedProgramTest, CannotReachAnotherProcess) {
+  const auto ended = run_script(R"(import os, resource, signal
+def attempt(what, call):
+  try:
+    call()
+    print(what)
+  except PermissionError:
+    pass
+parent = os.getppid()
+attempt('kill', lambda: os.kill(parent, 0))
+attempt('kill group', lambda: os.kill(-1, 0))
+attempt('killpg', lambda: os.killpg(os.getpgid(parent), 0))
+attempt('pidfd', lambda: os.pidfd_open(parent))
+attempt('prlimit', lambda: resource.prlimit(parent, resource.RLIMIT_CPU))
+attempt('priority', lambda: os.setpriority(os.PRIO_PROCESS, parent, 19))
+attempt('affinity', lambda: os.sched_setaffinity(parent, {0}))
+import fcntl
+attempt('owner', lambda: fcntl.fcntl(0, fcntl.F_SETOWN, parent))
+attempt('signal', lambda: fcntl.fcntl(0, fcntl.F_SETSIG, signal.SIGKILL))
+os.kill(os.getpid(), 0)
+resource.getrlimit(resource.RLIMIT_CPU)
+print('end'))",
+                                "/usr/bin/python3");
+  ASSERT_TRUE(ended) << ended.error().what;
+  EXPECT_EQ(ended->out, "end\n") << ended->talk;
 }
 
 TEST_F(ConfinedProgramTest, CannotStartAProcess) {
@@ -101,6 +166,16 @@ TEST_F(ConfinedProgramTest, ProgramThatHangs_IsKilled) {
   limits_.time = std::chrono::seconds(1);
   EXPECT_EQ(code_of_script("exec sleep 1000"), core::ErrorCode::Timeout);
   EXPECT_EQ(code_of_script("trap '' TERM HUP INT; exec >&- 2>&-; exec sleep 1000"), core::ErrorCode::Timeout);
+}
+
+TEST_F(ConfinedProgramTest, ProcessorTime_EndsWithItsReasonFirst) {
+  const auto limits = run_script("ulimit -St; ulimit -Ht");
+  ASSERT_TRUE(limits) << limits.error().what;
+  EXPECT_EQ(limits->out, "60\n62\n");  // SIGXCPU, then SIGKILL
+  const auto ended = run_script("kill -XCPU $$");
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().code, core::ErrorCode::Timeout);
+  EXPECT_EQ(ended.error().what, "the program needed more than 60 s of processor time");
 }
 
 TEST_F(ConfinedProgramTest, ProgramThatPrintsWithoutEnd_IsKilled) {

@@ -78,6 +78,20 @@ TEST_F(HubTest, ATabIsToldFirstWhoItIsAndWhetherTheDaemonIsThere) {
   EXPECT_TRUE(welcome.link().is_up());
 }
 
+TEST_F(HubTest, StatesOfAClinicThatIsNotTrusted_AreLimited) {
+  for (int number = 0; number < 1000; ++number) publish("r" + std::to_string(number) + "/session", Carried::Kind::Event, true);
+  const std::string large(3U << 20U, 'x');
+  for (const char* topic : {"a/session", "a/session", "b/session"}) {
+    hub_.handle(std::make_shared<Carried>(
+        Carried{.topic = topic, .kind = Carried::Kind::Event, .bytes = large, .is_retained = true, .instance_id = 8}));
+  }
+  publish("c/session", Carried::Kind::Event, true, 8);
+  EXPECT_LE(hub_.retained_bytes(), 4U << 20U);
+  EXPECT_GT(hub_.retained_bytes(), 3U << 20U);
+  for (int number = 0; number < 1000; ++number) publish("r" + std::to_string(number) + "/session", Carried::Kind::Event, true, 9);
+  EXPECT_EQ(hub_.retained_bytes(), 256U);  // one byte each
+}
+
 TEST_F(HubTest, WhoComesLateIsToldTheLastStatesOfWhatItWants) {
   publish("floor/session", Carried::Kind::Event, true);
   publish("chair/session", Carried::Kind::Event, true);

@@ -23,6 +23,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
   const running = isRunning(status);
   const form = useStartForm(running);
   const shown = examination.value;
+  const isGuiding = !link.me.value.isFleet; // nobody at a centre can follow a hint
   if (form.isShown) {
     return (
       <div class="chair-start">
@@ -40,7 +41,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
         </Live>
       </div>
       <div class="chair-below">
-        <Prompt examination={shown} session={session} restS={restS} />
+        <Prompt examination={shown} session={session} restS={restS} isGuiding={isGuiding} />
         <ClassResult
           movement={shown.movement}
           reach={shown.reach}
@@ -48,11 +49,12 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
           isWithoutReach={shown.isWithoutReach}
           hasGap={shown.hasGap}
           isOfLastTrial={shown.step === 'ready'}
+          isGuiding={isGuiding}
         />
         <AngleGauge movement={shown.movement} isOfLastTrial={shown.step === 'ready'} />
         <Trials protocol={session?.protocol ?? ''} trials={trials.value} isOver={shown.step === 'finished' || shown.step === 'free'} />
       </div>
-      {link.me.value.isFleet ? null : session !== undefined && running ? (
+      {!isGuiding ? null : session !== undefined && running ? (
         <TrialControls key={session.sessionId} link={link} rig={rig} session={session} examination={shown}>
           <StartTaken form={form} protocol={session.protocol} />
         </TrialControls>

@@ -64,9 +64,11 @@ interface PromptProps {
   session: SessionInfo | undefined;
   /** Whole seconds of rest left. */
   restS: ReadonlySignal<number>;
+  /** False at a centre: nobody there can follow a hint. */
+  isGuiding: boolean;
 }
 
-export const Prompt = ({ examination, session, restS }: PromptProps): JSX.Element => {
+export const Prompt = ({ examination, session, restS, isGuiding }: PromptProps): JSX.Element => {
   const { words, hints, readyForTrial, trialOf, attempt, rest } = strings.chair.prompt;
   const { step, trial, of } = examination;
   const outcome = session?.trial === undefined || !between.has(step) ? undefined : lastOutcome(session.trial);
@@ -79,7 +81,7 @@ export const Prompt = ({ examination, session, restS }: PromptProps): JSX.Elemen
         {words[step]}
       </div>
       {step === 'free' ? (
-        <p>{hints.free}</p>
+        <p>{isGuiding ? hints.free : hints.freeElsewhere}</p>
       ) : (
         <>
           <TargetLine examination={examination} session={session} />
@@ -92,9 +94,11 @@ export const Prompt = ({ examination, session, restS }: PromptProps): JSX.Elemen
               <span aria-hidden="true">{outcomeShape(outcome)}</span> {strings.common.trialEnded[outcome](whole(session?.trial?.lastTrial))}
             </p>
           )}
-          <p class="chair-sentence" data-testid="prompt-hint">
-            {step === 'resting' && restS.value > 0 ? rest(whole(restS.value)) : hints[step]}
-          </p>
+          {isGuiding && (
+            <p class="chair-sentence" data-testid="prompt-hint">
+              {step === 'resting' && restS.value > 0 ? rest(whole(restS.value)) : hints[step]}
+            </p>
+          )}
         </>
       )}
     </section>

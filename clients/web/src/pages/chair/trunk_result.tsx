@@ -17,6 +17,7 @@ interface ReachResult {
   hasGap: boolean;
   /** The result belongs to the last trial, and the next one is about to begin. */
   isOfLastTrial: boolean;
+  isGuiding: boolean;
 }
 
 const ClassStep = ({ movement, trunkClass }: { movement: TrunkMovement | undefined; trunkClass: 1 | 2 | 3 }): JSX.Element => {
@@ -36,10 +37,10 @@ const ClassStep = ({ movement, trunkClass }: { movement: TrunkMovement | undefin
   );
 };
 
-const sentence = ({ movement, reach, expectedClass, isWithoutReach, hasGap }: ReachResult): string => {
+const sentence = ({ movement, reach, expectedClass, isWithoutReach, hasGap, isGuiding }: ReachResult): string => {
   const { result, classes } = strings.chair;
-  if (hasGap) return result.gapHint;
-  if (isWithoutReach) return expectedClass === 0 ? result.asExpected : result.noReachHint;
+  if (hasGap) return isGuiding ? result.gapHint : '';
+  if (isWithoutReach) return expectedClass === 0 ? result.asExpected : isGuiding ? result.noReachHint : '';
   if (movement === undefined) return result.pending;
   if (movement.trunkClass < 0) return doubts(movement, reach).join(', ');
   const expected = [classes.none, classes.minor, classes.moderate, classes.maximum][expectedClass];

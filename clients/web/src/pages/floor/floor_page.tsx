@@ -68,7 +68,7 @@ const Guidance = ({ link, status, floor }: { link: Link; status: RigStatus; floo
   const [what, hint] = guidanceWords(state, protocol, trial);
   return (
     <div class={`guidance guidance-${state}`} role="status" aria-live="polite" data-testid="guidance" data-state={state} data-outcome={outcome}>
-      <strong>{what}</strong> <span>{hint}</span> <span>{remarkOf(state, protocol, trial)}</span>
+      <strong>{what}</strong> <span>{link.me.value.isFleet ? '' : hint}</span> <span>{remarkOf(state, protocol, trial)}</span>
     </div>
   );
 };
@@ -146,7 +146,7 @@ const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
       <div class="floor-pictures">
         <Guidance link={link} status={status} floor={floor} />
         <div class="floor-notices">
-          <Remarks floor={floor} status={status} />
+          <Remarks floor={floor} status={status} canRedo={!link.me.value.isFleet} />
           <StartTaken form={form} protocol={session?.protocol ?? ''} />
           <CommandNotice commands={commands} testId="command-error" />
           <CommandNotice commands={marking} testId="mark-error" />

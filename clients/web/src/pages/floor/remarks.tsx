@@ -13,7 +13,7 @@ const words = strings.floor;
 const absenceShownMs = 15_000;
 
 /** Problems of the sensors, of the session or of its last result, and the length of a gap that just ended. */
-export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus }): JSX.Element => {
+export const Remarks = ({ floor, status, canRedo }: { floor: LiveFloor; status: RigStatus; canRedo: boolean }): JSX.Element => {
   const sway = floor.sway.value?.sway;
   const absence = floor.absence.value;
   const isFresh = absence !== undefined && Date.now() - absence.backAt < absenceShownMs;
@@ -26,8 +26,17 @@ export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus
       {status.device === DeviceState.STREAMING && status.deviceMessage !== '' && (
         <PassingNotice kind="warning" what={words.doubtful} hint={asSentence(status.deviceMessage)} testId="device-message" />
       )}
-      {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={words.noResultHint} testId="no-result" />}
-      {isFresh && <PassingNotice kind="warning" what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))} hint={words.gapHint} testId="gap" />}
+      {sway !== undefined && sway.problem !== '' && (
+        <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={canRedo ? words.noResultHint : ''} testId="no-result" />
+      )}
+      {isFresh && (
+        <PassingNotice
+          kind="warning"
+          what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))}
+          hint={canRedo ? words.gapHint : ''}
+          testId="gap"
+        />
+      )}
     </>
   );
 };

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A dashboard of the centre: dts-fleet-gateway with a key and a role of its own."""
+import base64
+import os
+import re
+import socket
+import threading
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from centre import DATABASE, Centre
+from child import PATIENCE_S, PROGRAMS, Child, Failure, program, run, wait_until
+from nats_client import NatsClient, NKey
+
+WEB_ROOT = os.environ.get("DTS_WEB_ROOT", str(PROGRAMS.parent / "share/dts-gateway/web"))
+
+
+def make_key(file: Path) -> str:
+    """Makes the key of a user of nats-server. Returns its public half."""
+    return run(program("dts-fleet-gateway"), "key", "--nats-key", file).strip()
+
+
+def is_let_in(centre: Centre, key: NKey) -> bool:
+    try:
+        NatsClient(centre.nats_port, centre.folder / "ca.pem", key).close()
+    except (Failure, OSError):
+        return False
+    return True
+
+
+class Gateway:
+    """`enrol` while the centre runs, then `start`. `clinics`: whose rigs its key may watch; none: all."""
+
+    def __init__(self, centre: Centre, name: str = "dashboard", group: str = "dashboard", clinics: tuple[str, ...] = (),
+                 web_root: str = WEB_ROOT) -> None:
+        self.centre = centre
+        self.name = name
+        self.key_file = centre.folder / f"{name}.nk"
+        self.public_key = ""
+        self._group = group
+        self._clinics = clinics
+        self._config = centre.folder / f"{name}.toml"
+        words = [program("dts-fleet-gateway"), "serve", "--config", self._config, "--listen", "127.0.0.1:0", "--web-root", web_root]
+        self.child = Child(f"dts-fleet-gateway {name}", words, centre.folder / f"{name}.log")
+
+    def enrol(self) -> None:
+        """The steps of docs/fleet.md: a key, a table of hub.toml, a role of PostgreSQL."""
+        self.public_key = make_key(self.key_file)
+        clinics = ", ".join(f'"{clinic}"' for clinic in self._clinics)
+        with self.centre.config.open("a") as config:
+            config.write(f'[[dashboard]]\nkey = "{self.public_key}"\n' + (f"clinics = [{clinics}]\n" if clinics else ""))
+        self.centre.hub.stop()
+        self.centre.hub.start()
+        wait_until(f"nats-server lets {self.name} in", lambda: is_let_in(self.centre, NKey.of_file(self.key_file)))
+        self.centre.query(f"CREATE ROLE {self.name} LOGIN IN ROLE {self._group}")
+        self._config.write_text(f"""\
+[serve]
+nats-server = ["tls://127.0.0.1:{self.centre.nats_port}"]
+nats-ca = "{self.centre.folder}/ca.pem"
+nats-key = "{self.key_file}"
+database = "host={self.centre.database_folder} dbname={DATABASE} user={self.name}"
+""")
+
+    def start(self) -> None:
+        self.child.start()
+        wait_until(f"{self.name} listens", lambda: self.child.expect_alive() and self._found())
+
+    @property
+    def address(self) -> str:
+        found = self._found()
+        assert found
+        return found.group(1)
+
+    def resident_bytes(self) -> int:
+        found = re.search(r"^VmRSS:\s+(\d+) kB$", Path(f"/proc/{self.child.pid}/status").read_text(), re.MULTILINE)
+        assert found
+        return int(found.group(1)) * 1024
+
+    def _found(self) -> re.Match[str] | None:
+        return re.search(r"listening on (http://\S+)/", self.child.text())
+
+
+class Tab:
+    """A browser tab that watches a clinic: a WebSocket that subscribes to everything and counts what it receives, without painting."""
+
+    def __init__(self, gateway: Gateway, clinic: str) -> None:
+        host = urlsplit(gateway.address).netloc
+        self.received = b""
+        self._socket = socket.create_connection(("127.0.0.1", int(host.rpartition(":")[2])), timeout=PATIENCE_S)
+        self._socket.sendall((f"GET /ws?clinic={clinic} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: Upgrade\r\n"
+                              "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+                              f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}\r\n\r\n").encode())
+        answer = self._socket.recv(65536)
+        if b" 101 " not in answer.split(b"\r\n")[0]:
+            raise Failure(f"no WebSocket: {answer[:200]!r}")
+        self._socket.settimeout(None)
+        threading.Thread(target=self._read, daemon=True).start()
+        subscribe = bytes([0x0A, 2, 0x0A, 0])  # FromBrowser.subscribe with the empty prefix
+        self._socket.sendall(bytes([0x82, 0x80 | len(subscribe)]) + bytes(4) + subscribe)  # masked with zeros
+
+    def close(self) -> None:
+        self._socket.close()
+
+    def _read(self) -> None:
+        try:
+            while data := self._socket.recv(65536):
+                self.received += data
+        except OSError:
+            pass

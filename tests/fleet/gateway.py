@@ -37,6 +37,7 @@ class Gateway:
         self.name = name
         self.key_file = centre.folder / f"{name}.nk"
         self.public_key = ""
+        self.role = f"{name}_user"
         self._group = group
         self._clinics = clinics
         self._config = centre.folder / f"{name}.toml"
@@ -52,13 +53,13 @@ class Gateway:
         self.centre.hub.stop()
         self.centre.hub.start()
         wait_until(f"nats-server lets {self.name} in", lambda: is_let_in(self.centre, NKey.of_file(self.key_file)))
-        self.centre.query(f"CREATE ROLE {self.name} LOGIN IN ROLE {self._group}")
+        self.centre.query(f"CREATE ROLE {self.role} LOGIN IN ROLE {self._group}")
         self._config.write_text(f"""\
 [serve]
 nats-server = ["tls://127.0.0.1:{self.centre.nats_port}"]
 nats-ca = "{self.centre.folder}/ca.pem"
 nats-key = "{self.key_file}"
-database = "host={self.centre.database_folder} dbname={DATABASE} user={self.name}"
+database = "host={self.centre.database_folder} dbname={DATABASE} user={self.role}"
 """)
 
     def start(self) -> None:
@@ -88,11 +89,11 @@ class Tab:
         self.received = b""
         self._socket = socket.create_connection(("127.0.0.1", int(host.rpartition(":")[2])), timeout=PATIENCE_S)
         self._socket.sendall((f"GET /ws?clinic={clinic} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: Upgrade\r\n"
-                              "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+                              "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Protocol: dts.v1\r\n"
                               f"Sec-WebSocket-Key: {base64.b64encode(os.urandom(16)).decode()}\r\n\r\n").encode())
         answer = self._socket.recv(65536)
         if b" 101 " not in answer.split(b"\r\n")[0]:
-            raise Failure(f"no WebSocket: {answer[:200]!r}")
+            raise Failure(f"no WebSocket: {answer!r}")
         self._socket.settimeout(None)
         threading.Thread(target=self._read, daemon=True).start()
         subscribe = bytes([0x0A, 2, 0x0A, 0])  # FromBrowser.subscribe with the empty prefix

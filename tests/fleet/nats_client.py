@@ -86,6 +86,7 @@ class NatsClient:
             self.tls.shutdown(socket.SHUT_RDWR)
         except OSError:
             pass
+        self.ended.wait(PATIENCE_S)  # the thread that reads must not see the next file with this number
         self.tls.close()
 
     def publish(self, subject: str, data: bytes = b"", reply: str = "") -> None:

@@ -43,7 +43,7 @@ def expect_own_clinics_only(checks: Checks, centre: Centre, study: Gateway, ever
                  "SELECT c, 'S-' || c, 1, 'floor', 'romberg', 'complete', now(), 1, false, '{}' FROM unnest(ARRAY['kent', 'essex']) c")
     centre.query("INSERT INTO result (clinic, session, name, analysis, value, unit) "
                  "SELECT c, 'S-' || c, 'MVELO', 'clinic', 1, 'mm/s' FROM unnest(ARRAY['kent', 'essex']) c")
-    centre.query(f"INSERT INTO permit (role, clinic) VALUES ('{study.name}', 'kent')")
+    centre.query(f"INSERT INTO permit (role, clinic) VALUES ('{study.role}', 'kent')")
 
     def seen(gateway: Gateway) -> list[set[str]]:
         return [{row["name"] for row in get(gateway, "/api/fleet/clinics")[1]["clinics"]},

@@ -17,7 +17,7 @@ import text_parts
 import text_rules
 
 PROGRAMS = ("dtsctl", "dtslab", "dts-gateway")
-OPTIONAL_PROGRAMS = ("dts-forward", "dts-hub", "dts-fleet")  # checked if they are built
+OPTIONAL_PROGRAMS = ("dts-forward", "dts-hub", "dts-fleet", "dts-worker", "dts-fleet-gateway")  # checked if they are built
 COMMAND = re.compile(rf"(?<![\w.-])(?:[\w./]*/)?({'|'.join(PROGRAMS + OPTIONAL_PROGRAMS)})((?: [^\s]+)+)")  # two spaces end it: a picture, a remark
 END = re.compile(r"[|&;<>#=]|--+(?![a-z])|.*[`;]$")  # a word at which the shell's next command, a remark or an arrow begins
 WORD = re.compile(r"[a-z][a-z-]*(?:\|[a-z-]+)*")

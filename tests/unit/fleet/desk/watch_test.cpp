@@ -194,7 +194,7 @@ TEST_F(WatchTest, StatusWithTooManyRigs_IsNotPassedOn_AndNamed) {
   const std::lock_guard lock(mutex_);
   for (const auto& item : items_) {
     const auto* message = std::get_if<gateway::CarriedPointer>(&item);
-    if (message != nullptr) EXPECT_LT((*message)->bytes.size(), 1000U) << (*message)->topic;
+    EXPECT_LT(message == nullptr ? 0U : (*message)->bytes.size(), 1000U);
   }
 }
 

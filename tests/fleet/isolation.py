@@ -107,7 +107,7 @@ def expect_revoked(checks: Checks, centre: Centre, clinic: Clinic, other: Clinic
     checks.expect("the list of clinics shows it", states.get(clinic.name) == "revoked" and states.get(other.name) != "revoked", states)
 
 
-def expect_dashboard_watches_only(checks: Checks, centre: Centre, gateway: Gateway, clinic: Clinic) -> None:
+def expect_dashboard_watches_only(checks: Checks, centre: Centre, gateway: Gateway, clinic: Clinic, other: Clinic) -> None:
     client = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(gateway.key_file))
     own = f"_DASHBOARD.{gateway.public_key}"
     client.publish(f"dts.v1.{clinic.name}.down.live")
@@ -128,6 +128,19 @@ def expect_dashboard_watches_only(checks: Checks, centre: Centre, gateway: Gatew
             if not any(f'Permissions Violation for {verb} to "{subject}"' in error for error in client.taken_errors()):
                 allowed.append(subject)
         checks.expect(f"  and nothing else: {verb.lower()} of {len(subjects)} subjects is rejected", not allowed, allowed)
+    # The server does not check reply subjects: the clinic must not answer to those of others.
+    watch = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(other.folder / f"{other.name}.nk"))
+    watch.subscribe(f"_INBOX.{other.name}.canary.>")
+    watch.wait_for_server()
+    request = message({1: "dtsd/status", 2: "canary"})
+    client.publish(f"dts.v1.{clinic.name}.down.live", request, f"_INBOX.{other.name}.canary.x")
+    client.publish(f"dts.v1.{clinic.name}.down.live", request, f"{own}.first")
+    answered = ""
+    while answered != f"{own}.first":
+        answered = client.next_letter().subject
+    watch.wait_for_server()
+    checks.expect(f"the clinic answers to the dashboard, and not to {other.name}", watch.letters.empty())
+    watch.close()
     client.close()
 
 
@@ -145,7 +158,7 @@ def isolation(checks: Checks) -> None:
         if (PROGRAMS / "dts-fleet-gateway").exists():
             gateway = Gateway(centre)
             gateway.enrol()
-            expect_dashboard_watches_only(checks, centre, gateway, kent)
+            expect_dashboard_watches_only(checks, centre, gateway, kent, essex)
         expect_no_foreign_reply(checks, centre, kent, essex)
         expect_no_foreign_reply(checks, centre, essex, kent)
         expect_revoked(checks, centre, kent, essex)

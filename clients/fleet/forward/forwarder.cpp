@@ -345,7 +345,7 @@ void Forwarder::send_status(v1::StatusSnapshot status) {
 void Forwarder::serve_viewers(Viewers& viewers, Mailbox& requests, milliseconds timeout) {
   for (auto letter = requests.next(timeout); letter; letter = requests.next(milliseconds(0))) {
     const auto request = wire::decode_live_request(letter->data);
-    if (!request || letter->reply.empty()) {
+    if (!request || !wire::is_inbox_of_dashboard(letter->reply)) {
       log_.warning("a request to watch is not valid");
       continue;
     }

@@ -52,6 +52,8 @@ bool drop(std::string_view& text, std::string_view prefix) noexcept {
   return true;
 }
 
+bool is_rest_of_inbox(std::string_view rest) noexcept { return !rest.empty() && rest.find_first_of("*> \t\r\n") == std::string_view::npos; }
+
 std::optional<Subject> parse_upload(std::string clinic, std::string_view rest) {
   const std::size_t dot = rest.find('.');
   if (dot == std::string_view::npos || !is_worker_name(rest.substr(0, dot))) return std::nullopt;
@@ -101,9 +103,10 @@ std::string inbox_prefix(std::string_view clinic) { return "_INBOX." + std::stri
 
 std::string dashboard_inbox_prefix(std::string_view public_key) { return "_DASHBOARD." + std::string(public_key); }
 
+bool is_inbox_of_dashboard(std::string_view reply) noexcept { return drop(reply, "_DASHBOARD.") && is_rest_of_inbox(reply); }
+
 bool is_inbox_of(std::string_view clinic, std::string_view reply) noexcept {
-  return drop(reply, "_INBOX.") && drop(reply, clinic) && drop(reply, ".") && !reply.empty() &&
-         reply.find_first_of("*> \t\r\n") == std::string_view::npos;
+  return drop(reply, "_INBOX.") && drop(reply, clinic) && drop(reply, ".") && is_rest_of_inbox(reply);
 }
 
 Permissions clinic_permissions(std::string_view clinic) {

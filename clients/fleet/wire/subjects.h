@@ -38,6 +38,9 @@ struct Subject {
 inline constexpr std::string_view kHubInboxPrefix = "_HUB";
 /// Returns "_DASHBOARD.KEY": answers of clinics to the dashboard with this public key.
 [[nodiscard]] std::string dashboard_inbox_prefix(std::string_view public_key);
+/// Returns true if a clinic may answer to `reply`. Without this check, a dashboard could let a clinic publish to the hub or to another
+/// clinic.
+[[nodiscard]] bool is_inbox_of_dashboard(std::string_view reply) noexcept;
 /// Returns true if the hub may answer to `reply`. Without this check, a clinic could let the hub publish to another clinic.
 [[nodiscard]] bool is_inbox_of(std::string_view clinic, std::string_view reply) noexcept;
 

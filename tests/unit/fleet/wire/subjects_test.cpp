@@ -62,6 +62,14 @@ TEST(SubjectsTest, AReplyMustBeWithinTheInboxOfTheClinic) {
   }
 }
 
+TEST(SubjectsTest, AClinicAnswersToDashboardsOnly) {
+  EXPECT_TRUE(is_inbox_of_dashboard(dashboard_inbox_prefix("UA") + ".abc.3"));
+  for (const char* const reply :
+       {"", "_DASHBOARD", "_DASHBOARD.", "_DASHBOARD.>", "_DASHBOARD.UA.a b", "_INBOX.essex.abc", "_HUB.abc", "dts.v1.essex.facts"}) {
+    EXPECT_FALSE(is_inbox_of_dashboard(reply)) << reply;
+  }
+}
+
 TEST(SubjectsTest, AClinicMayOnlyUseItsOwnSubjects) {
   const Permissions kent = clinic_permissions("kent");
   EXPECT_EQ(kent.publish, (std::vector<std::string>{"dts.v1.kent.up.>", "dts.v1.kent.facts", "dts.v1.kent.erase", "dts.v1.kent.beat",

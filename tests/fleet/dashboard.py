@@ -64,17 +64,17 @@ def dashboard(checks: Checks) -> None:
     kent.protocols["standing"] = PROTOCOL
     try:
         centre.start()
-        gateway.enrol()
         kent.start("Kent and Canterbury")
         gateway.start()
+        wait_until("the dashboard listens", gateway.address)
         wait_until("the simulated person stands on the plate", lambda: stands(kent))
         session = examine(kent)
         wait_until("the recording has a receipt", centre.receipts)
         wait_until("the results are at the centre", lambda: "MVELO" in centre.query("SELECT string_agg(name, ' ') FROM result"))
-        browse(checks, kent, gateway.address, session)
-        gateway.child.expect_alive()
+        browse(checks, kent, gateway.address() or "", session)
+        gateway.expect_alive()
     finally:
-        gateway.child.stop()
+        gateway.stop()
         kent.close()
         centre.close(keep=checks.failed > 0)
 

@@ -28,31 +28,37 @@ def is_let_in(centre: Centre, key: NKey) -> bool:
     return True
 
 
-class Gateway:
-    """`enrol` while the centre runs, then `start`. `clinics`: whose rigs its key may watch; none: all."""
+class Gateway(Child):
+    """dts-fleet-gateway with a key and a role of its own, on a port of 127.0.0.1; 0: any. Start it while the centre runs."""
 
-    def __init__(self, centre: Centre, name: str = "dashboard", group: str = "dashboard", clinics: tuple[str, ...] = (),
+    def __init__(self, centre: Centre, port: int = 0, name: str = "dashboard", group: str = "dashboard", clinics: tuple[str, ...] = (),
                  web_root: str = WEB_ROOT) -> None:
+        """`group`: role in PostgreSQL. `clinics`: whose rigs its key may watch; none: all."""
         self.centre = centre
-        self.name = name
+        self.role = f"{name}_user"
         self.key_file = centre.folder / f"{name}.nk"
         self.public_key = ""
-        self.role = f"{name}_user"
         self._group = group
         self._clinics = clinics
         self._config = centre.folder / f"{name}.toml"
-        words = [program("dts-fleet-gateway"), "serve", "--config", self._config, "--listen", "127.0.0.1:0", "--web-root", web_root]
-        self.child = Child(f"dts-fleet-gateway {name}", words, centre.folder / f"{name}.log")
+        words = [program("dts-fleet-gateway"), "serve", "--config", self._config, "--listen", f"127.0.0.1:{port}", "--web-root", web_root]
+        super().__init__(f"dts-fleet-gateway {name}", words, centre.folder / f"{name}.log")
+
+    def start(self) -> None:
+        if not self.public_key:
+            self.enrol()
+        super().start()
 
     def enrol(self) -> None:
         """The steps of docs/fleet.md: a key, a table of hub.toml, a role of PostgreSQL."""
+        wait_until("dts-hub has made the roles", lambda: self.centre.query_or_none(f"SELECT '{self._group}'::regrole") is not None)
         self.public_key = make_key(self.key_file)
         clinics = ", ".join(f'"{clinic}"' for clinic in self._clinics)
         with self.centre.config.open("a") as config:
             config.write(f'[[dashboard]]\nkey = "{self.public_key}"\n' + (f"clinics = [{clinics}]\n" if clinics else ""))
         self.centre.hub.stop()
         self.centre.hub.start()
-        wait_until(f"nats-server lets {self.name} in", lambda: is_let_in(self.centre, NKey.of_file(self.key_file)))
+        wait_until(f"nats-server lets the key of {self.name} in", lambda: is_let_in(self.centre, NKey.of_file(self.key_file)))
         self.centre.query(f"CREATE ROLE {self.role} LOGIN IN ROLE {self._group}")
         self._config.write_text(f"""\
 [serve]
@@ -62,30 +68,23 @@ nats-key = "{self.key_file}"
 database = "host={self.centre.database_folder} dbname={DATABASE} user={self.role}"
 """)
 
-    def start(self) -> None:
-        self.child.start()
-        wait_until(f"{self.name} listens", lambda: self.child.expect_alive() and self._found())
-
-    @property
-    def address(self) -> str:
-        found = self._found()
-        assert found
-        return found.group(1)
+    def address(self) -> str | None:
+        """Returns "http://127.0.0.1:PORT", None while it does not listen yet."""
+        self.expect_alive()
+        found = re.search(r"listening on (http://\S+)/", self.text())
+        return found.group(1) if found else None
 
     def resident_bytes(self) -> int:
-        found = re.search(r"^VmRSS:\s+(\d+) kB$", Path(f"/proc/{self.child.pid}/status").read_text(), re.MULTILINE)
+        found = re.search(r"^VmRSS:\s+(\d+) kB$", Path(f"/proc/{self.pid}/status").read_text(), re.MULTILINE)
         assert found
         return int(found.group(1)) * 1024
-
-    def _found(self) -> re.Match[str] | None:
-        return re.search(r"listening on (http://\S+)/", self.child.text())
 
 
 class Tab:
     """A browser tab that watches a clinic: a WebSocket that subscribes to everything and counts what it receives, without painting."""
 
     def __init__(self, gateway: Gateway, clinic: str) -> None:
-        host = urlsplit(gateway.address).netloc
+        host = urlsplit(gateway.address() or "").netloc
         self.received = b""
         self._socket = socket.create_connection(("127.0.0.1", int(host.rpartition(":")[2])), timeout=PATIENCE_S)
         self._socket.sendall((f"GET /ws?clinic={clinic} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nConnection: Upgrade\r\n"

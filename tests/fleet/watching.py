@@ -32,7 +32,7 @@ def enrol(centre: Centre, clinic: str) -> NKey:
 
 def get(gateway: Gateway, path: str) -> tuple[int, dict]:
     try:
-        with urllib.request.urlopen(gateway.address + path, timeout=60) as answer:
+        with urllib.request.urlopen(f"{gateway.address()}{path}", timeout=60) as answer:
             return answer.status, json.loads(answer.read())
     except urllib.error.HTTPError as refusal:
         return refusal.code, {}
@@ -99,7 +99,7 @@ def expect_bounded_memory(checks: Checks, centre: Centre, gateway: Gateway, key:
     growth = gateway.resident_bytes() - before
     print(f"        the memory of the dashboard grew by {growth / 1e6:.1f} MB while a clinic sent 380 MB")
     checks.expect("the memory of the dashboard is bounded", growth < MOST_GROWTH, growth)
-    gateway.child.expect_alive()
+    gateway.expect_alive()
     clinic.close()
 
 
@@ -115,13 +115,13 @@ def watching(checks: Checks) -> None:
         kent = enrol(centre, "kent")
         enrol(centre, "essex")
         for gateway in (everything, study):
-            gateway.enrol()
             gateway.start()
+            wait_until(f"{gateway.name} listens", gateway.address)
         expect_own_clinics_only(checks, centre, study, everything)
         expect_bounded_memory(checks, centre, everything, kent)
     finally:
         for gateway in (everything, study):
-            gateway.child.stop()
+            gateway.stop()
         centre.close(keep=checks.failed > 0)
 
 

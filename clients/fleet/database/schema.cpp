@@ -317,7 +317,9 @@ ALTER POLICY one_protocol ON session TO reader, study_dashboard;
 ALTER POLICY whole_clinic ON part TO reader, study_dashboard;
 ALTER POLICY one_protocol ON part TO reader, study_dashboard;
 ALTER POLICY whole_clinic ON result TO reader, study_dashboard;
-ALTER POLICY one_protocol ON result TO reader, study_dashboard;
+-- By the result's own column, without a join with all sessions.
+CREATE POLICY one_protocol_in_result ON result FOR SELECT TO study_dashboard
+  USING ((clinic, protocol) IN (SELECT clinic, protocol FROM permit WHERE role = current_user AND protocol IS NOT NULL));
 CREATE POLICY permitted ON beat FOR SELECT TO study_dashboard USING (clinic IN (SELECT clinic FROM permit WHERE role = current_user));
 CREATE POLICY permitted ON beat_history FOR SELECT TO study_dashboard
   USING (clinic IN (SELECT clinic FROM permit WHERE role = current_user));

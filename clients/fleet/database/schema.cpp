@@ -341,22 +341,29 @@ INSERT INTO row_count (clinic, shard, sessions, recordings, erased)
     UNION ALL SELECT clinic, 0, 0, 1 FROM erased) known GROUP BY clinic;
 
 -- The Monday (UTC) of a result, so that a trend reads groups that are complete in the index: neither a sort nor a time zone for each row.
+CREATE FUNCTION week_of(started timestamptz) RETURNS date LANGUAGE sql IMMUTABLE AS $$
+  SELECT date_trunc('week', started AT TIME ZONE 'UTC')::date
+$$;
 DROP INDEX result_trend;
 ALTER TABLE result ADD COLUMN week date;
-UPDATE result SET week = date_trunc('week', started AT TIME ZONE 'UTC')::date WHERE started IS NOT NULL;
+UPDATE result SET week = week_of(started) WHERE started IS NOT NULL;
 CREATE INDEX result_trend ON result (name, analysis, clinic, week) INCLUDE (value, protocol) WHERE started IS NOT NULL;
 -- The session's row is locked: a session that is hidden or corrected at the same time would leave its old start and protocol in the result.
 CREATE OR REPLACE FUNCTION place_result() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER SET search_path = public, pg_temp AS $$
 BEGIN
   SELECT CASE WHEN NOT s.is_deleted THEN s.started END, s.protocol INTO NEW.started, NEW.protocol
     FROM session s WHERE s.clinic = NEW.clinic AND s.id = NEW.session FOR SHARE;
-  NEW.week := date_trunc('week', NEW.started AT TIME ZONE 'UTC')::date;
+  NEW.week := week_of(NEW.started);
   RETURN NEW;
 END $$;
+-- The hub, which has the session's row, states the start of the clinic's own results. That halves the time of an insert.
+DROP TRIGGER place_result ON result;
+CREATE TRIGGER place_result BEFORE INSERT ON result FOR EACH ROW WHEN (NEW.started IS NULL OR NEW.analysis <> 'clinic')
+  EXECUTE FUNCTION place_result();
 CREATE OR REPLACE FUNCTION place_results_again() RETURNS trigger LANGUAGE plpgsql AS $$
 BEGIN
   UPDATE result SET started = CASE WHEN NOT NEW.is_deleted THEN NEW.started END, protocol = NEW.protocol,
-      week = CASE WHEN NOT NEW.is_deleted THEN date_trunc('week', NEW.started AT TIME ZONE 'UTC')::date END
+      week = CASE WHEN NOT NEW.is_deleted THEN week_of(NEW.started) END
     WHERE clinic = NEW.clinic AND session = NEW.id;
   RETURN NULL;
 END $$;

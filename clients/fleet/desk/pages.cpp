@@ -152,7 +152,7 @@ FROM (
   SELECT clinic, (extract(epoch FROM week) * 1000)::bigint AS week_ms, count(*) AS count,
     percentile_cont(ARRAY[0.25, 0.5, 0.75]) WITHIN GROUP (ORDER BY value) AS quartiles
   FROM result WHERE name = $1 AND analysis = $2 AND started IS NOT NULL AND ($3 = '' OR protocol = $3) AND ($4 = '' OR clinic = $4)
-    AND ($5::bigint IS NULL OR week >= date_trunc('week', to_timestamp($5::bigint / 1000.0) AT TIME ZONE 'UTC')::date)
+    AND ($5::bigint IS NULL OR week >= week_of(to_timestamp($5::bigint / 1000.0)))
   GROUP BY clinic, week) t)sql";
   return only_cell(database.run(kSql, {filter.measure, filter.analysis, filter.protocol, filter.clinic, filter.since_ms}));
 }

@@ -237,12 +237,17 @@ core::Status Catalogue::put_results(const std::string& clinic, const v1::FleetSe
     values.add(result.value());
     units.add(result.unit());
   }
-  DTS_TRY(database_->run("DELETE FROM result WHERE clinic = $1 AND session = $2 AND analysis = 'clinic'", {clinic, session.session_id()}));
+  DTS_TRY(database_->run("DELETE FROM result WHERE clinic = $1 AND session = $2 AND analysis = 'clinic' AND name <> ALL ($3::text[])",
+                         {clinic, session.session_id(), names.parameter()}));
   if (session.results().empty()) return {};
-  DTS_TRY(
-      database_->run("INSERT INTO result (clinic, session, name, analysis, value, unit) SELECT $1, $2, u.name, 'clinic', u.value, u.unit "
-                     "FROM unnest($3::text[], $4::float8[], $5::text[]) AS u (name, value, unit)",
-                     {clinic, session.session_id(), names.parameter(), values.parameter(), units.parameter()}));
+  DTS_TRY(database_->run(
+      "INSERT INTO result (clinic, session, name, analysis, value, unit, started, week, protocol) SELECT $1, $2, u.name, 'clinic', "
+      "u.value, "
+      "u.unit, s.started, week_of(s.started), s.protocol FROM unnest($3::text[], $4::float8[], $5::text[]) AS u (name, value, unit), "
+      "(SELECT CASE WHEN NOT is_deleted THEN started END AS started, protocol FROM session WHERE clinic = $1 AND id = $2) s "
+      "ON CONFLICT (clinic, session, name, analysis) DO UPDATE SET value = excluded.value, unit = excluded.unit "
+      "WHERE (result.value, result.unit) IS DISTINCT FROM (excluded.value, excluded.unit)",
+      {clinic, session.session_id(), names.parameter(), values.parameter(), units.parameter()}));
   return {};
 }
 

@@ -91,6 +91,27 @@ TEST_F(CatalogueTest, Facts_NewerRevision_ReplacesTheWholeSession) {
   EXPECT_EQ(value("SELECT string_agg(name || ' ' || analysis, ',' ORDER BY name) FROM result"), "MVELO sway 1,RDIST clinic");
 }
 
+TEST_F(CatalogueTest, Results_HaveTheWeekAndProtocolOfTheirSession_AlsoInANewerRevision) {
+  const std::string results =
+      "SELECT string_agg(concat_ws('|', name, value, week, started IS NULL, protocol), ',' ORDER BY name) FROM result";
+  auto session = session_of("s1", 1);
+  session.add_results()->set_name("RDIST");
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  EXPECT_EQ(value(results), "MVELO|8.38|2025-11-17|f|romberg,RDIST|0|2025-11-17|f|romberg");
+  session.set_revision(2);
+  session.set_started_utc_ns(1'764'547'199'000'000'000);  // the last second of a Sunday
+  session.set_protocol("mctsib");
+  session.mutable_results(0)->set_value(7);
+  session.mutable_results(1)->set_name("AREA");
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  EXPECT_EQ(value(results), "AREA|0|2025-11-24|f|mctsib,MVELO|7|2025-11-24|f|mctsib");
+  session.set_revision(3);
+  session.set_is_deleted(true);
+  session.add_results()->set_name("B");
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  EXPECT_EQ(value(results), "AREA|0|t|mctsib,B|0|t|mctsib,MVELO|7|t|mctsib");
+}
+
 TEST_F(CatalogueTest, ClinicsWithTheSameSession_StayApart) {
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 5)));
   auto other = session_of("s1", 1);

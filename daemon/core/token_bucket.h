@@ -25,6 +25,11 @@ class TokenBucket {
     left_ -= weight;
     return true;
   }
+  /// Counts what has happened already, as `weight` events, also if so many were not allowed: the next ones then wait longer.
+  void spend(Time now, double weight) noexcept {
+    left_ = left(now) - weight;
+    last_ = std::max(last_, now);
+  }
   /// Returns true if one more event is allowed now, and does not count it.
   [[nodiscard]] bool has_one(Time now) const noexcept { return left(now) >= 1.0; }
   /// Returns true if a whole burst is allowed now.

@@ -17,6 +17,7 @@ namespace {
 constexpr std::uint32_t kDatabaseWaitS = 5;
 constexpr std::uint32_t kFullWaitS = 300;
 constexpr std::uint32_t kFailedWaitS = 60;
+constexpr std::uint32_t kShareWaitS = 2;
 constexpr std::int64_t kDayNs = 24LL * 3600 * core::kNanosecondsPerSecond;
 constexpr std::size_t kMostUploads = 64;  // of a clinic
 constexpr const char* kDatabaseAway = "the catalogue of the centre does not answer";
@@ -194,15 +195,20 @@ v1::UploadAnswer Ingest::commit(const std::string& clinic, const v1::UploadCommi
       return later(kUnknown, kUnknownWaitS);
     }
     if (found->second.have < found->second.offer.bytes()) return upload_answer(found->second.have);
-    if (!failures_of(clinic).has_one(steady_time())) {
+    const Share& share = shares_[clinic];
+    const bool has_failures = !share.failures.has_one(steady_time());
+    if (has_failures || !share.seconds.has_one(steady_time())) {
       lock.unlock();
-      return later("too many files of this clinic were not what was offered", kFailedWaitS);
+      return has_failures ? later("too many files of this clinic were not what was offered", kFailedWaitS)
+                          : later("the centre now stores files of other clinics", kShareWaitS);
     }
     found->second.is_committing = true;
     upload = found->second;
   }
+  const std::int64_t begun_ns = clock_.now_ns();
   auto answer = commit_whole(name, upload, catalogue, stop);
   const std::lock_guard lock(mutex_);
+  shares_[clinic].seconds.spend(steady_time(), static_cast<double>(clock_.now_ns() - begun_ns) * 1e-9);
   if (const auto found = uploads_.find(name); found != uploads_.end()) found->second.is_committing = false;
   return answer;
 }
@@ -235,7 +241,7 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
                  (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
     if (is_sound) {
       const std::lock_guard lock(mutex_);
-      static_cast<void>(failures_of(name.clinic).take(steady_time()));
+      shares_[name.clinic].failures.spend(steady_time(), 1.0);
     }
     start_again(name, upload.is_in_store, catalogue);
     return is_sound ? upload_answer(0) : later(kDiskFailed, kDatabaseWaitS);

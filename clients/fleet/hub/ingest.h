@@ -66,14 +66,17 @@ class Ingest {
   [[nodiscard]] IngestCounts counts() const;
 
  private:
-  static constexpr double kFailuresPerS = 1.0 / 60.0;  ///< Of a clinic, see `failures_`.
-  static constexpr double kMostFailures = 10.0;        ///< At once.
   struct Upload {
     v1::UploadOffer offer;
     std::uint64_t have = 0;
     std::int64_t changed_utc_ns = 0;
     bool is_in_store = false;    ///< The file is in the store already, and its row may be missing.
     bool is_committing = false;  ///< Its file must not change.
+  };
+  /// What a clinic may use of the thread that commits.
+  struct Share {
+    core::TokenBucket failures{1.0 / 60.0, 10.0};  ///< Files that are not what was offered.
+    core::TokenBucket seconds{0.5, 30.0};          ///< Half of the time; 30 s at once.
   };
   struct Day {
     std::int64_t number = 0;
@@ -94,9 +97,6 @@ class Ingest {
   [[nodiscard]] core::Status drop(const std::function<bool(const RecordingName&, const Upload&)>& is_chosen, Catalogue& catalogue);
   [[nodiscard]] bool is_full() const { return store_.used_percent() >= options_.full_at_percent; }
   [[nodiscard]] std::uint64_t offered_bytes(const std::string& clinic) const;  ///< Requires `mutex_`.
-  [[nodiscard]] core::TokenBucket& failures_of(const std::string& clinic) {    ///< Requires `mutex_`.
-    return failures_.try_emplace(clinic, kFailuresPerS, kMostFailures).first->second;
-  }
   [[nodiscard]] core::TokenBucket::Time steady_time() const { return core::TokenBucket::Time(std::chrono::nanoseconds(clock_.now_ns())); }
   [[nodiscard]] bool is_day_spent(const std::string& clinic, std::uint64_t bytes);  ///< Requires `mutex_`.
   [[nodiscard]] v1::UploadAnswer upload_answer(std::uint64_t have) const;
@@ -111,7 +111,7 @@ class Ingest {
   mutable std::mutex mutex_;  ///< Protects all members below, and the files of uploads that are not being committed.
   std::map<RecordingName, Upload> uploads_{};
   std::map<std::string, Day> days_{};
-  std::map<std::string, core::TokenBucket> failures_{};  ///< Of each clinic: commits of files that are not what was offered.
+  std::map<std::string, Share> shares_{};
   IngestCounts counts_{};
 };
 

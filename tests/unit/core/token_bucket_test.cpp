@@ -35,6 +35,14 @@ TEST(TokenBucket, AHeavyEvent_CountsAsSeveral_ButNeverAsMoreThanABurst) {
   EXPECT_TRUE(bucket.take(start + std::chrono::seconds(10), 100.0));
 }
 
+TEST(TokenBucket, WhatWasSpentTooMuch_IsWaitedFor) {
+  TokenBucket bucket(0.5, 10.0);
+  const TokenBucket::Time start{std::chrono::seconds(1000)};
+  bucket.spend(start, 14.0);
+  EXPECT_FALSE(bucket.has_one(start + std::chrono::seconds(9)));
+  EXPECT_TRUE(bucket.has_one(start + std::chrono::seconds(10)));
+}
+
 TEST(TokenBucket, ATimeBeforeTheLast_GivesNothing) {
   TokenBucket bucket(1.0, 1.0);
   const TokenBucket::Time start{std::chrono::seconds(1000)};

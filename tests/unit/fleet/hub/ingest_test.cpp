@@ -330,6 +330,25 @@ TEST_F(IngestTest, ClinicWhoseFilesAreNotWhatWasOffered_WaitsForItsCommits) {
   EXPECT_EQ(ingest_->counts().torn_total, 12U);
 }
 
+TEST_F(IngestTest, ClinicWhoseCommitsNeedMuchTime_LetsOthersGoFirst) {
+  IngestOptions options{.hub = "hub-1"};
+  options.reached = [this](std::string_view step) {
+    if (step == "verified") clock_.moved_ns += 40 * core::kNanosecondsPerSecond;
+  };
+  restart(options);
+  const auto put = [&](const std::string& bytes, const std::string& clinic) {
+    open(offer_of(bytes, "session-" + bytes), clinic);
+    take(bytes, 0, 5000, clinic);
+    return commit(bytes, clinic);
+  };
+  EXPECT_TRUE(put("first", "kent").has_stored());
+  EXPECT_EQ(put("second", "kent").later().wait_s(), 2U);
+  clock_.moved_ns += 25 * core::kNanosecondsPerSecond;  // 10 s were too much, and one more must be left
+  EXPECT_TRUE(put("second", "kent").has_stored());
+  EXPECT_TRUE(put("third", "kent").has_later());
+  EXPECT_TRUE(put("third", "leeds").has_stored());
+}
+
 TEST_F(IngestTest, MoreRecordingsThanTheQuota_AreRejectedBeforeTheyAreSent) {
   QuotaFigures quota;
   quota.recordings = 1;

@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Clinics are apart: with the key of one, every subject, inbox and reply subject of another is tried. Then a clinic is revoked.
+"""Clinics are apart: with the key of one, every subject, inbox and reply subject of another is tried. Then one clinic floods the
+centre, and is revoked.
 
     isolation.py [--keep]    --keep: keeps the folder with the logs"""
+import statistics
 import sys
+import threading
 import time
 
 from centre import Centre
@@ -16,6 +19,7 @@ from protobuf import fixed64, message
 
 BEAT = message({1: fixed64(time.time_ns())})
 WORKER = "hub-1"
+FACTS_IN_A_FLOOD = 50  # of the other clinic
 OWN_PUBLISH = ["up.open", f"up.{WORKER}.chunk", f"up.{WORKER}.commit", "facts", "erase", "beat", "live.floor.cop"]
 OWN_SUBSCRIBE = ["down.live"]
 
@@ -87,6 +91,54 @@ def expect_no_foreign_reply(checks: Checks, centre: Centre, attacker: Clinic, vi
     checks.expect(f"no answer to {attacker.name} reached {victim.name}", first == f"_INBOX.{victim.name}.canary.own", first)
     attack.close()
     watch.close()
+
+
+def expect_service_in_a_flood(checks: Checks, centre: Centre, attacker: Clinic, victim: Clinic) -> None:
+    """One clinic sends facts as fast as it can; the hub answers another one meanwhile."""
+    def flood() -> None:
+        client = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(attacker.folder / f"{attacker.name}.nk"))
+        while not is_over.is_set():
+            client.publish(f"dts.v1.{attacker.name}.facts", facts(f"flood-{sent[0]}"), f"_INBOX.{attacker.name}.flood")
+            sent[0] += 1
+        client.close()
+
+    is_over, sent = threading.Event(), [0]
+    client = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(victim.folder / f"{victim.name}.nk"))
+    client.subscribe(f"_INBOX.{victim.name}.facts")
+    client.wait_for_server()
+    flooding = threading.Thread(target=flood)
+    flooding.start()
+    try:
+        wait_until("the hub slows the flood", lambda: f"clinic {attacker.name} sends more messages" in centre.hub.text())
+        times_s = []
+        for number in range(FACTS_IN_A_FLOOD):
+            begun_s = time.monotonic()
+            wait_until(f"the hub answers to {victim.name}", lambda session=f"victim-{number}": is_answered(client, victim.name, session))
+            times_s.append(time.monotonic() - begun_s)
+        print(f"        {sent[0]} messages of {attacker.name}; an answer to {victim.name} after {statistics.median(times_s) * 1e3:.0f} ms (median), "
+              f"{max(times_s) * 1e3:.0f} ms (longest)")
+    finally:
+        is_over.set()
+        flooding.join()
+        client.close()
+    wait_until("all of them are stored", lambda: centre.query(f"SELECT count(*) FROM session WHERE clinic = '{victim.name}'") == str(FACTS_IN_A_FLOOD))
+    stored = int(centre.query(f"SELECT count(*) FROM session WHERE clinic = '{attacker.name}'"))
+    checks.expect(f"in a flood of {attacker.name}, all facts of {victim.name} are stored, and few of the flood",
+                  stored < sent[0] / 2, stored)
+
+
+def is_answered(client: NatsClient, clinic: str, session: str) -> bool:
+    """Sends facts, as dts-forward does: again if there is no answer."""
+    client.publish(f"dts.v1.{clinic}.facts", facts(session), f"_INBOX.{clinic}.facts")
+    try:
+        client.next_letter(patience_s=5.0)
+    except Failure:
+        return False
+    return True
+
+
+def facts(session: str) -> bytes:
+    return message({1: session.encode(), 2: 1, 6: b"complete", 7: fixed64(time.time_ns())})
 
 
 def expect_revoked(checks: Checks, centre: Centre, clinic: Clinic, other: Clinic) -> None:
@@ -161,6 +213,7 @@ def isolation(checks: Checks) -> None:
             expect_dashboard_watches_only(checks, centre, gateway, kent, essex)
         expect_no_foreign_reply(checks, centre, kent, essex)
         expect_no_foreign_reply(checks, centre, essex, kent)
+        expect_service_in_a_flood(checks, centre, kent, essex)
         expect_revoked(checks, centre, kent, essex)
     finally:
         for clinic in clinics:

@@ -119,6 +119,20 @@ def expect_name_is_kept(checks: Checks, disk: Disk, clinic: Clinic) -> None:
     checks.expect("a receipt of a file that an earlier hub moved outlives a power cut", not lost, lost)
 
 
+def expect_erasures_are_kept(checks: Checks, disk: Disk, clinic: Clinic) -> None:
+    """Each erasure that the database has is in the journal, also if the power fails at once and takes all that was not synchronised."""
+    centre = clinic.centre
+    centre.hub.start()
+    clinic.dtsctl("subject", "erase", "P001", "--yes")
+    wait_until("the centre has erased a session", lambda: centre.query("SELECT count(*) FROM erased") != "0")
+    centre.hub.kill()
+    disk.cut()
+    journal = centre.store / "erased"
+    written = journal.read_text().split() if journal.exists() else []
+    lost = [session for session in centre.query("SELECT session FROM erased").split() if session not in written]
+    checks.expect("the journal of erasures outlives a power cut", not lost, lost)
+
+
 def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
     if not LIBRARY.exists():
         raise Failure(f"{LIBRARY} is not built: ninja -C build/release dts_synchronised")
@@ -160,10 +174,12 @@ def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
         checks.expect(f"no receipt without its whole file after any of {words.cuts} power cuts", not broken, sorted(broken))
         checks.expect("files, rows and receipts are the same",
                       set(centre.objects()) == set(centre.parts()) == centre.receipts() and len(centre.objects()) == len(clinic.recorded()))
+        recordings = len(centre.objects())
         expect_name_is_kept(checks, disk, clinic)
+        expect_erasures_are_kept(checks, disk, clinic)
         checks.expect("the cuts took something away", disk.lost)
         is_good = not checks.failed
-        print(f"        {len(centre.objects())} recordings; {during} cuts during an upload; {disk.lost} names or files that were not synchronised")
+        print(f"        {recordings} recordings; {during} cuts during an upload; {disk.lost} names or files that were not synchronised")
     finally:
         clinic.close()
         centre.close(keep=not is_good)

@@ -284,6 +284,91 @@ GRANT SELECT ON study.session, study.part, study.trial, study.result TO reader;
 GRANT SELECT ON study.subject TO subject_reader;
 )sql",
                                                                R"sql(
+-- How much each clinic has, for its quota. Several rows of a clinic: connections that add to it at the same time seldom wait for each other.
+CREATE TABLE row_count (
+  clinic text,
+  shard bigint,
+  sessions bigint NOT NULL DEFAULT 0,
+  rows bigint NOT NULL DEFAULT 0,  -- parts, trials and results in the facts of the sessions
+  recordings bigint NOT NULL DEFAULT 0,
+  erased bigint NOT NULL DEFAULT 0,
+  PRIMARY KEY (clinic, shard)
+) WITH (fillfactor = 50);
+ALTER TABLE session ADD COLUMN rows bigint NOT NULL DEFAULT 0;
+CREATE FUNCTION add_to_row_count(clinic text, sessions bigint, rows numeric, recordings bigint, erased bigint)
+RETURNS void LANGUAGE sql AS $$
+  INSERT INTO row_count AS c VALUES ($1, pg_backend_pid() % 16, $2, $3, $4, $5)
+    ON CONFLICT (clinic, shard) DO UPDATE SET sessions = c.sessions + excluded.sessions, rows = c.rows + excluded.rows,
+      recordings = c.recordings + excluded.recordings, erased = c.erased + excluded.erased
+$$;
+CREATE FUNCTION count_session() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  IF TG_OP = 'INSERT' THEN
+    PERFORM add_to_row_count(clinic, count(*), sum(rows), 0, 0) FROM added GROUP BY clinic;
+  ELSIF TG_OP = 'DELETE' THEN
+    PERFORM add_to_row_count(clinic, -count(*), -sum(rows), 0, 0) FROM removed GROUP BY clinic;
+  ELSE
+    PERFORM add_to_row_count(clinic, 0, sum(rows), 0, 0) FROM
+      (SELECT clinic, rows FROM added UNION ALL SELECT clinic, -rows FROM removed) change GROUP BY clinic HAVING sum(rows) <> 0;
+  END IF;
+  RETURN NULL;
+END $$;
+CREATE FUNCTION count_recording() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  IF TG_OP = 'INSERT' THEN
+    PERFORM add_to_row_count(clinic, 0, 0, count(*), 0) FROM added GROUP BY clinic;
+  ELSE
+    PERFORM add_to_row_count(clinic, 0, 0, -count(*), 0) FROM removed GROUP BY clinic;
+  END IF;
+  RETURN NULL;
+END $$;
+CREATE FUNCTION count_erased() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  PERFORM add_to_row_count(clinic, 0, 0, 0, count(*)) FROM added GROUP BY clinic;
+  RETURN NULL;
+END $$;
+CREATE TRIGGER count_added AFTER INSERT ON session REFERENCING NEW TABLE AS added FOR EACH STATEMENT EXECUTE FUNCTION count_session();
+CREATE TRIGGER count_changed AFTER UPDATE ON session REFERENCING OLD TABLE AS removed NEW TABLE AS added
+  FOR EACH STATEMENT EXECUTE FUNCTION count_session();
+CREATE TRIGGER count_removed AFTER DELETE ON session REFERENCING OLD TABLE AS removed FOR EACH STATEMENT EXECUTE FUNCTION count_session();
+CREATE TRIGGER count_added AFTER INSERT ON receipt REFERENCING NEW TABLE AS added FOR EACH STATEMENT EXECUTE FUNCTION count_recording();
+CREATE TRIGGER count_removed AFTER DELETE ON receipt REFERENCING OLD TABLE AS removed
+  FOR EACH STATEMENT EXECUTE FUNCTION count_recording();
+CREATE TRIGGER count_added AFTER INSERT ON erased REFERENCING NEW TABLE AS added FOR EACH STATEMENT EXECUTE FUNCTION count_erased();
+INSERT INTO row_count (clinic, shard, sessions, recordings, erased)
+  SELECT clinic, 0, sum(s), sum(r), sum(e) FROM (
+    SELECT clinic, 1 AS s, 0 AS r, 0 AS e FROM session UNION ALL SELECT clinic, 0, 1, 0 FROM receipt
+    UNION ALL SELECT clinic, 0, 0, 1 FROM erased) known GROUP BY clinic;
+
+-- The Monday (UTC) of a result, so that a trend reads groups that are complete in the index: neither a sort nor a time zone for each row.
+CREATE FUNCTION week_of(started timestamptz) RETURNS date LANGUAGE sql IMMUTABLE AS $$
+  SELECT date_trunc('week', started AT TIME ZONE 'UTC')::date
+$$;
+DROP INDEX result_trend;
+ALTER TABLE result ADD COLUMN week date;
+UPDATE result SET week = week_of(started) WHERE started IS NOT NULL;
+CREATE INDEX result_trend ON result (name, analysis, clinic, week) INCLUDE (value, protocol) WHERE started IS NOT NULL;
+-- The session's row is locked: a session that is hidden or corrected at the same time would leave its old start and protocol in the result.
+CREATE OR REPLACE FUNCTION place_result() RETURNS trigger LANGUAGE plpgsql SECURITY DEFINER SET search_path = public, pg_temp AS $$
+BEGIN
+  SELECT CASE WHEN NOT s.is_deleted THEN s.started END, s.protocol INTO NEW.started, NEW.protocol
+    FROM session s WHERE s.clinic = NEW.clinic AND s.id = NEW.session FOR SHARE;
+  NEW.week := week_of(NEW.started);
+  RETURN NEW;
+END $$;
+-- The hub, which has the session's row, states the start of the clinic's own results. That halves the time of an insert.
+DROP TRIGGER place_result ON result;
+CREATE TRIGGER place_result BEFORE INSERT ON result FOR EACH ROW WHEN (NEW.started IS NULL OR NEW.analysis <> 'clinic')
+  EXECUTE FUNCTION place_result();
+CREATE OR REPLACE FUNCTION place_results_again() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+  UPDATE result SET started = CASE WHEN NOT NEW.is_deleted THEN NEW.started END, protocol = NEW.protocol,
+      week = CASE WHEN NOT NEW.is_deleted THEN week_of(NEW.started) END
+    WHERE clinic = NEW.clinic AND session = NEW.id;
+  RETURN NULL;
+END $$;
+)sql",
+                                                               R"sql(
 -- dts-fleet-gateway: reads what the dashboard shows. "dashboard" sees all clinics, "study_dashboard" those in the table permit.
 DO $$
 BEGIN

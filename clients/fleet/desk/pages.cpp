@@ -152,11 +152,11 @@ core::Result<std::string> trend_page(Database& database, const TrendFilter& filt
 SELECT json_build_object('points', coalesce(json_agg(json_build_array(t.clinic, t.week_ms, t.count, t.quartiles[1], t.quartiles[2],
   t.quartiles[3]) ORDER BY t.clinic, t.week_ms), '[]'))
 FROM (
-  SELECT clinic, (extract(epoch FROM date_trunc('week', started)) * 1000)::bigint AS week_ms, count(*) AS count,
+  SELECT clinic, (extract(epoch FROM week) * 1000)::bigint AS week_ms, count(*) AS count,
     percentile_cont(ARRAY[0.25, 0.5, 0.75]) WITHIN GROUP (ORDER BY value) AS quartiles
   FROM result WHERE name = $1 AND analysis = $2 AND started IS NOT NULL AND ($3 = '' OR protocol = $3) AND ($4 = '' OR clinic = $4)
-    AND ($5::bigint IS NULL OR started >= to_timestamp($5::bigint / 1000.0))
-  GROUP BY clinic, date_trunc('week', started)) t)sql";
+    AND ($5::bigint IS NULL OR week >= week_of(to_timestamp($5::bigint / 1000.0)))
+  GROUP BY clinic, week) t)sql";
   return only_cell(database.run(kSql, {filter.measure, filter.analysis, filter.protocol, filter.clinic, filter.since_ms}));
 }
 

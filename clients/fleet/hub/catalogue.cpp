@@ -14,6 +14,8 @@ using database::Column;
 using database::Parameter;
 using database::Rows;
 
+constexpr int kMostRigs = 64;  // of a clinic
+
 /// A time of PostgreSQL from ns; it keeps microseconds.
 std::string time_of(const char* parameter) {
   return "'epoch'::timestamptz + (" + std::string(parameter) + "::bigint / 1000) * interval '1 microsecond'";
@@ -46,7 +48,22 @@ core::Result<v1::Receipt> receipt_of(const RecordingName& name, const Rows& rows
 }
 
 tl::unexpected<core::Error> erased_before(const std::string& session) {
-  return core::fail(core::ErrorCode::NotFound, "the clinic has erased session " + session);
+  return core::fail(core::ErrorCode::NotFound, "session " + session + " was erased");
+}
+
+tl::unexpected<core::Error> quota_used_up(const char* what, std::uint64_t most) {
+  return core::fail(core::ErrorCode::WrongState, "this clinic has used up its quota at the centre: " + std::to_string(most) + " " + what,
+                    "ask the centre to increase [quota] in hub.toml");
+}
+
+/// A number of `row_count` of clinic $1.
+std::string counted(const char* column) {
+  return "(SELECT coalesce(sum(" + std::string(column) + "), 0)::bigint FROM row_count WHERE clinic = $1)";
+}
+
+std::uint64_t rows_of(const v1::FleetSession& session) {
+  return static_cast<std::uint64_t>(session.parts_size()) + static_cast<std::uint64_t>(session.trials_size()) +
+         static_cast<std::uint64_t>(session.results_size());
 }
 
 }  // namespace
@@ -103,12 +120,21 @@ core::Status Catalogue::lock_recording(const RecordingName& name) {
 core::Result<std::uint64_t> Catalogue::put_session(const std::string& clinic, const v1::FleetSession& session) {
   return database_->transaction([&]() -> core::Result<std::uint64_t> {
     DTS_TRY(lock_session(clinic, session.session_id()));
-    DTS_TRY_ASSIGN(const Rows known, database_->run("SELECT (SELECT revision FROM session WHERE clinic = $1 AND id = $2), "
-                                                    "EXISTS (SELECT FROM erased WHERE clinic = $1 AND session = $2)",
-                                                    {clinic, session.session_id()}));
+    static const std::string kKnown = "SELECT s.revision, EXISTS (SELECT FROM erased WHERE clinic = $1 AND session = $2), " +
+                                      counted("sessions") + ", " + counted("rows") +
+                                      " - coalesce(s.rows, 0) FROM (VALUES (1)) one LEFT JOIN session s ON s.clinic = $1 AND s.id = $2";
+    DTS_TRY_ASSIGN(const Rows known, database_->run(kKnown, {clinic, session.session_id()}));
     if (known.boolean(0, 1)) return erased_before(session.session_id());
     DTS_TRY_ASSIGN(const std::int64_t revision, known.integer(0, 0));
     if (static_cast<std::uint64_t>(revision) >= session.revision()) return static_cast<std::uint64_t>(revision);
+    DTS_TRY_ASSIGN(const std::int64_t sessions, known.integer(0, 2));
+    DTS_TRY_ASSIGN(const std::int64_t other_rows, known.integer(0, 3));
+    if (quota_ && known.is_null(0, 0) && static_cast<std::uint64_t>(sessions) >= quota_->sessions) {
+      return quota_used_up("sessions", quota_->sessions);
+    }
+    if (quota_ && static_cast<std::uint64_t>(other_rows) + rows_of(session) > quota_->rows) {
+      return quota_used_up("parts, trials and results", quota_->rows);
+    }
     return put_session_rows(clinic, session);
   });
 }
@@ -122,18 +148,19 @@ core::Result<std::uint64_t> Catalogue::put_session_rows(const std::string& clini
   }
   static const std::string kPut =
       "INSERT INTO session (clinic, id, revision, rig, protocol, subject, state, started, ended, planned_trials, is_deleted, label, notes, "
-      "fields) VALUES ($1, $2, $3, $4, $5, $6, $7, " +
+      "fields, rows) VALUES ($1, $2, $3, $4, $5, $6, $7, " +
       time_of("$8") + ", " + time_of("$9") +
-      ", $10, $11, $12, $13, jsonb_object($14::text[], $15::text[])) "
+      ", $10, $11, $12, $13, jsonb_object($14::text[], $15::text[]), $16) "
       "ON CONFLICT (clinic, id) DO UPDATE SET revision = excluded.revision, rig = excluded.rig, protocol = excluded.protocol, "
       "subject = excluded.subject, state = excluded.state, started = excluded.started, ended = excluded.ended, "
       "planned_trials = excluded.planned_trials, is_deleted = excluded.is_deleted, label = excluded.label, notes = excluded.notes, "
-      "fields = excluded.fields, received = now() WHERE session.revision < excluded.revision";
+      "fields = excluded.fields, rows = excluded.rows, received = now() WHERE session.revision < excluded.revision";
   DTS_TRY(database_->run(
-      kPut, {clinic, session.session_id(), session.revision(), session.rig(), session.protocol(), text_or_null(session.subject()),
-             session.state(), session.started_utc_ns(), session.has_ended_utc_ns() ? std::optional(session.ended_utc_ns()) : std::nullopt,
-             session.planned_trials(), session.is_deleted(), session.has_label() ? std::optional(session.label()) : std::nullopt,
-             session.has_notes() ? std::optional(session.notes()) : std::nullopt, names.parameter(), values.parameter()}));
+      kPut,
+      {clinic, session.session_id(), session.revision(), session.rig(), session.protocol(), text_or_null(session.subject()),
+       session.state(), session.started_utc_ns(), session.has_ended_utc_ns() ? std::optional(session.ended_utc_ns()) : std::nullopt,
+       session.planned_trials(), session.is_deleted(), session.has_label() ? std::optional(session.label()) : std::nullopt,
+       session.has_notes() ? std::optional(session.notes()) : std::nullopt, names.parameter(), values.parameter(), rows_of(session)}));
   DTS_TRY(put_parts(clinic, session));
   DTS_TRY(put_trials(clinic, session));
   DTS_TRY(put_results(clinic, session));
@@ -210,12 +237,17 @@ core::Status Catalogue::put_results(const std::string& clinic, const v1::FleetSe
     values.add(result.value());
     units.add(result.unit());
   }
-  DTS_TRY(database_->run("DELETE FROM result WHERE clinic = $1 AND session = $2 AND analysis = 'clinic'", {clinic, session.session_id()}));
+  DTS_TRY(database_->run("DELETE FROM result WHERE clinic = $1 AND session = $2 AND analysis = 'clinic' AND name <> ALL ($3::text[])",
+                         {clinic, session.session_id(), names.parameter()}));
   if (session.results().empty()) return {};
-  DTS_TRY(
-      database_->run("INSERT INTO result (clinic, session, name, analysis, value, unit) SELECT $1, $2, u.name, 'clinic', u.value, u.unit "
-                     "FROM unnest($3::text[], $4::float8[], $5::text[]) AS u (name, value, unit)",
-                     {clinic, session.session_id(), names.parameter(), values.parameter(), units.parameter()}));
+  DTS_TRY(database_->run(
+      "INSERT INTO result (clinic, session, name, analysis, value, unit, started, week, protocol) SELECT $1, $2, u.name, 'clinic', "
+      "u.value, "
+      "u.unit, s.started, week_of(s.started), s.protocol FROM unnest($3::text[], $4::float8[], $5::text[]) AS u (name, value, unit), "
+      "(SELECT CASE WHEN NOT is_deleted THEN started END AS started, protocol FROM session WHERE clinic = $1 AND id = $2) s "
+      "ON CONFLICT (clinic, session, name, analysis) DO UPDATE SET value = excluded.value, unit = excluded.unit "
+      "WHERE (result.value, result.unit) IS DISTINCT FROM (excluded.value, excluded.unit)",
+      {clinic, session.session_id(), names.parameter(), values.parameter(), units.parameter()}));
   return {};
 }
 
@@ -228,31 +260,82 @@ core::Result<std::vector<RecordingName>> Catalogue::names(const Rows& rows) cons
   return found;
 }
 
-core::Result<std::vector<RecordingName>> Catalogue::erase_session(const std::string& clinic, const std::string& session,
-                                                                  std::int64_t utc_ns) {
-  DTS_TRY(database_->transaction([&]() -> core::Status {
-    DTS_TRY(lock_session(clinic, session));
+core::Status Catalogue::erase_session(const SessionName& name, const std::string& who, std::int64_t utc_ns) {
+  return database_->transaction([&]() -> core::Status {
+    DTS_TRY(lock_session(name.clinic, name.id));
     DTS_TRY_ASSIGN(const Rows added,
-                   database_->run("INSERT INTO erased (clinic, session) VALUES ($1, $2) ON CONFLICT DO NOTHING", {clinic, session}));
-    // The rows go first, and name what has to be removed from the store: a receipt without a recording must never exist.
-    DTS_TRY(
-        database_->run("INSERT INTO erased_file (clinic, sha256) SELECT clinic, sha256 FROM part WHERE clinic = $1 AND session = $2 AND "
-                       "sha256 IS NOT NULL UNION SELECT clinic, sha256 FROM receipt WHERE clinic = $1 AND session = $2 "
-                       "ON CONFLICT DO NOTHING",
-                       {clinic, session}));
-    for (const char* sql : {"DELETE FROM receipt WHERE clinic = $1 AND session = $2", "DELETE FROM part WHERE clinic = $1 AND session = $2",
-                            "DELETE FROM job WHERE clinic = $1 AND session = $2", "DELETE FROM session WHERE clinic = $1 AND id = $2"}) {
-      DTS_TRY(database_->run(sql, {clinic, session}));
+                   database_->run("INSERT INTO erased (clinic, session) VALUES ($1, $2) ON CONFLICT DO NOTHING", {name.clinic, name.id}));
+    // The rows go first, and name what has to be removed from the store: a receipt without a recording must never exist. Facts may have
+    // announced a recording of this session that has arrived as part of another one: it is the erased session's.
+    for (const char* sql : {"INSERT INTO erased_file (clinic, sha256) SELECT clinic, sha256 FROM part WHERE clinic = $1 AND session = $2 "
+                            "AND sha256 IS NOT NULL "
+                            "UNION SELECT clinic, sha256 FROM receipt WHERE clinic = $1 AND session = $2 ON CONFLICT DO NOTHING",
+                            "UPDATE part SET stored_utc = NULL, store_key = NULL WHERE clinic = $1 AND session <> $2 AND sha256 IN "
+                            "(SELECT sha256 FROM receipt WHERE clinic = $1 AND session = $2)",
+                            "DELETE FROM receipt WHERE clinic = $1 AND (session = $2 OR sha256 IN (SELECT sha256 FROM part WHERE clinic = "
+                            "$1 AND session = $2))",
+                            "DELETE FROM part WHERE clinic = $1 AND session = $2", "DELETE FROM job WHERE clinic = $1 AND session = $2",
+                            "DELETE FROM session WHERE clinic = $1 AND id = $2"}) {
+      DTS_TRY(database_->run(sql, {name.clinic, name.id}));
     }
-    return added.changed() == 0 ? core::Status() : append_audit(*database_, utc_ns, "clinic:" + clinic, "erase_session", session);
-  }));
-  DTS_TRY_ASSIGN(const Rows rows, database_->run("SELECT clinic, encode(sha256, 'hex') FROM erased_file WHERE clinic = $1", {clinic}));
+    return added.changed() == 0 ? core::Status() : append_audit(*database_, utc_ns, who, "erase_session", name.clinic + "/" + name.id);
+  });
+}
+
+core::Result<std::set<SessionName>> Catalogue::erased_sessions() {
+  DTS_TRY_ASSIGN(const Rows rows, database_->run("SELECT clinic, session FROM erased"));
+  std::set<SessionName> erased;
+  for (std::size_t row = 0; row < rows.size(); ++row) erased.insert({.clinic = rows.text(row, 0), .id = rows.text(row, 1)});
+  return erased;
+}
+
+core::Status Catalogue::check_room_for_erasure(const std::string& clinic) {
+  if (!quota_) return {};
+  DTS_TRY_ASSIGN(const Rows rows, database_->run("SELECT " + counted("erased"), {clinic}));
+  DTS_TRY_ASSIGN(const std::int64_t erased, rows.integer(0, 0));
+  if (static_cast<std::uint64_t>(erased) < quota_->erased_sessions) return {};
+  return quota_used_up("erased sessions", quota_->erased_sessions);
+}
+
+core::Status Catalogue::check_room_for_recording(const std::string& clinic) {
+  if (!quota_) return {};
+  DTS_TRY_ASSIGN(const Rows rows, database_->run("SELECT " + counted("recordings"), {clinic}));
+  DTS_TRY_ASSIGN(const std::int64_t recordings, rows.integer(0, 0));
+  if (static_cast<std::uint64_t>(recordings) < quota_->recordings) return {};
+  return quota_used_up("recordings", quota_->recordings);
+}
+
+core::Result<SessionContent> Catalogue::content_of(const SessionName& name) {
+  DTS_TRY_ASSIGN(const Rows rows,
+                 database_->run("SELECT s.id IS NOT NULL, EXISTS (SELECT FROM erased WHERE clinic = $1 AND session = $2), "
+                                "to_char(s.started, 'YYYY-MM-DD HH24:MI'), "
+                                "s.protocol, r.recordings, r.bytes, (SELECT count(*) FROM part WHERE clinic = $1 AND session = $2) + "
+                                "(SELECT count(*) FROM trial WHERE clinic = $1 AND session = $2) + (SELECT count(*) FROM result WHERE "
+                                "clinic = $1 AND session = $2) "
+                                "FROM (SELECT count(*) AS recordings, coalesce(sum(bytes), 0)::bigint AS bytes FROM receipt WHERE clinic = "
+                                "$1 AND session = $2) r "
+                                "LEFT JOIN session s ON s.clinic = $1 AND s.id = $2",
+                                {name.clinic, name.id}));
+  SessionContent content{
+      .is_known = rows.boolean(0, 0), .is_erased = rows.boolean(0, 1), .started = rows.text(0, 2), .protocol = rows.text(0, 3)};
+  DTS_TRY_ASSIGN(content.recordings, rows.integer(0, 4));
+  DTS_TRY_ASSIGN(content.bytes, rows.integer(0, 5));
+  DTS_TRY_ASSIGN(content.rows, rows.integer(0, 6));
+  return content;
+}
+
+core::Result<std::vector<RecordingName>> Catalogue::left_recordings(const std::string& clinic) {
+  DTS_TRY_ASSIGN(const Rows rows,
+                 database_->run("SELECT clinic, encode(sha256, 'hex') FROM erased_file WHERE $1 = '' OR clinic = $1", {clinic}));
   return names(rows);
 }
 
-core::Result<std::vector<RecordingName>> Catalogue::left_recordings() {
-  DTS_TRY_ASSIGN(const Rows rows, database_->run("SELECT clinic, encode(sha256, 'hex') FROM erased_file"));
-  return names(rows);
+core::Result<bool> Catalogue::remove_left(const RecordingName& name, Store& store) {
+  auto removed = remove_recording(name, store);
+  if (removed || removed.error().code != core::ErrorCode::WrongState) return removed;
+  // It was received again, as part of a session that is not erased.
+  DTS_TRY(database_->run("DELETE FROM erased_file WHERE clinic = $1 AND sha256 = $2", {name.clinic, Parameter::binary(name.sha256)}));
+  return false;
 }
 
 core::Result<bool> Catalogue::remove_recording(const RecordingName& name, Store& store) {
@@ -384,6 +467,10 @@ core::Status Catalogue::put_rigs(const std::string& clinic, const v1::Beat& beat
   DTS_TRY(database_->run(kPut, {clinic, received_utc_ns, ids.parameter(), kinds.parameter(), sensors.parameter(), devices.parameter(),
                                 nominal.parameter(), measured.parameter(), scans.parameter(), lost.parameter(), gaps.parameter(),
                                 states.parameter(), sessions.parameter(), calibrations.parameter(), streams.parameter()}));
+  // Rigs whose names a clinic uses no longer stay, but not without end.
+  DTS_TRY(
+      database_->run("DELETE FROM rig WHERE clinic = $1 AND id IN (SELECT id FROM rig WHERE clinic = $1 ORDER BY at DESC, id OFFSET $2)",
+                     {clinic, kMostRigs}));
   return {};
 }
 

@@ -5,12 +5,22 @@
 #include <exception>
 
 #include "core/thread.h"
+#include "dts/v1/fleet.pb.h"
 
 namespace dts::fleet::hub {
 namespace {
 
 constexpr auto kLongestWait = std::chrono::milliseconds(200);  // until a stop is noticed
 constexpr const char* kQueue = "hub";
+constexpr std::uint32_t kSlowedWaitS = 1;
+
+template <class Answer>
+std::string too_many() {
+  Answer answer;
+  answer.mutable_later()->set_reason("this clinic sends more messages than the centre accepts");
+  answer.mutable_later()->set_wait_s(kSlowedWaitS);
+  return answer.SerializeAsString();
+}
 
 }  // namespace
 
@@ -60,12 +70,34 @@ void Desk::answer(const link::Letter& letter, const std::stop_token& stop) {
     }
     return;
   }
-  auto reply = handler_(subject->clinic, letter.data, stop);
+  const bool is_within = around_.quota.take(subject->clinic, matter_, letter.data.size(), std::chrono::steady_clock::now());
+  auto reply = is_within ? handler_(subject->clinic, letter.data, stop) : slow_down(subject->clinic);
   if (!reply) return;
   // An answer that is lost is asked for again.
   if (const auto sent = around_.link.publish({.subject = letter.reply, .data = *std::move(reply)}); !sent) {
     around_.log.debug("no answer to " + subject->clinic + ": " + core::to_string(sent.error()));
   }
+}
+
+std::optional<std::string> Desk::slow_down(const std::string& clinic) {
+  if (quota_warnings_.take(std::chrono::steady_clock::now())) {
+    around_.log.warning(
+        "clinic " + clinic +
+        " sends more messages than [quota] messages_per_s allows: they are answered with \"later\". If this continues, look at "
+        "dts-forward there, or revoke the clinic: dts-fleet clinic revoke " +
+        clinic);
+  }
+  switch (matter_) {
+    case wire::Matter::Open:
+    case wire::Matter::Chunk:
+    case wire::Matter::Commit: return too_many<v1::UploadAnswer>();
+    case wire::Matter::Facts: return too_many<v1::FactsAnswer>();
+    case wire::Matter::Erase: return too_many<v1::EraseAnswer>();
+    case wire::Matter::Beat:
+    case wire::Matter::Live:
+    case wire::Matter::DownLive: break;  // a heartbeat is dropped: the next one replaces it
+  }
+  return std::nullopt;
 }
 
 }  // namespace dts::fleet::hub

@@ -14,6 +14,7 @@
 #include "core/log.h"
 #include "core/token_bucket.h"
 #include "fleet/hub/clinic_list.h"
+#include "fleet/hub/quota.h"
 #include "fleet/link/link.h"
 #include "fleet/wire/subjects.h"
 
@@ -26,7 +27,8 @@ struct DeskCounts {
   std::atomic<std::uint64_t> dropped_total{0};   ///< More letters waited than a subscription keeps.
 };
 
-/// A thread that answers the letters of one matter. The clinic is that of the subject, which nats-server has checked.
+/// A thread that answers the letters of one matter. The clinic is that of the subject, which nats-server has checked. What is more than the
+/// clinic's quota is answered with "later", without being read.
 class Desk {
  public:
   /// Returns the answer to a message of a clinic; nothing: there is none.
@@ -35,6 +37,7 @@ class Desk {
   struct Surroundings {
     link::Link& link;
     const ClinicList& clinics;
+    MessageQuota& quota;
     DeskCounts& counts;
     const core::Log& log;
   };
@@ -50,12 +53,15 @@ class Desk {
   Desk(const Surroundings& around, wire::Matter matter, std::unique_ptr<link::Subscription> letters, Handler handler);
   void serve(const std::stop_token& stop);
   void answer(const link::Letter& letter, const std::stop_token& stop);
+  /// Returns the answer to a message that is more than the clinic's quota.
+  [[nodiscard]] std::optional<std::string> slow_down(const std::string& clinic);
 
   Surroundings around_;
   wire::Matter matter_;
   std::unique_ptr<link::Subscription> letters_;
   Handler handler_;
   core::TokenBucket warnings_{1.0};
+  core::TokenBucket quota_warnings_{1.0 / 60.0, 1.0};
   std::jthread thread_{};  ///< Must be the last member: it uses the others.
 };
 

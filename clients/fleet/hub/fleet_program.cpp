@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <iostream>
 
 #include "cli/exit_status.h"
 #include "cli/json.h"
@@ -17,6 +18,7 @@
 #include "fleet/database/schema.h"
 #include "fleet/hub/audit_trail.h"
 #include "fleet/hub/catalogue.h"
+#include "fleet/hub/erasures.h"
 #include "fleet/hub/programs.h"
 #include "fleet/hub/users_file.h"
 #include "fleet/wire/nkey.h"
@@ -51,6 +53,8 @@ struct Arguments {
   std::string protocol;
   std::string subject;
   Clinic added;
+  SessionName erased;
+  bool is_confirmed = false;
   std::string out;
   std::string kind;
   std::string since;
@@ -331,6 +335,47 @@ int write_users_command(const Arguments& arguments, cli::Console& console) {
   });
 }
 
+void print_content(const SessionName& name, const SessionContent& content, cli::Console& console) {
+  console.out << "session " << name.id << " of " << name.clinic;
+  if (content.is_known) console.out << ", protocol " << cli::printable(content.protocol) << ", started " << content.started << " (UTC)";
+  console.out << ": " << content.recordings << " recordings (" << cli::decimal(static_cast<double>(content.bytes) / 1e6, 1) << " MB), "
+              << content.rows << " parts, trials and results\n";
+}
+
+/// Returns true if a person on a terminal has typed the session's ID again.
+core::Status confirm(const SessionName& name, cli::Console& console) {
+  if (::isatty(STDIN_FILENO) == 0 || !console.is_talk_terminal) {
+    return core::fail(core::ErrorCode::InvalidArgument, "nothing was erased, because nobody can be asked here", "add --yes");
+  }
+  console.talk << "All of this is erased for ever at the centre. Type the session's ID to continue: " << std::flush;
+  std::string typed;
+  if (std::getline(std::cin, typed) && typed == name.id) return {};
+  return core::fail(core::ErrorCode::InvalidArgument, "this is not the session's ID: nothing was erased");
+}
+
+int erase_session_command(const Arguments& arguments, cli::Console& console) {
+  const SessionName& name = arguments.erased;
+  return with_database(arguments, console, [&](const Settings& settings, Database& database) -> core::Status {
+    Catalogue catalogue(database);
+    DTS_TRY_ASSIGN(const SessionContent content, catalogue.content_of(name));
+    const bool has_content = content.is_known || content.recordings > 0 || content.rows > 0;
+    if (content.is_erased && !has_content) {
+      return core::fail(core::ErrorCode::WrongState, "session " + name.id + " of " + name.clinic + " is erased already");
+    }
+    if (!has_content) {
+      return core::fail(core::ErrorCode::NotFound, "the centre has no session " + name.id + " of " + name.clinic, "dts-fleet sessions");
+    }
+    print_content(name, content, console);
+    if (!arguments.is_confirmed) DTS_TRY(confirm(name, console));
+    DTS_TRY_ASSIGN(const auto store, open_folder_store(settings.directory));
+    Erasures erasures(catalogue, *store, ErasureJournal(settings.directory));
+    DTS_TRY_ASSIGN(const std::uint32_t files, erasures.erase(name, local_user(), utc_now_ns()));
+    console.out << "erased, with " << files << " recordings\n";
+    cli::print_hint(console, "backups of the centre and the clinic itself still have it");
+    return {};
+  });
+}
+
 /// A command line with the values of its options.
 struct FleetLine : cli::CommandLine {
   using cli::CommandLine::CommandLine;
@@ -403,6 +448,19 @@ void add_lists(FleetLine& line) {
   }
 }
 
+void add_session_commands(FleetLine& line) {
+  Arguments& arguments = line.arguments;
+  CLI::App* session = cli::add_group(line.app, "session", "Erase a session at the centre",
+                                     "dts-fleet session erase kent 20261121T144525Z-floor-1 | asks before it erases\n");
+  CLI::App* erase = cli::add_command(line, *session, "erase", "Erase a session for ever: its rows and its recordings at the centre",
+                                     "dts-fleet session erase kent 20261121T144525Z-floor-1 | prints what there is, and asks\n"
+                                     "dts-fleet session erase kent 20261121T144525Z-floor-1 --yes | for programs: does not ask\n",
+                                     [&arguments](cli::Console& console) { return erase_session_command(arguments, console); });
+  erase->add_option("clinic", arguments.erased.clinic, "Name of the clinic")->required()->option_text("CLINIC");
+  erase->add_option("session", arguments.erased.id, "ID of the session")->required()->option_text("SESSION");
+  erase->add_flag("--yes", arguments.is_confirmed, "Do not ask");
+}
+
 void add_job_commands(FleetLine& line) {
   Arguments& arguments = line.arguments;
   std::vector<std::string> kinds;
@@ -450,6 +508,7 @@ std::shared_ptr<cli::CommandLine> make_fleet_tree() {
                    [&arguments](cli::Console& console) { return write_users_command(arguments, console); });
   add_clinic_commands(*line);
   add_lists(*line);
+  add_session_commands(*line);
   add_job_commands(*line);
   cli::add_common(*line);
   line->manual = {

@@ -15,6 +15,7 @@
 #include "core/token_bucket.h"
 #include "fleet/hub/catalogue.h"
 #include "fleet/hub/desk.h"
+#include "fleet/hub/erasures.h"
 #include "fleet/hub/ingest.h"
 #include "fleet/hub/keeper.h"
 #include "fleet/hub/metrics.h"
@@ -45,9 +46,10 @@ bool is_end_requested() {
 /// A connection to PostgreSQL of one desk.
 struct Seat {
   Seat(const Settings& settings, const std::string& name, bool is_durable)
-      : database({.connection = settings.connection, .name = "dts-hub " + name, .is_durable = is_durable}) {}
+      : database({.connection = settings.connection, .name = "dts-hub " + name, .is_durable = is_durable}),
+        catalogue(database, settings.quota) {}
   Database database;
-  Catalogue catalogue{database};
+  Catalogue catalogue;
 };
 
 template <class Answer>
@@ -76,16 +78,17 @@ class Hub {
     DTS_TRY_ASSIGN(auto staging, Staging::open(settings_.directory + "/staging/" + settings_.name));
     DTS_TRY_ASSIGN(ingest_, Ingest::create({.hub = settings_.name,
                                             .full_at_percent = settings_.full_at_percent,
-                                            .bytes_a_day = settings_.bytes_a_day,
-                                            .staged_bytes = settings_.staged_bytes},
+                                            .bytes_a_day = settings_.quota.bytes_a_day,
+                                            .staged_bytes = settings_.quota.staged_bytes},
                                            std::move(staging), *store_, clock_, log_));
     if (!settings_.metrics_address.empty()) {
       auto seat = std::make_shared<Seat>(settings_, "metrics", true);
-      DTS_TRY_ASSIGN(metrics_, MetricsListener::open(settings_.metrics_address, settings_.metrics_port, [this, seat] {
-                       return metrics_text(ingest_->counts(), counts_, *store_, is_connected_, seat->database);
-                     }));
+      DTS_TRY_ASSIGN(
+          metrics_, MetricsListener::open(settings_.metrics_address, settings_.metrics_port, [this, seat] {
+            return metrics_text({ingest_->counts(), counts_, quota_.slowed(), *store_, settings_.quota, is_connected_}, seat->database);
+          }));
     }
-    keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, *ingest_, *store_, log_);
+    keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, *ingest_, *store_, clock_, log_);
     const auto connected = connect();
     // nats-server may close the first connection while it reads the users file: `serve` opens another one.
     return connected.has_value() || connected.error().code != core::ErrorCode::InvalidArgument ? core::Status() : connected;
@@ -141,7 +144,7 @@ class Hub {
   }
 
   [[nodiscard]] core::Status add_desk(wire::Matter matter, const std::string& worker, const std::string& name, Desk::Handler handler) {
-    DTS_TRY_ASSIGN(auto desk, Desk::open({*link_, clinics_, counts_, log_}, matter, worker, name, std::move(handler)));
+    DTS_TRY_ASSIGN(auto desk, Desk::open({*link_, clinics_, quota_, counts_, log_}, matter, worker, name, std::move(handler)));
     desks_.push_back(std::move(desk));
     return {};
   }
@@ -204,25 +207,22 @@ class Hub {
     return [this, seat](const std::string& clinic, std::string_view data, const std::stop_token& /*stop*/) {
       const auto erase = wire::decode_erase(data);
       if (!erase) return refused<v1::EraseAnswer>(erase.error().what).SerializeAsString();
-      const auto removed = remove_session(clinic, erase->session_id(), seat->catalogue);
+      const auto removed = erase_session({.clinic = clinic, .id = erase->session_id()}, seat->catalogue);
       v1::EraseAnswer answer;
       if (removed) {
         answer.set_files(*removed);
         return answer.SerializeAsString();
       }
+      if (removed.error().code == core::ErrorCode::WrongState) return refused<v1::EraseAnswer>(removed.error().what).SerializeAsString();
       log_failure(removed.error());
       return not_now<v1::EraseAnswer>().SerializeAsString();
     };
   }
 
-  [[nodiscard]] core::Result<std::uint32_t> remove_session(const std::string& clinic, const std::string& session, Catalogue& catalogue) {
-    DTS_TRY_ASSIGN(const auto recordings, catalogue.erase_session(clinic, session, utc_ns()));
-    ingest_->drop_session(clinic, session);
-    std::uint32_t files = 0;
-    for (const RecordingName& name : recordings) {
-      DTS_TRY_ASSIGN(const bool is_removed, catalogue.remove_recording(name, *store_));
-      files += is_removed ? 1U : 0U;
-    }
+  [[nodiscard]] core::Result<std::uint32_t> erase_session(const SessionName& session, Catalogue& catalogue) {
+    Erasures erasures(catalogue, *store_, ErasureJournal(settings_.directory));
+    DTS_TRY_ASSIGN(const std::uint32_t files, erasures.erase(session, "clinic:" + session.clinic, utc_ns()));
+    DTS_TRY(ingest_->drop_session(session, catalogue));
     return files;
   }
 
@@ -251,6 +251,7 @@ class Hub {
   core::Clock& clock_;
   const core::Log& log_;
   ClinicList clinics_{};
+  MessageQuota quota_{settings_.quota.messages_per_s};
   DeskCounts counts_{};
   std::mutex log_mutex_{};
   core::TokenBucket failures_{1.0};

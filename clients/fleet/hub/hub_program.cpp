@@ -6,6 +6,7 @@
 #include "core/clock.h"
 #include "core/process.h"
 #include "fleet/database/schema.h"
+#include "fleet/hub/erasures.h"
 #include "fleet/hub/hub.h"
 #include "fleet/hub/programs.h"
 #include "fleet/hub/rebuild.h"
@@ -37,10 +38,17 @@ int rebuild_command(const std::string& file, cli::Console& console) {
   if (!store) return cli::fail_with(console, store.error());
   Catalogue catalogue(database);
   const core::SystemClock clock;
-  const auto rebuilt = rebuild(**store, catalogue, settings->name, clock.now_ns() + clock.utc_minus_monotonic_ns());
+  const std::int64_t utc_ns = clock.now_ns() + clock.utc_minus_monotonic_ns();
+  Erasures erasures(catalogue, **store, ErasureJournal(settings->directory));
+  const auto reconciled = erasures.reconcile(utc_ns);
+  if (!reconciled) return cli::fail_with(console, reconciled.error());
+  const auto removed = erasures.remove_left("");
+  if (!removed) return cli::fail_with(console, removed.error());
+  const auto rebuilt = rebuild(**store, catalogue, settings->name, utc_ns);
   if (!rebuilt) return cli::fail_with(console, rebuilt.error());
   for (const std::string& left : rebuilt->left) cli::print_error(console, left, "the recording stays in the store, without a row");
-  console.out << rebuilt->entered << " recordings entered, " << rebuilt->known << " known before, " << rebuilt->left.size() << " left\n";
+  console.out << rebuilt->entered << " recordings entered, " << rebuilt->known << " known before, " << rebuilt->left.size() << " left\n"
+              << *reconciled << " sessions erased again, " << *removed + rebuilt->erased << " recordings of erased sessions removed\n";
   if (!rebuilt->clinics.empty()) {
     cli::print_hint(console, "add the clinics again, with their keys (dts-fleet clinic add): " +
                                  cli::join(std::vector<std::string>(rebuilt->clinics.begin(), rebuilt->clinics.end()), ", "));

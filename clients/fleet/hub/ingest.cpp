@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "fleet/hub/durable_file.h"
 #include "fleet/wire/messages.h"
@@ -15,6 +16,8 @@ namespace {
 
 constexpr std::uint32_t kDatabaseWaitS = 5;
 constexpr std::uint32_t kFullWaitS = 300;
+constexpr std::uint32_t kFailedWaitS = 60;
+constexpr std::uint32_t kShareWaitS = 2;
 constexpr std::int64_t kDayNs = 24LL * 3600 * core::kNanosecondsPerSecond;
 constexpr std::size_t kMostUploads = 64;  // of a clinic
 constexpr const char* kDatabaseAway = "the catalogue of the centre does not answer";
@@ -104,7 +107,10 @@ v1::UploadAnswer Ingest::open(const std::string& clinic, const v1::UploadOffer& 
   }
   const auto is_gone = catalogue.is_erased(clinic, offer.session_id());
   if (!is_gone) return later(kDatabaseAway, kDatabaseWaitS);
-  if (*is_gone) return upload_refusal("the clinic has erased this session");
+  if (*is_gone) return upload_refusal("this session was erased");
+  const auto room = catalogue.check_room_for_recording(clinic);
+  if (!room && room.error().code == core::ErrorCode::WrongState) return upload_refusal(room.error().what);
+  if (!room) return later(kDatabaseAway, kDatabaseWaitS);
   if (offer.bytes() > options_.staged_bytes) return upload_refusal("the centre does not accept files of this size");
   return begin(name, offer);
 }
@@ -189,11 +195,20 @@ v1::UploadAnswer Ingest::commit(const std::string& clinic, const v1::UploadCommi
       return later(kUnknown, kUnknownWaitS);
     }
     if (found->second.have < found->second.offer.bytes()) return upload_answer(found->second.have);
+    const Share& share = shares_[clinic];
+    const bool has_failures = !share.failures.has_one(steady_time());
+    if (has_failures || !share.seconds.has_one(steady_time())) {
+      lock.unlock();
+      return has_failures ? later("too many files of this clinic were not what was offered", kFailedWaitS)
+                          : later("the centre now stores files of other clinics", kShareWaitS);
+    }
     found->second.is_committing = true;
     upload = found->second;
   }
+  const std::int64_t begun_ns = clock_.now_ns();
   auto answer = commit_whole(name, upload, catalogue, stop);
   const std::lock_guard lock(mutex_);
+  shares_[clinic].seconds.spend(steady_time(), static_cast<double>(clock_.now_ns() - begun_ns) * 1e-9);
   if (const auto found = uploads_.find(name); found != uploads_.end()) found->second.is_committing = false;
   return answer;
 }
@@ -224,6 +239,10 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   if (!is_sound || !*is_sound) {
     log_.warning(described(name) +
                  (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
+    if (is_sound) {
+      const std::lock_guard lock(mutex_);
+      shares_[name.clinic].failures.spend(steady_time(), 1.0);
+    }
     start_again(name, upload.is_in_store, catalogue);
     return is_sound ? upload_answer(0) : later(kDiskFailed, kDatabaseWaitS);
   }
@@ -246,7 +265,7 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   if (!receipt && (receipt.error().code == core::ErrorCode::NotFound || receipt.error().code == core::ErrorCode::WrongState)) {
     if (const auto removed = catalogue.remove_recording(name, store_); !removed) log_.error(core::to_string(removed.error()));
     finish(name);
-    return upload_refusal(receipt.error().code == core::ErrorCode::NotFound ? "the clinic has erased this session"
+    return upload_refusal(receipt.error().code == core::ErrorCode::NotFound ? "this session was erased"
                                                                             : "this recording is known as part of another session");
   }
   if (!receipt) {
@@ -285,36 +304,54 @@ void Ingest::finish(const RecordingName& name) {
   staging_->remove(name);
 }
 
-void Ingest::drop_session(const std::string& clinic, const std::string& session) {
-  const std::lock_guard lock(mutex_);
-  std::erase_if(uploads_, [&](const auto& one) {
-    const bool is_dropped = one.first.clinic == clinic && one.second.offer.session_id() == session && !one.second.is_committing;
-    if (is_dropped) staging_->remove(one.first);
-    return is_dropped;
-  });
-}
-
-core::Status Ingest::drop_erased(Catalogue& catalogue) {
-  std::set<std::pair<std::string, std::string>> sessions;
+core::Status Ingest::drop(const std::function<bool(const RecordingName&, const Upload&)>& is_chosen, Catalogue& catalogue) {
+  std::map<RecordingName, bool> chosen;
   {
     const std::lock_guard lock(mutex_);
-    for (const auto& [name, upload] : uploads_) sessions.emplace(name.clinic, upload.offer.session_id());
+    for (const auto& [name, upload] : uploads_) {
+      if (!upload.is_committing && is_chosen(name, upload)) chosen.emplace(name, upload.is_in_store);
+    }
   }
-  for (const auto& [clinic, session] : sessions) {
-    DTS_TRY_ASSIGN(const bool is_gone, catalogue.is_erased(clinic, session));
-    if (is_gone) drop_session(clinic, session);
+  for (const auto& [name, is_in_store] : chosen) {
+    if (is_in_store) {  // without a row; it stays if a receipt was entered meanwhile
+      const auto removed = catalogue.remove_recording(name, store_);
+      if (!removed && removed.error().code != core::ErrorCode::WrongState) return tl::make_unexpected(removed.error());
+    }
+    const std::lock_guard lock(mutex_);
+    const auto found = uploads_.find(name);
+    if (found == uploads_.end() || found->second.is_committing || found->second.is_in_store != is_in_store) continue;
+    uploads_.erase(found);
+    staging_->remove(name);
   }
   return {};
 }
 
-void Ingest::drop_abandoned() {
+core::Status Ingest::drop_session(const SessionName& session, Catalogue& catalogue) {
+  return drop([&](const RecordingName& name,
+                  const Upload& upload) { return name.clinic == session.clinic && upload.offer.session_id() == session.id; },
+              catalogue);
+}
+
+core::Status Ingest::clean(Catalogue& catalogue) {
+  std::set<SessionName> sessions;
+  std::vector<RecordingName> names;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, upload] : uploads_) {
+      sessions.insert({.clinic = name.clinic, .id = upload.offer.session_id()});
+      if (!upload.is_committing) names.push_back(name);
+    }
+  }
+  for (const SessionName& session : sessions) {
+    DTS_TRY_ASSIGN(const bool is_gone, catalogue.is_erased(session.clinic, session.id));
+    if (is_gone) DTS_TRY(drop_session(session, catalogue));
+  }
+  for (const RecordingName& name : names) {
+    DTS_TRY_ASSIGN(const auto receipt, catalogue.find_receipt(name));
+    if (receipt) finish(name);
+  }
   const std::int64_t now = utc_ns();
-  const std::lock_guard lock(mutex_);
-  std::erase_if(uploads_, [&](const auto& one) {
-    const bool is_dropped = now - one.second.changed_utc_ns > kAbandonedNs && !one.second.is_committing;
-    if (is_dropped) staging_->remove(one.first);
-    return is_dropped;
-  });
+  return drop([&](const RecordingName& /*name*/, const Upload& upload) { return now - upload.changed_utc_ns > kAbandonedNs; }, catalogue);
 }
 
 IngestCounts Ingest::counts() const {

@@ -12,6 +12,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "core/token_bucket.h"
 #include "dts/v1/fleet.pb.h"
 #include "fleet/hub/catalogue.h"
 #include "fleet/hub/staging.h"
@@ -39,7 +40,7 @@ struct IngestCounts {
 /// Receives recordings. The order of a commit: synchronise the file, compute its SHA-256 from the disk, move it into the store, synchronise
 /// the folder, write part and receipt in one transaction, answer. So a receipt never exists without its recording, at whatever step the
 /// process or the power ends. A recording in the store without a row is found when the clinic sends its commit again.
-/// Thread: `open`, `take`, `commit` and `drop_session` each on one thread at a time; different ones at the same time.
+/// Thread: `open`, `take`, `commit`, `drop_session` and `clean` each on one thread at a time; different ones at the same time.
 class Ingest {
  public:
   static constexpr std::int64_t kAbandonedNs = 7LL * 24 * 3600 * core::kNanosecondsPerSecond;
@@ -55,12 +56,12 @@ class Ingest {
   /// Takes as long as reading the whole file from the disk; `stop` ends it.
   [[nodiscard]] v1::UploadAnswer commit(const std::string& clinic, const v1::UploadCommit& commit, Catalogue& catalogue,
                                         const std::stop_token& stop);
-  /// Drops the uploads of a session that the clinic has erased.
-  void drop_session(const std::string& clinic, const std::string& session);
-  /// Drops those whose session was erased by way of another hub. Fails as the catalogue does.
-  [[nodiscard]] core::Status drop_erased(Catalogue& catalogue);
-  /// Removes uploads that have not changed for 7 days.
-  void drop_abandoned();
+  /// Drops the uploads of an erased session, also from the store if they are there without a receipt. Fails as the catalogue does, as the
+  /// next.
+  [[nodiscard]] core::Status drop_session(const SessionName& session, Catalogue& catalogue);
+  /// Drops the uploads whose session was erased by way of another program, and those that have not changed for 7 days. Ends those that have
+  /// a receipt: another hub has received the rest.
+  [[nodiscard]] core::Status clean(Catalogue& catalogue);
 
   [[nodiscard]] IngestCounts counts() const;
 
@@ -71,6 +72,11 @@ class Ingest {
     std::int64_t changed_utc_ns = 0;
     bool is_in_store = false;    ///< The file is in the store already, and its row may be missing.
     bool is_committing = false;  ///< Its file must not change.
+  };
+  /// What a clinic may use of the thread that commits.
+  struct Share {
+    core::TokenBucket failures{1.0 / 60.0, 10.0};  ///< Files that are not what was offered.
+    core::TokenBucket seconds{0.5, 30.0};          ///< Half of the time; 30 s at once.
   };
   struct Day {
     std::int64_t number = 0;
@@ -87,8 +93,11 @@ class Ingest {
   [[nodiscard]] core::Result<bool> verify(const RecordingName& name, const Upload& upload, const std::stop_token& stop);
   void start_again(const RecordingName& name, bool is_in_store, Catalogue& catalogue);
   void finish(const RecordingName& name);
+  /// Drops the uploads that `is_chosen` returns true for, called with `mutex_`.
+  [[nodiscard]] core::Status drop(const std::function<bool(const RecordingName&, const Upload&)>& is_chosen, Catalogue& catalogue);
   [[nodiscard]] bool is_full() const { return store_.used_percent() >= options_.full_at_percent; }
-  [[nodiscard]] std::uint64_t offered_bytes(const std::string& clinic) const;       ///< Requires `mutex_`.
+  [[nodiscard]] std::uint64_t offered_bytes(const std::string& clinic) const;  ///< Requires `mutex_`.
+  [[nodiscard]] core::TokenBucket::Time steady_time() const { return core::TokenBucket::Time(std::chrono::nanoseconds(clock_.now_ns())); }
   [[nodiscard]] bool is_day_spent(const std::string& clinic, std::uint64_t bytes);  ///< Requires `mutex_`.
   [[nodiscard]] v1::UploadAnswer upload_answer(std::uint64_t have) const;
   [[nodiscard]] v1::UploadAnswer later(const std::string& reason, std::uint32_t wait_s);
@@ -102,6 +111,7 @@ class Ingest {
   mutable std::mutex mutex_;  ///< Protects all members below, and the files of uploads that are not being committed.
   std::map<RecordingName, Upload> uploads_{};
   std::map<std::string, Day> days_{};
+  std::map<std::string, Share> shares_{};
   IngestCounts counts_{};
 };
 

@@ -25,15 +25,16 @@ constexpr const char* kClinicChannel = "clinic";
 }  // namespace
 
 Keeper::Keeper(const Settings& settings, std::string hub_public_key, ClinicList& clinics, Ingest& ingest, Store& store,
-               const core::Log& log)
+               const core::Clock& clock, const core::Log& log)
     : settings_(settings),
       hub_public_key_(std::move(hub_public_key)),
       clinics_(clinics),
       ingest_(ingest),
-      store_(store),
+      clock_(clock),
       log_(log),
       database_({.connection = settings.connection, .name = "dts-hub keeper"}),
-      catalogue_(database_) {
+      catalogue_(database_),
+      erasures_(catalogue_, store, ErasureJournal(settings.directory)) {
   database_.listen(kClinicChannel);
   thread_ = std::jthread([this](const std::stop_token& stop) {
     static_cast<void>(core::configure_this_thread("keeper", {}));
@@ -70,7 +71,6 @@ void Keeper::serve(const std::stop_token& stop) {
       }
       if (is_migrated_ && now >= next_clean) {
         next_clean = now + kCleanPause;
-        ingest_.drop_abandoned();
         report(clean(), clean_problem_);
       }
     } catch (const std::exception& exception) {  // no memory left
@@ -103,10 +103,21 @@ void Keeper::reload() {
 }
 
 core::Status Keeper::clean() {
-  DTS_TRY(catalogue_.prune_history());
-  DTS_TRY(ingest_.drop_erased(catalogue_));
-  DTS_TRY_ASSIGN(const auto left, catalogue_.left_recordings());
-  for (const RecordingName& name : left) DTS_TRY(catalogue_.remove_recording(name, store_));
+  const auto reconciled = reconcile_erasures();  // first: it names recordings to remove
+  const auto left = erasures_.remove_left("");
+  const core::Status removed = left ? core::Status() : core::Status(tl::make_unexpected(left.error()));
+  core::Status first;
+  for (const core::Status& done : {reconciled, catalogue_.prune_history(), ingest_.clean(catalogue_), removed}) {
+    if (!done && first) first = done;
+  }
+  return first;
+}
+
+core::Status Keeper::reconcile_erasures() {
+  if (is_reconciled_) return {};
+  DTS_TRY_ASSIGN(const std::uint64_t erased, erasures_.reconcile(clock_.now_ns() + clock_.utc_minus_monotonic_ns()));
+  if (erased > 0) log_.warning("erased " + std::to_string(erased) + " sessions that the database did not know as erased: it is older");
+  is_reconciled_ = true;
   return {};
 }
 

@@ -49,17 +49,21 @@ struct ClinicFamily {
   const char* help;
   std::size_t column;
 };
-constexpr std::array<ClinicFamily, 6> kClinicFamilies{
+constexpr std::array<ClinicFamily, 7> kClinicFamilies{
     {{"dts_hub_clinic_beat_age_seconds", "Time since the clinic reported last", 1},
      {"dts_hub_clinic_backlog_files", "Files that the clinic has not delivered", 2},
      {"dts_hub_clinic_backlog_bytes", "Bytes that the clinic has not delivered", 3},
      {"dts_hub_clinic_held_files", "Files of the clinic that are not what was recorded", 4},
      {"dts_hub_clinic_clock_offset_seconds", "Clock of the clinic minus the clock of the hub", 5},
-     {"dts_hub_clinic_has_daemon", "1 if dtsd of the clinic answers", 6}}};
+     {"dts_hub_clinic_has_daemon", "1 if dtsd of the clinic answers", 6},
+     {"dts_hub_clinic_quota_ratio", "Largest used part of the limits of sessions, recordings, rows and erasures; at 1 the hub rejects more",
+      7}}};
 
 }  // namespace
 
-std::string metrics_text(const IngestCounts& counts, const DeskCounts& letters, const Store& store, bool is_connected, Database& database) {
+std::string metrics_text(const HubState& hub, Database& database) {
+  const IngestCounts& counts = hub.counts;
+  const DeskCounts& letters = hub.letters;
   std::string text;
   const auto number = [](std::uint64_t value) { return static_cast<double>(value); };
   add_one(text, "dts_hub_received_bytes_total", "counter", "Bytes of recordings received", number(counts.bytes_total));
@@ -72,18 +76,31 @@ std::string metrics_text(const IngestCounts& counts, const DeskCounts& letters, 
   add_one(text, "dts_hub_rejected_letters_total", "counter", "Messages without a valid clinic or reply subject",
           number(letters.rejected_total));
   add_one(text, "dts_hub_dropped_letters_total", "counter", "Messages that a full queue dropped", number(letters.dropped_total));
-  add_one(text, "dts_hub_store_used_ratio", "gauge", "Used part of the store", store.used_percent() / 100.0);
-  add_one(text, "dts_hub_store_free_bytes", "gauge", "Free bytes of the store", number(store.free_bytes()));
-  add_one(text, "dts_hub_nats_connected", "gauge", "1 if there is a connection to nats-server", is_connected ? 1.0 : 0.0);
+  add_one(text, "dts_hub_store_used_ratio", "gauge", "Used part of the store", hub.store.used_percent() / 100.0);
+  add_one(text, "dts_hub_store_free_bytes", "gauge", "Free bytes of the store", number(hub.store.free_bytes()));
+  add_one(text, "dts_hub_nats_connected", "gauge", "1 if there is a connection to nats-server", hub.is_connected ? 1.0 : 0.0);
+  if (!hub.slowed.empty()) {
+    Family family(text, "dts_hub_clinic_slowed_messages_total", "counter", "Messages that were more than the quota of the clinic");
+    for (const auto& [clinic, slowed] : hub.slowed) family.add(number(slowed), clinic);
+  }
   const auto rows = database.run(
       "SELECT id, extract(epoch FROM now() - at)::float8, backlog_files::float8, backlog_bytes::float8, held_files::float8, "
       "clock_offset_s, "
-      "has_daemon::int::float8 FROM clinic JOIN beat ON beat.clinic = id WHERE state = 'active' ORDER BY id");
+      "has_daemon::int::float8, (SELECT greatest(sum(sessions) / $1::float8, sum(recordings) / $2::float8, sum(rows) / $3::float8, "
+      "sum(erased) / $4::float8) FROM row_count c WHERE c.clinic = clinic.id) FROM clinic LEFT JOIN beat ON beat.clinic = id "
+      "WHERE state = 'active' ORDER BY id",
+      {hub.quota.sessions, hub.quota.recordings, hub.quota.rows, hub.quota.erased_sessions});
   add_one(text, "dts_hub_database_up", "gauge", "1 if PostgreSQL answers", rows ? 1.0 : 0.0);
+  if (const auto left = database.run("SELECT count(*) FROM erased_file")) {
+    add_one(text, "dts_hub_left_recordings", "gauge", "Recordings of erased sessions that could not be removed yet",
+            left->number(0, 0).value_or(0.0));
+  }
   if (!rows || rows->empty()) return text;
   for (const ClinicFamily& described : kClinicFamilies) {
     Family family(text, described.name, "gauge", described.help);
-    for (std::size_t row = 0; row < rows->size(); ++row) family.add(rows->number(row, described.column).value_or(0.0), rows->text(row, 0));
+    for (std::size_t row = 0; row < rows->size(); ++row) {
+      if (!rows->is_null(row, described.column)) family.add(rows->number(row, described.column).value_or(0.0), rows->text(row, 0));
+    }
   }
   return text;
 }

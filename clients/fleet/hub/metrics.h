@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <stop_token>
 #include <string>
@@ -12,13 +13,23 @@
 #include "fleet/database/database.h"
 #include "fleet/hub/desk.h"
 #include "fleet/hub/ingest.h"
+#include "fleet/hub/quota.h"
 
 namespace dts::fleet::hub {
 
-/// Returns the state of the hub and of all clinics in Prometheus' text format. No names but those of clinics. `counts` and `letters` are
-/// those of this hub, clinics those of the database; without it their lines are missing.
-[[nodiscard]] std::string metrics_text(const IngestCounts& counts, const DeskCounts& letters, const Store& store, bool is_connected,
-                                       database::Database& database);
+/// What this hub knows of itself.
+struct HubState {
+  IngestCounts counts;
+  const DeskCounts& letters;
+  std::map<std::string, std::uint64_t> slowed;  ///< Messages of each clinic that were more than its quota.
+  const Store& store;
+  const QuotaFigures& quota;
+  bool is_connected = false;
+};
+
+/// Returns the state of the hub and of all clinics in Prometheus' text format. No names but those of clinics. The clinics are those of the
+/// database; without it their lines are missing.
+[[nodiscard]] std::string metrics_text(const HubState& hub, database::Database& database);
 
 /// Answers "GET /metrics" on an address, one request at a time. Every other request is answered with 404, and a slow one is dropped.
 class MetricsListener {

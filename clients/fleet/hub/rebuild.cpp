@@ -43,7 +43,12 @@ core::Result<Rebuilt> rebuild(Store& store, Catalogue& catalogue, const std::str
     offer.set_session_id(facts->session_id);
     offer.set_part(facts->part);
     const auto entered = catalogue.put_recording(name, offer, store, hub, utc_ns);
-    if (!entered && (entered.error().code == core::ErrorCode::NotFound || entered.error().code == core::ErrorCode::WrongState)) {
+    if (!entered && entered.error().code == core::ErrorCode::NotFound) {
+      DTS_TRY(catalogue.remove_recording(name, store));
+      ++rebuilt.erased;
+      continue;
+    }
+    if (!entered && entered.error().code == core::ErrorCode::WrongState) {
       rebuilt.left.push_back(store.key(name) + ": " + entered.error().what);
       continue;
     }

@@ -15,8 +15,9 @@ namespace dts::fleet::hub {
 namespace {
 
 constexpr std::int64_t kMostBytes = 1'000'000'000'000'000;
-constexpr std::int64_t kDefaultBytesADay = 200'000'000'000;  // 10 rigs with 16 channels at 1500 Hz, round the clock
-constexpr std::int64_t kDefaultStagedBytes = 100'000'000'000;
+constexpr std::int64_t kMostQuotaRows = 100'000'000'000;
+constexpr double kLeastMessagesPerS = 1.0;
+constexpr double kMostMessagesPerS = 100'000.0;
 constexpr std::size_t kMostCaBytes = 1024 * 1024;
 
 /// Returns the name of a file, relative to the folder of the configuration; empty if the key is absent.
@@ -64,6 +65,22 @@ DashboardKey read_dashboard(files::TomlReader& reader) {
   return read;
 }
 
+QuotaFigures read_quota(files::TomlReader reader) {
+  QuotaFigures quota;
+  const auto read = [&reader](const char* key, std::uint64_t& figure, std::int64_t most) {
+    figure = static_cast<std::uint64_t>(reader.integer(key, static_cast<std::int64_t>(figure), 1, most));
+  };
+  read("bytes_a_day", quota.bytes_a_day, kMostBytes);
+  read("staged_bytes", quota.staged_bytes, kMostBytes);
+  quota.messages_per_s = reader.number("messages_per_s", quota.messages_per_s, kLeastMessagesPerS, kMostMessagesPerS);
+  read("sessions", quota.sessions, kMostQuotaRows);
+  read("recordings", quota.recordings, kMostQuotaRows);
+  read("rows", quota.rows, kMostQuotaRows);
+  read("erased_sessions", quota.erased_sessions, kMostQuotaRows);
+  reader.finish();
+  return quota;
+}
+
 /// Splits "127.0.0.1:9464".
 void read_metrics(files::TomlReader reader, Settings& settings) {
   const std::string listen = reader.text("listen", "");
@@ -108,10 +125,7 @@ Settings load_settings(const std::string& file, files::Problems& problems) {
   loaded.directory = file_name(store, "directory");
   loaded.full_at_percent = store.number("full_at_percent", 95.0, 1.0, 100.0);
   store.finish();
-  files::TomlReader quota = top.table("quota");
-  loaded.bytes_a_day = static_cast<std::uint64_t>(quota.integer("bytes_a_day", kDefaultBytesADay, 1, kMostBytes));
-  loaded.staged_bytes = static_cast<std::uint64_t>(quota.integer("staged_bytes", kDefaultStagedBytes, 1, kMostBytes));
-  quota.finish();
+  loaded.quota = read_quota(top.table("quota"));
   read_metrics(top.table("metrics"), loaded);
   top.finish();
   return loaded;

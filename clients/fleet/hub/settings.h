@@ -8,6 +8,7 @@
 #include "core/log.h"
 #include "core/result.h"
 #include "files/toml_reader.h"
+#include "fleet/hub/quota.h"
 
 namespace dts::fleet::hub {
 
@@ -34,8 +35,7 @@ struct Settings {
 
   std::string directory;  ///< Recordings.
   double full_at_percent = 95.0;
-  std::uint64_t bytes_a_day = 0;
-  std::uint64_t staged_bytes = 0;
+  QuotaFigures quota;
 
   std::string metrics_address;  ///< Empty: no /metrics.
   std::uint16_t metrics_port = 0;

@@ -22,6 +22,11 @@ constexpr std::uint32_t kLongestLeaseS = 60;
 constexpr std::uint32_t kLargestNumber = 1'000'000;  // of a part, a trial, an attempt
 constexpr int kMostRigs = 64;
 constexpr int kMostTopics = 64;
+// Of a session. dtsd runs at most 10,000 trials, each at most twice, and stores at most 10,000 results.
+constexpr int kMostParts = 1000;
+constexpr int kMostTrials = 20'000;
+constexpr int kMostResults = 10'000;
+constexpr int kMostFields = 100;
 constexpr std::uint64_t kLargestCount = std::numeric_limits<std::int64_t>::max();  // PostgreSQL has no unsigned numbers
 
 tl::unexpected<core::Error> wrong(const char* message, const std::string& field) {
@@ -191,6 +196,9 @@ core::Result<v1::FleetSession> decode_session(std::string_view bytes) {
   check.utc(session.started_utc_ns(), "started_utc_ns").utc(session.ended_utc_ns(), "ended_utc_ns");
   check.count(session.planned_trials(), "planned_trials", kLargestNumber);
   check.word(session.label(), "label").text(session.notes(), "notes", kLongestText, 0, true);
+  check.that(static_cast<int>(session.fields().size()) <= kMostFields, "fields").that(session.parts_size() <= kMostParts, "parts");
+  check.that(session.trials_size() <= kMostTrials, "trials").that(session.results_size() <= kMostResults, "results");
+  DTS_TRY(check.status());  // before the time that the rows need
   for (const auto& [name, value] : session.fields()) check.word(name, "fields", 1).word(value, "fields");
   check_parts(check, session);
   check_trials(check, session);

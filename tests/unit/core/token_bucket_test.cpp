@@ -24,6 +24,25 @@ TEST(TokenBucket, ABurstIsFourSecondsWorthAndSilenceSavesUpNoMore) {
   EXPECT_EQ(taken, 40);
 }
 
+TEST(TokenBucket, AHeavyEvent_CountsAsSeveral_ButNeverAsMoreThanABurst) {
+  TokenBucket bucket(1.0, 10.0);
+  const TokenBucket::Time start{std::chrono::seconds(1000)};
+  EXPECT_TRUE(bucket.take(start, 9.5));
+  EXPECT_FALSE(bucket.has_one(start));
+  EXPECT_TRUE(bucket.take(start, 0.5));
+  EXPECT_FALSE(bucket.take(start + std::chrono::seconds(9), 100.0));
+  EXPECT_TRUE(bucket.has_one(start + std::chrono::seconds(9)));
+  EXPECT_TRUE(bucket.take(start + std::chrono::seconds(10), 100.0));
+}
+
+TEST(TokenBucket, WhatWasSpentTooMuch_IsWaitedFor) {
+  TokenBucket bucket(0.5, 10.0);
+  const TokenBucket::Time start{std::chrono::seconds(1000)};
+  bucket.spend(start, 14.0);
+  EXPECT_FALSE(bucket.has_one(start + std::chrono::seconds(9)));
+  EXPECT_TRUE(bucket.has_one(start + std::chrono::seconds(10)));
+}
+
 TEST(TokenBucket, ATimeBeforeTheLast_GivesNothing) {
   TokenBucket bucket(1.0, 1.0);
   const TokenBucket::Time start{std::chrono::seconds(1000)};

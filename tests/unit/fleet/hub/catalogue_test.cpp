@@ -36,6 +36,8 @@ class CatalogueTest : public DatabaseTest {
     return catalogue_->put_recording(name, offer, *store_, "hub-1", 1'763'736'400'123'456'789);
   }
 
+  core::Status erase(const std::string& session) { return catalogue_->erase_session({"kent", session}, "clinic:kent", 7); }
+
   test::TemporaryFolder folder_;
   std::unique_ptr<Store> store_;
 };
@@ -87,6 +89,27 @@ TEST_F(CatalogueTest, Facts_NewerRevision_ReplacesTheWholeSession) {
   EXPECT_EQ(value("SELECT count(*) FROM trial"), "0");
   EXPECT_EQ(value("SELECT count(*) FROM part"), "0");
   EXPECT_EQ(value("SELECT string_agg(name || ' ' || analysis, ',' ORDER BY name) FROM result"), "MVELO sway 1,RDIST clinic");
+}
+
+TEST_F(CatalogueTest, Results_HaveTheWeekAndProtocolOfTheirSession_AlsoInANewerRevision) {
+  const std::string results =
+      "SELECT string_agg(concat_ws('|', name, value, week, started IS NULL, protocol), ',' ORDER BY name) FROM result";
+  auto session = session_of("s1", 1);
+  session.add_results()->set_name("RDIST");
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  EXPECT_EQ(value(results), "MVELO|8.38|2025-11-17|f|romberg,RDIST|0|2025-11-17|f|romberg");
+  session.set_revision(2);
+  session.set_started_utc_ns(1'764'547'199'000'000'000);  // the last second of a Sunday
+  session.set_protocol("mctsib");
+  session.mutable_results(0)->set_value(7);
+  session.mutable_results(1)->set_name("AREA");
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  EXPECT_EQ(value(results), "AREA|0|2025-11-24|f|mctsib,MVELO|7|2025-11-24|f|mctsib");
+  session.set_revision(3);
+  session.set_is_deleted(true);
+  session.add_results()->set_name("B");
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  EXPECT_EQ(value(results), "AREA|0|t|mctsib,B|0|t|mctsib,MVELO|7|t|mctsib");
 }
 
 TEST_F(CatalogueTest, ClinicsWithTheSameSession_StayApart) {
@@ -165,23 +188,137 @@ TEST_F(CatalogueTest, Erase_RemovesAllRows_AndNamesTheFiles) {
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s2", 1)));
   ASSERT_TRUE(enter("kent", "s1", "recording of s1"));
-  const auto erased = catalogue_->erase_session("kent", "s1", 7);
+  const auto erased = erase("s1");
   ASSERT_TRUE(erased) << core::to_string(erased.error());
-  ASSERT_EQ(*erased, std::vector<RecordingName>{(RecordingName{"kent", sum_of("recording of s1")})});
-  EXPECT_TRUE(catalogue_->remove_recording(erased->front(), *store_).value());
-  EXPECT_EQ(catalogue_->left_recordings()->size(), 0U);
+  const auto left = catalogue_->left_recordings("kent").value();
+  ASSERT_EQ(left, std::vector<RecordingName>{(RecordingName{"kent", sum_of("recording of s1")})});
+  EXPECT_EQ(catalogue_->left_recordings("leeds")->size(), 0U);
+  EXPECT_TRUE(catalogue_->remove_left(left.front(), *store_).value());
+  EXPECT_EQ(catalogue_->left_recordings("")->size(), 0U);
   for (const std::string table : {"session", "part", "trial", "result", "receipt"}) {
     const std::string key = table == "session" ? "id" : "session";
     EXPECT_EQ(value("SELECT count(*) FROM " + table + " WHERE " + key + " = 's1'"), "0") << table;
   }
   EXPECT_EQ(value("SELECT count(*) FROM session"), "1");
-  EXPECT_EQ(value("SELECT concat_ws('|', who, what, target) FROM audit"), "clinic:kent|erase_session|s1");
+  EXPECT_EQ(value("SELECT concat_ws('|', who, what, target) FROM audit"), "clinic:kent|erase_session|kent/s1");
   EXPECT_EQ(value("SELECT count(*) FROM audit WHERE audit::text LIKE '%P017%'"), "0");
 }
 
+/// Facts of one session may announce a recording that has arrived as part of another one.
+TEST_F(CatalogueTest, Erase_TakesAlongTheReceiptOfTheSameRecording) {
+  auto first = session_of("s1", 1);
+  first.mutable_parts(0)->set_sha256(sum_of("newer recording of s1"));
+  ASSERT_TRUE(catalogue_->put_session("kent", first));
+  ASSERT_TRUE(enter("kent", "s1", "recording of s2"));  // its part stays the announced one
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s2", 1)));
+  ASSERT_TRUE(erase("s2"));
+  EXPECT_EQ(value("SELECT count(*) FROM receipt"), "0");
+  EXPECT_TRUE(catalogue_->remove_left({"kent", sum_of("recording of s2")}, *store_).value());
+  EXPECT_EQ(value("SELECT count(*) FROM erased_file"), "0");
+}
+
+TEST_F(CatalogueTest, Erase_LeavesNoPartOfAnotherSession_WithoutItsRecording) {
+  auto first = session_of("s1", 1);
+  first.mutable_parts(0)->set_sha256(sum_of("newer recording of s1"));
+  ASSERT_TRUE(catalogue_->put_session("kent", first));
+  ASSERT_TRUE(enter("kent", "s1", "recording of s2"));
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s2", 1)));
+  EXPECT_EQ(value("SELECT store_key IS NOT NULL FROM part WHERE session = 's2'"), "t");
+  ASSERT_TRUE(erase("s1"));
+  EXPECT_EQ(value("SELECT store_key IS NOT NULL FROM part WHERE session = 's2'"), "f");
+}
+
+TEST_F(CatalogueTest, ErasedRecording_ThatHasAReceiptAgain_Stays_AndIsNoLongerToBeRemoved) {
+  ASSERT_TRUE(enter("kent", "s1", "recording"));
+  ASSERT_TRUE(erase("s1"));
+  ASSERT_TRUE(enter("kent", "s2", "recording"));
+  EXPECT_FALSE(catalogue_->remove_left({"kent", sum_of("recording")}, *store_).value());
+  EXPECT_TRUE(store_->file({"kent", sum_of("recording")}).value());
+  EXPECT_EQ(catalogue_->left_recordings("")->size(), 0U);
+}
+
+TEST_F(CatalogueTest, Quota_OfSessionsAndRows_RejectsMore_AndAnErasureMakesRoom) {
+  QuotaFigures quota;
+  quota.sessions = 2;
+  quota.rows = 8;
+  quota.recordings = 1;
+  quota.erased_sessions = 1;
+  Catalogue limited(*database_, quota);
+  ASSERT_EQ(limited.put_session("kent", session_of("s1", 1)), 1U);  // 3 rows
+  ASSERT_EQ(limited.put_session("kent", session_of("s2", 1)), 1U);
+  const auto third = limited.put_session("kent", session_of("s3", 1));
+  ASSERT_FALSE(third);
+  EXPECT_EQ(third.error().code, core::ErrorCode::WrongState);
+  EXPECT_NE(third.error().what.find("2 sessions"), std::string::npos) << third.error().what;
+  EXPECT_EQ(limited.put_session("leeds", session_of("s3", 1)), 1U);
+
+  auto larger = session_of("s1", 2);
+  for (int number = 0; number < 2; ++number) larger.add_results()->set_name("R" + std::to_string(number));
+  EXPECT_EQ(limited.put_session("kent", larger), 2U);  // 8 rows
+  larger.set_revision(3);
+  larger.add_results()->set_name("R2");
+  EXPECT_EQ(limited.put_session("kent", larger).error().code, core::ErrorCode::WrongState);
+  EXPECT_EQ(value("SELECT sum(rows) FROM row_count WHERE clinic = 'kent'"), "8");
+
+  EXPECT_TRUE(limited.check_room_for_recording("kent"));
+  ASSERT_TRUE(enter("kent", "s1", "recording of s1"));
+  EXPECT_EQ(limited.check_room_for_recording("kent").error().code, core::ErrorCode::WrongState);
+  EXPECT_TRUE(limited.check_room_for_recording("leeds"));
+  EXPECT_TRUE(limited.check_room_for_erasure("kent"));
+  ASSERT_TRUE(erase("s1"));
+  EXPECT_EQ(limited.check_room_for_erasure("kent").error().code, core::ErrorCode::WrongState);
+  EXPECT_TRUE(limited.check_room_for_recording("kent"));
+  EXPECT_EQ(value("SELECT concat_ws('|', sum(sessions), sum(rows), sum(recordings), sum(erased)) FROM row_count WHERE clinic = 'kent'"),
+            "1|3|0|1");
+  EXPECT_EQ(limited.put_session("kent", session_of("s3", 1)), 1U);
+}
+
+TEST_F(CatalogueTest, Rigs_AreTheNewest64) {
+  v1::Beat beat;
+  for (int number = 0; number < 64; ++number) beat.add_rigs()->set_rig("old-" + std::to_string(number));
+  ASSERT_TRUE(catalogue_->put_beat("kent", beat, 1'000'000'000'000'000'000));
+  ASSERT_TRUE(catalogue_->put_beat("leeds", beat, 1'000'000'000'000'000'000));
+  beat.clear_rigs();
+  for (int number = 0; number < 3; ++number) beat.add_rigs()->set_rig("new-" + std::to_string(number));
+  ASSERT_TRUE(catalogue_->put_beat("kent", beat, 1'000'000'010'000'000'000));
+  EXPECT_EQ(value("SELECT count(*) FROM rig WHERE clinic = 'kent'"), "64");
+  EXPECT_EQ(value("SELECT count(*) FROM rig WHERE clinic = 'kent' AND id LIKE 'new-%'"), "3");
+  EXPECT_EQ(value("SELECT count(*) FROM rig WHERE clinic = 'leeds'"), "64");
+}
+
+/// A worker writes a result while the clinic hides the session: the result must not stay in the trend.
+TEST_F(CatalogueTest, ResultOfAWorker_DuringAChangeOfItsSession_HasTheNewState) {
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
+  const auto worker = open_database();
+  const std::string pid = worker->run("SELECT pg_backend_pid()").value().text(0, 0);
+  std::atomic<bool> has_ended{false};
+  std::jthread writing;
+  const auto changed = database_->transaction([&]() -> core::Status {
+    DTS_TRY(database_->run("UPDATE session SET is_deleted = true, protocol = 'reach'"));
+    writing = std::jthread([&] {
+      EXPECT_TRUE(
+          worker->run("INSERT INTO result (clinic, session, name, analysis, value, unit) VALUES ('kent', 's1', 'MVELO', 'sway 1', 1, '')"));
+      has_ended = true;
+    });
+    // Not pg_stat_activity, which does not change within a transaction.
+    const std::string waits = "SELECT FROM pg_locks WHERE NOT granted AND pid = " + pid;
+    while (!has_ended) {
+      DTS_TRY_ASSIGN(const auto rows, database_->run(waits));
+      if (!rows.empty()) break;
+    }
+    return {};
+  });
+  ASSERT_TRUE(changed) << core::to_string(changed.error());
+  writing.join();
+  EXPECT_EQ(value("SELECT concat_ws('|', started, week, protocol) FROM result WHERE analysis = 'sway 1'"), "reach");
+  EXPECT_EQ(value("SELECT concat_ws('|', started, week, protocol) FROM result WHERE analysis = 'clinic'"), "reach");
+  ASSERT_TRUE(database_->run("UPDATE session SET is_deleted = false"));
+  EXPECT_EQ(value("SELECT concat_ws('|', count(*), min(week), max(week)) FROM result"), "2|2025-11-17|2025-11-17");
+}
+
 TEST_F(CatalogueTest, ErasedSession_StaysErased) {
-  ASSERT_TRUE(catalogue_->erase_session("kent", "s1", 7));
-  ASSERT_TRUE(catalogue_->erase_session("kent", "s1", 8));
+  ASSERT_TRUE(erase("s1"));
+  ASSERT_TRUE(erase("s1"));
   const auto facts = catalogue_->put_session("kent", session_of("s1", 9));
   ASSERT_FALSE(facts);
   EXPECT_EQ(facts.error().code, core::ErrorCode::NotFound);
@@ -209,7 +346,7 @@ TEST_F(CatalogueTest, Beat_KeepsTheNewestAndADay) {
   ASSERT_TRUE(head) << core::to_string(head.error());
   EXPECT_EQ(*head, "");
   beat.mutable_backlog()->set_bytes(100);
-  ASSERT_TRUE(catalogue_->erase_session("kent", "s1", 7));
+  ASSERT_TRUE(erase("s1"));
   const auto second = catalogue_->put_beat("kent", beat, 1'000'000'010'000'000'000);
   ASSERT_TRUE(second);
   EXPECT_EQ(second->size(), 32U);

@@ -234,6 +234,42 @@ TEST_F(HubTest, LettersWithAForeignReplySubject_AreIgnored) {
   EXPECT_EQ(value("SELECT count(*) FROM beat WHERE clinic = 'kent'"), "0");
 }
 
+TEST_F(HubTest, ClinicThatFloods_IsAskedToWait_AndOthersAreServed) {
+  std::ofstream(config_, std::ios::app) << "[quota]\nmessages_per_s = 2\nsessions = 3\n";
+  start_hub();
+  const auto kent = add_clinic("kent");
+  const auto leeds = add_clinic("leeds");
+  int later = 0;
+  for (int number = 0; number < 200; ++number) {
+    const auto answer = ask<v1::FactsAnswer>(*kent, {.clinic = "kent", .matter = Matter::Facts}, session_of("s1", 1));
+    EXPECT_FALSE(answer.has_refusal());
+    later += answer.has_later() && answer.later().wait_s() == 1 ? 1 : 0;
+  }
+  EXPECT_GT(later, 0);
+  EXPECT_EQ(ask<v1::FactsAnswer>(*leeds, {.clinic = "leeds", .matter = Matter::Facts}, session_of("s1", 1)).revision(), 1U);
+  const std::string text = metrics();
+  EXPECT_NE(text.find("dts_hub_clinic_slowed_messages_total{clinic=\"kent\"} " + std::to_string(later) + "\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("dts_hub_clinic_slowed_messages_total{clinic=\"leeds\"} 0\n"), std::string::npos);
+  EXPECT_NE(text.find("dts_hub_clinic_quota_ratio{clinic=\"kent\"} 0.333"), std::string::npos) << text;
+  EXPECT_NE(text.find("\ndts_hub_left_recordings 0\n"), std::string::npos);
+  EXPECT_NE(log_text().find("clinic kent sends more messages"), std::string::npos) << log_text();
+}
+
+TEST_F(HubTest, OlderDatabase_DoesNotBringBackAnErasedSession) {
+  start_hub();
+  const auto kent = add_clinic("kent");
+  EXPECT_TRUE(upload(*kent, "kent", "recording of s1", "s1").has_stored());
+  v1::EraseSession erase;
+  erase.set_session_id("s1");
+  EXPECT_EQ(ask<v1::EraseAnswer>(*kent, {.clinic = "kent", .matter = Matter::Erase}, erase).files(), 1U);
+  EXPECT_EQ(end_hub(SIGKILL), -SIGKILL);
+  ASSERT_TRUE(database_->run("DELETE FROM erased"));
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
+  start_hub();
+  EXPECT_TRUE(comes_true([&] { return value("SELECT count(*) FROM session") == "0"; }));
+  EXPECT_EQ(value("SELECT count(*) FROM erased"), "1");
+}
+
 TEST_F(HubTest, Servers_MayStartLater_AndEndInBetween) {
   nats_->kill();
   server().stop(SIGINT);

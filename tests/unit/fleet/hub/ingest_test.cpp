@@ -69,6 +69,18 @@ class IngestTest : public DatabaseTest {
     request.set_sha256(sum_of(whole));
     return ingest_->commit(clinic, request, *catalogue_, {});
   }
+  void erase(const std::string& session) { ASSERT_TRUE(catalogue_->erase_session({"kent", session}, "clinic:kent", 1)); }
+  /// Commits, but the database fails after the move into the store.
+  void commit_without_row(const std::string& whole) {
+    IngestOptions options{.hub = "hub-1"};
+    options.reached = [this](std::string_view step) {
+      if (step == "stored") static_cast<void>(database_->run_script("ALTER TABLE receipt RENAME TO away"));
+    };
+    restart(options);
+    EXPECT_TRUE(commit(whole).has_later());
+    EXPECT_TRUE(fs::exists(object(whole)));
+    ASSERT_TRUE(database_->run_script("ALTER TABLE away RENAME TO receipt"));
+  }
   [[nodiscard]] std::string object(const std::string& bytes, const std::string& clinic = "kent") const {
     return folder_.path() + "/" + store_->key({clinic, sum_of(bytes)});
   }
@@ -195,17 +207,9 @@ TEST_F(IngestTest, WithoutTheDatabase_CommitsAreLater_AndSucceedAfterwards) {
 }
 
 TEST_F(IngestTest, RecordingInTheStoreWithoutARow_IsEnteredByTheNextCommit) {
-  // The database fails after the move into the store.
-  IngestOptions options{.hub = "hub-1"};
-  options.reached = [this](std::string_view step) {
-    if (step == "stored") static_cast<void>(database_->run_script("ALTER TABLE receipt RENAME TO away"));
-  };
-  restart(options);
   open(offer_of(bytes_));
   take(bytes_, 0, 5000);
-  EXPECT_TRUE(commit(bytes_).has_later());
-  EXPECT_TRUE(fs::exists(object(bytes_)));
-  ASSERT_TRUE(database_->run_script("ALTER TABLE away RENAME TO receipt"));
+  commit_without_row(bytes_);
   restart({.hub = "hub-1"});
   EXPECT_EQ(open(offer_of(bytes_)).upload().have(), bytes_.size());
   EXPECT_TRUE(commit(bytes_).has_stored());
@@ -225,21 +229,21 @@ TEST_F(IngestTest, DamagedRecordingInTheStore_IsReplaced) {
 TEST_F(IngestTest, ErasedSession_IsRejected_AlsoInTheMiddle) {
   open(offer_of(bytes_));
   take(bytes_, 0, 5000);
-  ASSERT_TRUE(catalogue_->erase_session("kent", "s1", 1));
+  erase("s1");
   EXPECT_TRUE(commit(bytes_).has_refusal());
   EXPECT_FALSE(fs::exists(object(bytes_)));
   EXPECT_TRUE(open(offer_of(bytes_)).has_refusal());
   open(offer_of("other", "s2"));
   take("other", 0, 2);
-  ingest_->drop_session("kent", "s2");
+  ASSERT_TRUE(ingest_->drop_session({"kent", "s2"}, *catalogue_));
   EXPECT_EQ(staged_files(), 0U);
 }
 
 TEST_F(IngestTest, SessionErasedByWayOfAnotherHub_IsDropped) {
   open(offer_of(bytes_, "s1"));
   open(offer_of("other", "s2"));
-  ASSERT_TRUE(catalogue_->erase_session("kent", "s1", 1));
-  ASSERT_TRUE(ingest_->drop_erased(*catalogue_));
+  erase("s1");
+  ASSERT_TRUE(ingest_->clean(*catalogue_));
   EXPECT_TRUE(take(bytes_, 0, 10).has_later());
   EXPECT_TRUE(take("other", 0, 2).has_upload());
   EXPECT_EQ(staged_files(), 2U);
@@ -249,12 +253,112 @@ TEST_F(IngestTest, AbandonedUploads_AreRemovedAfterAWeek) {
   open(offer_of(bytes_));
   take(bytes_, 0, 100);
   clock_.moved_ns = 167 * kHourNs;
-  ingest_->drop_abandoned();
+  ASSERT_TRUE(ingest_->clean(*catalogue_));
   EXPECT_EQ(staged_files(), 2U);
   clock_.moved_ns = 169 * kHourNs;
-  ingest_->drop_abandoned();
+  ASSERT_TRUE(ingest_->clean(*catalogue_));
   EXPECT_EQ(staged_files(), 0U);
   EXPECT_TRUE(take(bytes_, 100, 100).has_later());
+}
+
+TEST_F(IngestTest, RecordingInTheStoreWithoutARow_GoesWithItsErasedSession) {
+  for (const bool is_restarted : {false, true}) {
+    const std::string bytes = bytes_ + (is_restarted ? "1" : "0");
+    const std::string session = is_restarted ? "s1" : "s0";
+    open(offer_of(bytes, session));
+    take(bytes, 0, 5000);
+    commit_without_row(bytes);
+    if (is_restarted) restart({.hub = "hub-1"});
+    erase(session);
+    ASSERT_TRUE(ingest_->clean(*catalogue_));
+    EXPECT_FALSE(fs::exists(object(bytes)));
+    EXPECT_EQ(staged_files(), 0U);
+  }
+}
+
+TEST_F(IngestTest, RecordingInTheStoreWithoutARow_GoesWithItsAbandonedUpload_ButNotWithAReceipt) {
+  const std::string other = bytes_ + "other";
+  for (const std::string& bytes : {bytes_, other}) {
+    open(offer_of(bytes, bytes == other ? "s2" : "s1"));
+    take(bytes, 0, 5000);
+    commit_without_row(bytes);
+  }
+  // Another hub has entered one of them.
+  ASSERT_TRUE(catalogue_->put_recording({"kent", sum_of(other)}, offer_of(other, "s2"), *store_, "hub-2", 1));
+  clock_.moved_ns = 169 * kHourNs;
+  ASSERT_TRUE(ingest_->clean(*catalogue_));
+  EXPECT_FALSE(fs::exists(object(bytes_)));
+  EXPECT_TRUE(fs::exists(object(other)));
+  EXPECT_EQ(staged_files(), 0U);
+}
+
+TEST_F(IngestTest, UploadThatAnotherHubHasFinished_DoesNotCountAgainstTheQuota) {
+  restart({.hub = "hub-1", .staged_bytes = 3000});
+  const auto second =
+      Ingest::create({.hub = "hub-2"}, Staging::open(folder_.path() + "/staging/hub-2").value(), *store_, clock_, log_).value();
+  open(offer_of(bytes_));
+  take(bytes_, 0, 100);
+  ASSERT_TRUE(second->open("kent", offer_of(bytes_), *catalogue_).has_upload());
+  v1::UploadChunk chunk;
+  chunk.set_sha256(sum_of(bytes_));
+  chunk.set_data(bytes_);
+  ASSERT_TRUE(second->take("kent", chunk).has_upload());
+  v1::UploadCommit request;
+  request.set_sha256(sum_of(bytes_));
+  ASSERT_TRUE(second->commit("kent", request, *catalogue_, {}).has_stored());
+  EXPECT_TRUE(open(offer_of(std::string(2500, 'x'), "s2")).has_later());
+  ASSERT_TRUE(ingest_->clean(*catalogue_));
+  EXPECT_TRUE(open(offer_of(std::string(2500, 'x'), "s2")).has_upload());
+  EXPECT_TRUE(fs::exists(object(bytes_)));
+}
+
+TEST_F(IngestTest, ClinicWhoseFilesAreNotWhatWasOffered_WaitsForItsCommits) {
+  const auto fail = [&](int number, const std::string& clinic) {
+    const std::string offered = std::to_string(number);
+    open(offer_of(offered), clinic);
+    v1::UploadChunk chunk;
+    chunk.set_sha256(sum_of(offered));
+    chunk.set_data(std::string(offered.size(), 'x'));
+    EXPECT_TRUE(ingest_->take(clinic, chunk).has_upload());
+    return commit(offered, clinic);
+  };
+  for (int number = 0; number < 10; ++number) EXPECT_TRUE(fail(number, "kent").has_upload());
+  EXPECT_TRUE(fail(10, "kent").has_later());
+  EXPECT_TRUE(fail(10, "leeds").has_upload());
+  clock_.moved_ns = 61 * core::kNanosecondsPerSecond;
+  EXPECT_TRUE(commit("10").has_upload());
+  EXPECT_EQ(ingest_->counts().torn_total, 12U);
+}
+
+TEST_F(IngestTest, ClinicWhoseCommitsNeedMuchTime_LetsOthersGoFirst) {
+  IngestOptions options{.hub = "hub-1"};
+  options.reached = [this](std::string_view step) {
+    if (step == "verified") clock_.moved_ns += 40 * core::kNanosecondsPerSecond;
+  };
+  restart(options);
+  const auto put = [&](const std::string& bytes, const std::string& clinic) {
+    open(offer_of(bytes, "session-" + bytes), clinic);
+    take(bytes, 0, 5000, clinic);
+    return commit(bytes, clinic);
+  };
+  EXPECT_TRUE(put("first", "kent").has_stored());
+  EXPECT_EQ(put("second", "kent").later().wait_s(), 2U);
+  clock_.moved_ns += 25 * core::kNanosecondsPerSecond;  // 10 s were too much, and one more must be left
+  EXPECT_TRUE(put("second", "kent").has_stored());
+  EXPECT_TRUE(put("third", "kent").has_later());
+  EXPECT_TRUE(put("third", "leeds").has_stored());
+}
+
+TEST_F(IngestTest, MoreRecordingsThanTheQuota_AreRejectedBeforeTheyAreSent) {
+  QuotaFigures quota;
+  quota.recordings = 1;
+  Catalogue limited(*database_, quota);
+  open(offer_of(bytes_));
+  take(bytes_, 0, 5000);
+  ASSERT_TRUE(commit(bytes_).has_stored());
+  EXPECT_NE(ingest_->open("kent", offer_of("other", "s2"), limited).refusal().reason().find("1 recordings"), std::string::npos);
+  EXPECT_TRUE(ingest_->open("kent", offer_of(bytes_), limited).has_stored());
+  EXPECT_TRUE(ingest_->open("leeds", offer_of("other", "s2"), limited).has_upload());
 }
 
 TEST_F(IngestTest, ACommit_DoesNotStopOtherUploads) {

@@ -42,7 +42,8 @@ directory = "store"
 
 TEST_F(SettingsTest, FilesAreRelativeToTheConfiguration) {
   const Settings settings =
-      load(std::string(kSound) + "full_at_percent = 90\n[quota]\nbytes_a_day = 7\n[metrics]\nlisten = \"127.0.0.1:9464\"\n");
+      load(std::string(kSound) +
+           "full_at_percent = 90\n[quota]\nbytes_a_day = 7\nmessages_per_s = 50\nsessions = 8\n[metrics]\nlisten = \"127.0.0.1:9464\"\n");
   EXPECT_TRUE(problems_.empty()) << files::to_string(problems_.front());
   EXPECT_EQ(settings.name, "hub-1");
   EXPECT_EQ(settings.ca_file, folder_.path() + "/ca.pem");
@@ -52,7 +53,10 @@ TEST_F(SettingsTest, FilesAreRelativeToTheConfiguration) {
   EXPECT_EQ(settings.directory, folder_.path() + "/store");
   EXPECT_EQ(settings.public_servers, settings.servers);
   EXPECT_EQ(settings.full_at_percent, 90.0);
-  EXPECT_EQ(settings.bytes_a_day, 7U);
+  EXPECT_EQ(settings.quota.bytes_a_day, 7U);
+  EXPECT_EQ(settings.quota.staged_bytes, 100'000'000'000U);
+  EXPECT_EQ(settings.quota.messages_per_s, 50.0);
+  EXPECT_EQ(settings.quota.sessions, 8U);
   EXPECT_EQ(settings.metrics_address, "127.0.0.1");
   EXPECT_EQ(settings.metrics_port, 9464);
 }

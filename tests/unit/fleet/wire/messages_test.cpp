@@ -89,28 +89,45 @@ TEST(Messages, Chunk_WithAWrongField_IsRejected) {
                       {"data", [](M& m) { m.mutable_data()->push_back('x'); }}});
 }
 
+/// Adds `count` rows that differ in what `number` changes.
+template <class Row, class Number>
+void add_many(google::protobuf::RepeatedPtrField<Row>& rows, int count, Number number) {
+  const Row first = rows.at(0);
+  for (int row = 0; row < count; ++row) number(*rows.Add() = first, row);
+}
+
 TEST(Messages, Session_WithAWrongField_IsRejected) {
   using M = v1::FleetSession;
-  expect_rejected<M>(session(), decode_session,
-                     {{"revision", [](M& m) { m.set_revision(0); }},
-                      {"revision", [](M& m) { m.set_revision(std::numeric_limits<std::uint64_t>::max()); }},
-                      {"rig", [](M& m) { m.set_rig("a b"); }},
-                      {"protocol", [](M& m) { m.set_protocol(std::string("a\0b", 3)); }},
-                      {"subject", [](M& m) { m.set_subject(std::string(201, 'x')); }},
-                      {"state", [](M& m) { m.set_state("finished"); }},
-                      {"started_utc_ns", [](M& m) { m.set_started_utc_ns(-1); }},
-                      {"notes", [](M& m) { m.set_notes(std::string(1001, 'x')); }},
-                      {"label", [](M& m) { m.set_label("two\nlines"); }},
-                      {"fields", [](M& m) { (*m.mutable_fields())["a"] = "\x1b"; }},
-                      {"parts.part", [](M& m) { *m.add_parts() = m.parts(0); }},
-                      {"parts.state", [](M& m) { m.mutable_parts(0)->set_state(static_cast<v1::PartState>(77)); }},
-                      {"parts.sha256", [](M& m) { m.mutable_parts(0)->set_sha256("x"); }},
-                      {"parts.duration_s", [](M& m) { m.mutable_parts(0)->set_duration_s(std::numeric_limits<double>::quiet_NaN()); }},
-                      {"trials.attempt", [](M& m) { *m.add_trials() = m.trials(0); }},
-                      {"trials.outcome", [](M& m) { m.mutable_trials(0)->clear_outcome(); }},
-                      {"trials.fault", [](M& m) { m.mutable_trials(0)->set_fault(static_cast<v1::TrialFault>(-1)); }},
-                      {"results.name", [](M& m) { *m.add_results() = m.results(0); }},
-                      {"results.value", [](M& m) { m.mutable_results(0)->set_value(std::numeric_limits<double>::infinity()); }}});
+  expect_rejected<M>(
+      session(), decode_session,
+      {{"revision", [](M& m) { m.set_revision(0); }},
+       {"revision", [](M& m) { m.set_revision(std::numeric_limits<std::uint64_t>::max()); }},
+       {"rig", [](M& m) { m.set_rig("a b"); }},
+       {"protocol", [](M& m) { m.set_protocol(std::string("a\0b", 3)); }},
+       {"subject", [](M& m) { m.set_subject(std::string(201, 'x')); }},
+       {"state", [](M& m) { m.set_state("finished"); }},
+       {"started_utc_ns", [](M& m) { m.set_started_utc_ns(-1); }},
+       {"notes", [](M& m) { m.set_notes(std::string(1001, 'x')); }},
+       {"label", [](M& m) { m.set_label("two\nlines"); }},
+       {"fields", [](M& m) { (*m.mutable_fields())["a"] = "\x1b"; }},
+       {"fields",
+        [](M& m) {
+          for (int number = 0; number <= 100; ++number) (*m.mutable_fields())["f" + std::to_string(number)] = "1";
+        }},
+       {"parts", [](M& m) { add_many(*m.mutable_parts(), 1000, [](auto& part, int n) { part.set_part(2U + static_cast<unsigned>(n)); }); }},
+       {"trials",
+        [](M& m) { add_many(*m.mutable_trials(), 20'000, [](auto& trial, int n) { trial.set_trial(2U + static_cast<unsigned>(n)); }); }},
+       {"results",
+        [](M& m) { add_many(*m.mutable_results(), 10'000, [](auto& result, int n) { result.set_name("r" + std::to_string(n)); }); }},
+       {"parts.part", [](M& m) { *m.add_parts() = m.parts(0); }},
+       {"parts.state", [](M& m) { m.mutable_parts(0)->set_state(static_cast<v1::PartState>(77)); }},
+       {"parts.sha256", [](M& m) { m.mutable_parts(0)->set_sha256("x"); }},
+       {"parts.duration_s", [](M& m) { m.mutable_parts(0)->set_duration_s(std::numeric_limits<double>::quiet_NaN()); }},
+       {"trials.attempt", [](M& m) { *m.add_trials() = m.trials(0); }},
+       {"trials.outcome", [](M& m) { m.mutable_trials(0)->clear_outcome(); }},
+       {"trials.fault", [](M& m) { m.mutable_trials(0)->set_fault(static_cast<v1::TrialFault>(-1)); }},
+       {"results.name", [](M& m) { *m.add_results() = m.results(0); }},
+       {"results.value", [](M& m) { m.mutable_results(0)->set_value(std::numeric_limits<double>::infinity()); }}});
   auto lines = session();
   lines.set_notes("two\nlines");
   EXPECT_TRUE(decode_session(lines.SerializeAsString()));

@@ -5,17 +5,16 @@
     dashboard.py    needs node, Chromium and the built dashboard; dashboard.mjs is what the person at the browser does"""
 import json
 import os
-import re
 import shutil
 import subprocess
 import sys
 
 from centre import Centre
 from checks import SKIPPED, Checks, run_test
-from child import PROGRAMS, REPOSITORY, Child, program, wait_until
+from child import PROGRAMS, REPOSITORY, wait_until
 from clinic import Clinic
+from viewer import WEB_ROOT, Gateway
 
-WEB_ROOT = os.environ.get("DTS_WEB_ROOT", str(PROGRAMS.parent / "share/dts-gateway/web"))
 PROTOCOL = """\
 name = "standing"
 title = "Standing"
@@ -33,17 +32,6 @@ name = "eyes-open"
 title = "Eyes open"
 """
 BROWSER_S = 300.0
-
-
-def gateway_of(centre: Centre) -> Child:
-    words = [program("dts-fleet-gateway"), "serve", "--config", centre.config, "--listen", "127.0.0.1:0", "--web-root", WEB_ROOT]
-    return Child("dts-fleet-gateway", words, centre.folder / "gateway.log")
-
-
-def address_of(gateway: Child) -> str | None:
-    gateway.expect_alive()
-    found = re.search(r"listening on (http://\S+)/", gateway.text())
-    return found.group(1) if found else None
 
 
 def stands(clinic: Clinic) -> bool:
@@ -71,19 +59,19 @@ def examine(clinic: Clinic) -> str:
 
 def dashboard(checks: Checks) -> None:
     centre = Centre()
-    gateway = gateway_of(centre)
+    gateway = Gateway(centre)
     kent = Clinic(centre, "kent")
     kent.protocols["standing"] = PROTOCOL
     try:
         centre.start()
         kent.start("Kent and Canterbury")
         gateway.start()
-        wait_until("the dashboard listens", lambda: address_of(gateway))
+        wait_until("the dashboard listens", gateway.address)
         wait_until("the simulated person stands on the plate", lambda: stands(kent))
         session = examine(kent)
         wait_until("the recording has a receipt", centre.receipts)
         wait_until("the results are at the centre", lambda: "MVELO" in centre.query("SELECT string_agg(name, ' ') FROM result"))
-        browse(checks, kent, address_of(gateway) or "", session)
+        browse(checks, kent, gateway.address() or "", session)
         gateway.expect_alive()
     finally:
         gateway.stop()

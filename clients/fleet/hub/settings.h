@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/log.h"
 #include "core/result.h"
 #include "files/toml_reader.h"
+#include "fleet/s3/settings.h"
 
 namespace dts::fleet::hub {
 
@@ -25,7 +27,8 @@ struct Settings {
 
   std::string connection;  ///< Of PostgreSQL.
 
-  std::string directory;  ///< Recordings.
+  std::string directory;           ///< Of recordings; with `s3`: of staged files only.
+  std::optional<s3::Settings> s3;  ///< Where recordings are, if not in the directory.
   double full_at_percent = 95.0;
   std::uint64_t bytes_a_day = 0;
   std::uint64_t staged_bytes = 0;

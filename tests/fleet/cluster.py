@@ -54,12 +54,12 @@ class Cluster:
         killed_s = time.monotonic()
         self.with_upload += any(self.centre.staged())
         wait_until("the live view is back", lambda: viewer.blocks[-1].received_s > killed_s + 0.1 and viewer.blocks[-1].sampled_s > killed_s)
-        gap_s = longest_gap_s(viewer, killed_s)
-        self.longest_s = max(self.longest_s, gap_s)
-        print(f"        machine {number + 1} died: the live view stood still for {gap_s:.2f} s", flush=True)
         nats.start()
         hub.start()
         wait_until("the recording has a receipt", lambda: not self.clinic.is_recording() and not self.clinic.undelivered())
+        gap_s = longest_gap_s(viewer, killed_s)
+        self.longest_s = max(self.longest_s, gap_s)
+        print(f"        machine {number + 1} died: the live view stood still for {gap_s:.2f} s", flush=True)
         wait_until("the machine is part of the cluster again", lambda: "Server is ready" in nats.text().rpartition("Starting nats-server")[2])
 
     def compare(self) -> None:

@@ -44,7 +44,7 @@ ca = "ca.pem"
 
     def objects(self) -> dict[str, str]:
         """Returns the SHA-256 of the content for each recording, by the SHA-256 in its key."""
-        return {path.name.rpartition("%")[2]: sha256_of(path) for path in (self.folder / "objects").iterdir() if not path.suffix}
+        return {path.name.rpartition("%")[2]: sha256_of(path) for path in self.folder.glob("objects/*") if not path.suffix}
 
 
 def record(clinic: Clinic, subject: str) -> None:
@@ -114,6 +114,19 @@ def rebuild(checks: Checks, s3: S3, number: int) -> None:
     expect_sound(checks, s3, "after dts-hub rebuild", number)
 
 
+def other_authority(checks: Checks, s3: S3) -> None:
+    """Nothing is sent to a server whose certificate another authority has signed."""
+    config = s3.centre.folder / "hub-without-ca.toml"
+    config.write_text(s3.centre.config.read_text().rpartition("ca = ")[0])
+    begin = len((s3.folder / "requests").read_text())
+    try:
+        reason = run(program("dts-hub"), "rebuild", "--config", config)
+    except Failure as failure:
+        reason = str(failure)
+    checks.expect("a server with a certificate of another authority gets no request",
+                  "certificate" in reason and len((s3.folder / "requests").read_text()) == begin, reason)
+
+
 def with_s3(checks: Checks, keep: bool) -> None:
     s3 = S3()
     clinic = Clinic(s3.centre, "kent", rigs=(FLOOR,))
@@ -125,6 +138,7 @@ def with_s3(checks: Checks, keep: bool) -> None:
         worker(checks, s3)
         erase(checks, s3, clinic, 6)
         rebuild(checks, s3, 5)
+        other_authority(checks, s3)
     finally:
         clinic.close()
         s3.server.stop()

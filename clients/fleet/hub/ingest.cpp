@@ -15,6 +15,7 @@ namespace dts::fleet::hub {
 namespace {
 
 constexpr std::uint32_t kDatabaseWaitS = 5;
+constexpr std::uint32_t kStoreWaitS = 5;
 constexpr std::uint32_t kFullWaitS = 300;
 constexpr std::int64_t kDayNs = 24LL * 3600 * core::kNanosecondsPerSecond;
 constexpr std::size_t kMostUploads = 64;  // of a clinic
@@ -81,9 +82,9 @@ v1::UploadAnswer Ingest::later(const std::string& reason, std::uint32_t wait_s) 
   return answer;
 }
 
-v1::UploadAnswer Ingest::store_failed(const core::Error& error, std::uint32_t wait_s) {
+v1::UploadAnswer Ingest::store_failed(const core::Error& error) {
   log_.error(core::to_string(error));
-  return later(error.code == core::ErrorCode::Unreachable ? kStoreAway : kDiskFailed, wait_s);
+  return error.code == core::ErrorCode::Unreachable ? later(kStoreAway, kStoreWaitS) : later(kDiskFailed, kFullWaitS);
 }
 
 std::uint64_t Ingest::offered_bytes(const std::string& clinic) const {
@@ -121,7 +122,7 @@ v1::UploadAnswer Ingest::open(const std::string& clinic, const v1::UploadOffer& 
 
 v1::UploadAnswer Ingest::begin(const RecordingName& name, const v1::UploadOffer& offer) {
   const auto kept = store_.has(name);
-  if (!kept) return store_failed(kept.error(), kFullWaitS);
+  if (!kept) return store_failed(kept.error());
   if (!*kept && is_full()) return later(kDiskFull, kFullWaitS);
   std::unique_lock lock(mutex_);
   const auto known = uploads_.find(name);
@@ -232,7 +233,7 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
 v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& upload, Catalogue& catalogue, const std::stop_token& stop) {
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
-  if (!is_sound && is_sound.error().code == core::ErrorCode::Unreachable) return store_failed(is_sound.error(), kDatabaseWaitS);
+  if (!is_sound && is_sound.error().code == core::ErrorCode::Unreachable) return store_failed(is_sound.error());
   if (!is_sound || !*is_sound) {
     log_.warning(described(name) +
                  (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
@@ -242,7 +243,7 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   options_.reached("verified");
   if (!upload.is_in_store) {
     if (const auto put = store_.put(name, staging_->file(name)); !put) {
-      if (put.error().code == core::ErrorCode::Unreachable) return store_failed(put.error(), kDatabaseWaitS);
+      if (put.error().code == core::ErrorCode::Unreachable) return store_failed(put.error());
       log_.error(core::to_string(put.error()));
       start_again(name, false, catalogue);
       return later(kDiskFailed, kDatabaseWaitS);

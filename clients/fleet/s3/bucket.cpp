@@ -180,7 +180,7 @@ core::Result<std::unique_ptr<Bucket>> Bucket::open(Settings settings) {
   DTS_TRY_ASSIGN(auto credentials, read_credentials(settings.credentials_file));
   if (!settings.ca_file.empty()) {
     const auto ca = files::read_whole_file(settings.ca_file, kMostCaBytes);
-    if (!ca) return core::fail(ca.error().code, "cannot read '" + settings.ca_file + "': " + ca.error().what, "check [store] s3 ca");
+    if (!ca) return core::fail(ca.error().code, "cannot read '" + settings.ca_file + "': " + ca.error().what, "check [store.s3] ca");
   }
   return std::unique_ptr<Bucket>(new Bucket(std::move(settings), std::move(credentials)));
 }

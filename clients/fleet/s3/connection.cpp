@@ -129,7 +129,7 @@ core::Result<Answer> Connection::perform(const Request& request) {
   if (exchange.is_unwritten) return core::fail(core::ErrorCode::Failed, what + "cannot keep the answer", "make room on the disk");
   if (ended != CURLE_OK) {
     const std::string reason = problem.front() == '\0' ? curl_easy_strerror(ended) : problem.data();
-    return core::fail(core::ErrorCode::Unreachable, what + reason, "check the server and [store] s3");
+    return core::fail(core::ErrorCode::Unreachable, what + reason, "check the server and [store.s3]");
   }
   curl_easy_getinfo(handle, CURLINFO_RESPONSE_CODE, &exchange.answer.status);
   curl_off_t bytes = -1;

@@ -8,7 +8,6 @@
 
 The senders are in this process, the viewer in another one: their CPU is not counted. On a machine with few cores they limit the rest."""
 import argparse
-import base64
 import contextlib
 import json
 import os
@@ -27,22 +26,18 @@ from centre import Centre, sha256_of
 from checks import run_test
 from child import Child, Failure, free_port, wait_until
 from clinic import LARGE_FLOOR, Clinic
-from nats_client import NKey, connect, with_checksum
+from nats_client import SEED_PREFIX, USER_PREFIX, NKey, connect, with_checksum
 from protobuf import fixed64, message
 
 BEAT_PAUSE_S = 10.0
 BLOCK_S = 0.04  # as dts-forward publishes
 BLOCK_BYTES = 16 * 60 * 4  # 16 channels, 60 scans, float32
 RIGS_OF_A_CLINIC = 50
-SEED_PREFIX, USER_PREFIX = 18 << 3, 20 << 3
 TICKS = os.sysconf("SC_CLK_TCK")
 
 
 def new_key() -> NKey:
-    raw = bytes([SEED_PREFIX | USER_PREFIX >> 5, (USER_PREFIX & 31) << 3]) + os.urandom(32)
-    text = with_checksum(raw)
-    assert base64.b32decode(text + "=" * (-len(text) % 8))
-    return NKey(text)
+    return NKey(with_checksum(bytes([SEED_PREFIX | USER_PREFIX >> 5, (USER_PREFIX & 31) << 3]) + os.urandom(32)))
 
 
 def cpu_s(pid: int) -> float:
@@ -92,13 +87,13 @@ def idle(count: int, seconds: float) -> None:
         for name, key in clinics:
             for is_talk in (True, False):
                 tls = connect(centre.nats_port, ca, key)
-                tls.sendall(f"SUB _INBOX.{name}.> 1\r\nSUB dts.v1.{name}.down.> 2\r\nPING\r\n".encode())
+                tls.sendall(f"SUB _INBOX.{name}.{'talk' if is_talk else 'live'}.> 1\r\nSUB dts.v1.{name}.down.> 2\r\nPING\r\n".encode())
                 tls.setblocking(False)
                 selector.register(tls, selectors.EVENT_READ)
                 if is_talk:
                     talks.append(tls)
         print(f"        {2 * count} connections in {time.monotonic() - begun_s:.1f} s", flush=True)
-        answers = serve_idle(selector, clinics, talks, BEAT_PAUSE_S)  # each clinic has reported once
+        serve_idle(selector, clinics, talks, BEAT_PAUSE_S)  # each clinic has reported once
         usage = Usage(centre.nats, centre.hub, centre.postgresql)
         answers = serve_idle(selector, clinics, talks, seconds)
         usage.show()
@@ -114,7 +109,7 @@ def serve_idle(selector: selectors.BaseSelector, clinics: list[tuple[str, NKey]]
     while (now_s := time.monotonic()) < begun_s + seconds:
         while sent < (now_s - begun_s) * len(clinics) / BEAT_PAUSE_S:
             name, beat = clinics[sent % len(clinics)][0], message({1: fixed64(time.time_ns()), 2: "0.1.0"})
-            talks[sent % len(clinics)].sendall(f"PUB dts.v1.{name}.beat _INBOX.{name}.1 {len(beat)}\r\n".encode() + beat + b"\r\n")
+            talks[sent % len(clinics)].sendall(f"PUB dts.v1.{name}.beat _INBOX.{name}.talk.1 {len(beat)}\r\n".encode() + beat + b"\r\n")
             sent += 1
         for key, _ in selector.select(0.005):
             tls = key.fileobj
@@ -257,16 +252,30 @@ def upload(megabytes: int) -> None:
         clinic.forwarder.start()
         begun_s = time.monotonic()
         usage = Usage(centre.nats, centre.hub, clinic.forwarder)
+        wait_until("the first bytes are there", lambda: staged_bytes(centre), 600)
+        first_s = time.monotonic() - begun_s
+        wait_until("all bytes are there", lambda: staged_bytes(centre) in (None, size), 600)
+        sent_s = time.monotonic() - begun_s
         wait_until("the recording has a receipt", centre.receipts, 600)
         ours_s = time.monotonic() - begun_s
         usage.show()
         again_s = put_to_nginx(centre, file)
         print(f"        {size / 1e6:.0f} MB: dts-forward and dts-hub {ours_s:.2f} s, {size / ours_s / 1e6:.0f} MB/s, with two SHA-256 and the disk; "
               f"nginx PUT {nginx_s:.2f} and {again_s:.2f} s, {2 * size / (nginx_s + again_s) / 1e6:.0f} MB/s")
+        print(f"        of it: {first_s:.2f} s until the first bytes (start, SHA-256 of the file), {sent_s - first_s:.2f} s to send "
+              f"({size / (sent_s - first_s) / 1e6:.0f} MB/s), {ours_s - sent_s:.2f} s for the commit")
         print(f"        share: {(nginx_s + again_s) / 2 / ours_s:.0%} (bar: 60 %)")
     finally:
         clinic.close()
         centre.close()
+
+
+def staged_bytes(centre: Centre) -> int | None:
+    """Returns the size of the staged file; None: there is none."""
+    try:
+        return next((path.stat().st_size for path in centre.staged() if path.suffix == ".part"), None)
+    except FileNotFoundError:
+        return None
 
 
 def put_to_nginx(centre: Centre, file: Path) -> float:

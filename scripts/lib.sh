@@ -27,6 +27,7 @@ DTS_PYTHON_PACKAGES=(python3-zmq python3-protobuf python3-numpy)
 DTS_FLEET_PACKAGES=(
   libnats-dev                                          # messages between clinics and the centre
   libpq-dev                                            # the centre's catalogue
+  libcurl4-openssl-dev                                 # the centre's recordings in a bucket of S3: HTTP with signatures
 )
 # What a centre runs on: scripts/fleet-demo and tests/fleet start both on this machine.
 DTS_CENTRE_PACKAGES=(nats-server postgresql openssl)

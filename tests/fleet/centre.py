@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A centre on this machine: a certificate authority, PostgreSQL, nats-server and dts-hub, in one temporary folder, on free ports of 127.0.0.1.
+"""A centre on this machine: a certificate authority, PostgreSQL, nats-server, dts-hub and, if wanted, dts-worker, in one temporary folder, on
+free ports of 127.0.0.1.
 
 Nothing is shared with services of the machine. All programs end with the harness."""
 import hashlib
@@ -17,23 +18,32 @@ POSTGRESQL_USER = "postgres" if os.geteuid() == 0 else None  # its programs refu
 
 
 class Centre:
-    """`start` starts everything. The programs `postgresql`, `nats` and `hub` may be killed and started again."""
+    """`start` starts everything. The programs `postgresql`, `nats` and `hub` may be killed and started again.
 
-    def __init__(self, hub_settings: str = "") -> None:
+    With several machines, each has a nats-server of one cluster and a hub; all hubs share the store. `nats` and `hub` are the first ones."""
+
+    def __init__(self, store: str = "", machines: int = 1) -> None:
+        """`store`: more of the table [store], for hubs and worker."""
         remove_left_folders()
         self.folder = Path(tempfile.mkdtemp(prefix="dts-fleet.", dir="/tmp"))  # short: the path of a socket has at most 107 bytes
         self.folder.chmod(0o711)  # PostgreSQL runs as another user
         (self.folder / "pid.new").write_text(str(os.getpid()))  # never seen empty
         (self.folder / "pid.new").rename(self.folder / "pid")
-        self.nats_port = free_port()
+        self.nats_ports = [free_port() for _ in range(machines)]
+        self.nats_port = self.nats_ports[0]
+        self._route_ports = [free_port() for _ in range(machines)]
         self.database_folder = self.folder / "pg"
         self.store = self.folder / "store"
         self.config = self.folder / "hub.toml"
-        self._hub_settings = hub_settings
+        self._store_settings = store
         self.postgresql = Child("PostgreSQL", [postgresql("postgres") or "", "-D", self.database_folder], self.folder / "postgresql.log",
                                 user=POSTGRESQL_USER, stop_signal=signal.SIGINT)  # SIGINT: does not wait for clients
-        self.nats = Child("nats-server", [nats_server() or "", "-c", self.folder / "nats-server.conf"], self.folder / "nats.log")
-        self.hub = Child("dts-hub", [program("dts-hub"), "run", "--config", self.config], self.folder / "hub.log")
+        self.nats_servers = [Child(f"nats-server {number}", [nats_server() or "", "-c", self.folder / f"nats-{number}.conf"],
+                                   self.folder / f"nats-{number}.log") for number in range(1, machines + 1)]
+        self.hubs = [Child(f"dts-hub {number}", [program("dts-hub"), "run", "--config", self.config_of(number)],
+                           self.folder / f"hub-{number}.log") for number in range(1, machines + 1)]
+        self.nats, self.hub = self.nats_servers[0], self.hubs[0]
+        self.worker = Child("dts-worker", [program("dts-worker"), "run", "--config", self.folder / "worker.toml"], self.folder / "worker.log")
 
     def start(self) -> None:
         self._make_certificates()
@@ -42,12 +52,27 @@ class Centre:
         run(*administrator, "CREATE ROLE dts_hub LOGIN CREATEROLE")
         run(*administrator, f"CREATE DATABASE {DATABASE} OWNER dts_hub")
         self._write_settings()
-        self.fleet("users")
-        self.nats.start()
-        self.hub.start()
+        for number, nats in enumerate(self.nats_servers, start=1):
+            self.fleet("users", config=self.config_of(number))
+            nats.start()
+        for hub in self.hubs:
+            hub.start()
+
+    def start_worker(self) -> None:
+        """Starts a worker with a role of its own. The tables exist since dts-hub answers."""
+        wait_until("dts-hub has made its tables", lambda: self.query_or_none("SELECT count(*) FROM job") is not None)
+        self.query("CREATE ROLE dts_worker LOGIN IN ROLE worker")
+        (self.folder / "worker.toml").write_text(f"""\
+dtslab = "{program("dtslab")}"
+[database]
+connection = "host={self.database_folder} dbname={DATABASE} user=dts_worker"
+[store]
+directory = "{self.store}"
+{self._store_settings}""")
+        self.worker.start()
 
     def close(self, keep: bool = False) -> None:
-        for child in (self.hub, self.nats, self.postgresql):
+        for child in (self.worker, *self.hubs, *self.nats_servers, self.postgresql):
             child.stop()
         if keep:
             (self.folder / "pid").unlink()
@@ -73,10 +98,14 @@ class Centre:
     def fleet_lines(self, *words: str) -> list[dict]:
         return [json.loads(line) for line in self.fleet(*words, "--json").splitlines()]
 
-    def enrol(self, clinic: str, title: str, public_key: str, address: str, out: Path) -> None:
-        """Adds a clinic. `address` is what the clinic connects to: a line of its own."""
+    def config_of(self, number: int) -> Path:
+        """Returns the file of a machine's hub."""
+        return self.config if number == 1 else self.folder / f"hub-{number}.toml"
+
+    def enrol(self, clinic: str, title: str, public_key: str, ports: list[int], out: Path) -> None:
+        """Adds a clinic. `ports` are what the clinic connects to: lines of its own."""
         config = self.folder / f"hub-{clinic}.toml"
-        config.write_text(self._settings(address))
+        config.write_text(self._settings(1, ports))
         self.fleet("clinic", "add", clinic, "--title", title, "--key", public_key, "--out", out, config=config)
 
     # What is in the centre
@@ -85,6 +114,9 @@ class Centre:
         """Returns the rows of a statement, with "|" between columns."""
         return run(postgresql("psql") or "psql", "-X", "-A", "-t", "-v", "ON_ERROR_STOP=1", "-h", self.database_folder, "-U", "dts_admin",
                    "-d", database, "-c", statement, env=os.environ | {"PGCONNECT_TIMEOUT": "5"}).strip()
+
+    def run_script(self, file: Path) -> None:
+        run(postgresql("psql") or "psql", "-X", "-q", "-v", "ON_ERROR_STOP=1", "-h", self.database_folder, "-U", "dts_admin", "-d", DATABASE, "-f", file)
 
     def query_or_none(self, statement: str, database: str = DATABASE) -> str | None:
         try:
@@ -145,32 +177,40 @@ class Centre:
         self.start_postgresql()
 
     def _write_settings(self) -> None:
-        self.config.write_text(self._settings(f"tls://127.0.0.1:{self.nats_port}"))
-        (self.folder / "nats-server.conf").write_text(f"""\
-server_name: centre
-listen: "127.0.0.1:{self.nats_port}"
-pid_file: "{self.folder}/nats.pid"
+        routes = ", ".join(f'"nats-route://127.0.0.1:{port}"' for port in self._route_ports)
+        for number, port in enumerate(self.nats_ports, start=1):
+            self.config_of(number).write_text(self._settings(number, self.nats_ports))
+            cluster = f'cluster {{ name: centre, listen: "127.0.0.1:{self._route_ports[number - 1]}", routes: [{routes}] }}'
+            (self.folder / f"nats-{number}.conf").write_text(f"""\
+server_name: centre-{number}
+listen: "127.0.0.1:{port}"
+pid_file: "{self.folder}/nats-{number}.pid"
 max_payload: 1048576
-max_connections: 2000
+max_connections: 10000
 tls {{ cert_file: "{self.folder}/nats.pem", key_file: "{self.folder}/nats.key", timeout: 5 }}
-include "users.conf"
+{cluster if len(self.nats_ports) > 1 else ""}
+include "users-{number}.conf"
 """)
 
-    def _settings(self, public_address: str) -> str:
+    def _settings(self, number: int, public_ports: list[int]) -> str:
         return f"""\
-name = "hub-1"
+name = "hub-{number}"
 [nats]
-servers = ["tls://127.0.0.1:{self.nats_port}"]
-public_servers = ["{public_address}"]
+servers = [{addresses_of(self.nats_ports)}]
+public_servers = [{addresses_of(public_ports)}]
 ca = "ca.pem"
 key = "hub.nk"
-users_file = "users.conf"
-pid_file = "nats.pid"
+users_file = "users-{number}.conf"
+pid_file = "nats-{number}.pid"
 [database]
 connection = "host={self.database_folder} dbname={DATABASE} user=dts_hub"
 [store]
 directory = "{self.store}"
-{self._hub_settings}"""
+{self._store_settings}"""
+
+
+def addresses_of(ports: list[int]) -> str:
+    return ", ".join(f'"tls://127.0.0.1:{port}"' for port in ports)
 
 
 def remove_left_folders() -> None:

@@ -33,15 +33,15 @@ def nats_server() -> str | None:
     return shutil.which("nats-server") or shutil.which("nats-server", path="/usr/sbin:/sbin")
 
 
-def what_is_missing() -> str | None:
-    """Returns why no centre can be started on this machine, None if it can."""
+def what_is_missing(*more: str) -> str | None:
+    """Returns why no centre, or no such program of ours, can be started on this machine; None if they can."""
     if nats_server() is None:
-        return "nats-server is not installed"
+        return "nats-server is not installed: apt-get install nats-server"
     if postgresql("initdb") is None:
-        return "PostgreSQL is not installed"
+        return "PostgreSQL is not installed: apt-get install postgresql"
     if shutil.which("openssl") is None:
-        return "openssl is not installed"
-    for name in ("dtsd", "dtsctl", "dts-forward", "dts-hub", "dts-fleet"):
+        return "openssl is not installed: apt-get install openssl"
+    for name in ("dtsd", "dtsctl", "dts-forward", "dts-hub", "dts-fleet", *more):
         if not (PROGRAMS / name).exists():
             return f"{PROGRAMS / name} is not built"
     return None

@@ -21,11 +21,12 @@ class Clinic:
     """`start` enrols it and starts its programs. `daemon` and `forwarder` may be killed and started again."""
 
     def __init__(self, centre: Centre, name: str, rigs: tuple[tuple[str, str, str], ...] = (FLOOR, CHAIR), seed: int = 1,
-                 bytes_per_s: float | None = None, settings: str = "", daemon_settings: str = "") -> None:
+                 bytes_per_s: float | None = None, settings: str = "", daemon_settings: str = "", has_line: bool = True) -> None:
         self.name = name
         self.centre = centre
         self.folder = centre.folder / name
-        self.line = Line(centre.nats_port, bytes_per_s)
+        # One to each machine of the centre. Without, the clinic connects by itself: for measurements.
+        self.lines = [Line(port, bytes_per_s) for port in centre.nats_ports if has_line]
         self.config = self.folder / "forward.toml"
         self.public_key = ""
         self.protocols: dict[str, str] = {}  # more of them, by name: the text of the file
@@ -41,20 +42,25 @@ class Clinic:
         self.forwarder = Child(f"dts-forward of {name}", [program("dts-forward"), "run", "--config", self.config],
                                centre.folder / f"{name}-forward.log", env=self._environment)
 
+    @property
+    def line(self) -> Line:
+        return self.lines[0]
+
     def start(self, title: str = "") -> None:
         self.folder.mkdir()
         self._write_settings()
         self.public_key = self.forward("key").split()[-1]
-        self.centre.enrol(self.name, title or self.name.capitalize(), self.public_key, f"tls://127.0.0.1:{self.line.port}",
+        self.centre.enrol(self.name, title or self.name.capitalize(), self.public_key, [line.port for line in self.lines] or self.centre.nats_ports,
                           self.folder / f"{self.name}.enrolment.toml")
         self.daemon.start()
-        wait_until(f"{self.daemon.name} answers", lambda: self.daemon.expect_alive() and self._daemon_answers())
+        wait_until(f"{self.daemon.name} answers", lambda: self.daemon.expect_alive() and self.answers())
         self.forwarder.start()
 
     def close(self) -> None:
         self.forwarder.stop()
         self.daemon.stop()
-        self.line.close()
+        for line in self.lines:
+            line.close()
 
     # What a person at the clinic does
 
@@ -98,7 +104,7 @@ class Clinic:
     def is_recording(self) -> bool:
         return any(session["state"] == "running" for session in json.loads(self.dtsctl("session", "list", "--limit", "5", "--json"))["sessions"])
 
-    def _daemon_answers(self) -> bool:
+    def answers(self) -> bool:
         try:
             self.dtsctl("--timeout", "1", "status")
         except Failure:

@@ -8,7 +8,7 @@ import threading
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from centre import DATABASE, Centre
+from centre import DATABASE, Centre, addresses_of
 from child import PATIENCE_S, PROGRAMS, Child, Failure, program, run, wait_until
 from nats_client import NatsClient, NKey
 
@@ -22,10 +22,25 @@ def make_key(file: Path) -> str:
 
 def is_let_in(centre: Centre, key: NKey) -> bool:
     try:
-        NatsClient(centre.nats_port, centre.folder / "ca.pem", key).close()
+        for port in centre.nats_ports:
+            NatsClient(port, centre.folder / "ca.pem", key).close()
     except (Failure, OSError):
         return False
     return True
+
+
+def admit(centre: Centre, name: str, clinics: tuple[str, ...] = ()) -> Path:
+    """Makes a key for a dashboard, and enters it as docs/fleet.md says. `clinics`: whose rigs it may watch; none: all. Returns its file."""
+    key_file = centre.folder / f"{name}.nk"
+    public_key = make_key(key_file)
+    names = ", ".join(f'"{clinic}"' for clinic in clinics)
+    for number, hub in enumerate(centre.hubs, start=1):
+        with centre.config_of(number).open("a") as config:
+            config.write(f'[[dashboard]]\nkey = "{public_key}"\n' + (f"clinics = [{names}]\n" if clinics else ""))
+        hub.stop()
+        hub.start()
+    wait_until(f"nats-server lets the key of {name} in", lambda: is_let_in(centre, NKey.of_file(key_file)))
+    return key_file
 
 
 class Gateway(Child):
@@ -36,8 +51,8 @@ class Gateway(Child):
         """`group`: role in PostgreSQL. `clinics`: whose rigs its key may watch; none: all."""
         self.centre = centre
         self.role = f"{name}_user"
-        self.key_file = centre.folder / f"{name}.nk"
-        self.public_key = ""
+        self.key_file: Path | None = None
+        self._name = name
         self._group = group
         self._clinics = clinics
         self._config = centre.folder / f"{name}.toml"
@@ -45,24 +60,18 @@ class Gateway(Child):
         super().__init__(f"dts-fleet-gateway {name}", words, centre.folder / f"{name}.log")
 
     def start(self) -> None:
-        if not self.public_key:
+        if not self.key_file:
             self.enrol()
         super().start()
 
     def enrol(self) -> None:
         """The steps of docs/fleet.md: a key, a table of hub.toml, a role of PostgreSQL."""
         wait_until("dts-hub has made the roles", lambda: self.centre.query_or_none(f"SELECT '{self._group}'::regrole") is not None)
-        self.public_key = make_key(self.key_file)
-        clinics = ", ".join(f'"{clinic}"' for clinic in self._clinics)
-        with self.centre.config.open("a") as config:
-            config.write(f'[[dashboard]]\nkey = "{self.public_key}"\n' + (f"clinics = [{clinics}]\n" if clinics else ""))
-        self.centre.hub.stop()
-        self.centre.hub.start()
-        wait_until(f"nats-server lets the key of {self.name} in", lambda: is_let_in(self.centre, NKey.of_file(self.key_file)))
+        self.key_file = admit(self.centre, self._name, self._clinics)
         self.centre.query(f"CREATE ROLE {self.role} LOGIN IN ROLE {self._group}")
         self._config.write_text(f"""\
 [serve]
-nats-server = ["tls://127.0.0.1:{self.centre.nats_port}"]
+nats-server = [{addresses_of(self.centre.nats_ports)}]
 nats-ca = "{self.centre.folder}/ca.pem"
 nats-key = "{self.key_file}"
 database = "host={self.centre.database_folder} dbname={DATABASE} user={self.role}"

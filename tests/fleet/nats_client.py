@@ -53,6 +53,23 @@ class Letter:
     data: bytes
 
 
+def connect(port: int, ca: Path, key: NKey) -> ssl.SSLSocket:
+    """Connects over TLS and sends the login. Whether the server lets the key in is seen later."""
+    plain = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
+    line = b""
+    while not line.endswith(b"\r\n"):  # byte by byte: TLS begins right after this line
+        byte = plain.recv(1)
+        if not byte:
+            raise Failure("nats-server closed the connection")
+        line += byte
+    information = json.loads(line.removeprefix(b"INFO "))
+    tls = ssl.create_default_context(cafile=str(ca)).wrap_socket(plain, server_hostname="127.0.0.1")
+    options = {"verbose": False, "pedantic": True, "tls_required": True, "nkey": key.public, "lang": "test", "version": "1", "protocol": 1,
+               "headers": True, "no_responders": True, "sig": key.signature(information["nonce"].encode())}
+    tls.sendall(b"CONNECT " + json.dumps(options).encode() + b"\r\n")
+    return tls
+
+
 class NatsClient:
     """Thread: the functions from one; a thread of its own reads."""
 
@@ -63,22 +80,10 @@ class NatsClient:
         self._pongs: queue.Queue[None] = queue.Queue()
         self._subscriptions = 0
         self.ended = threading.Event()
-        plain = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
-        line = b""
-        while not line.endswith(b"\r\n"):  # byte by byte: TLS begins right after this line
-            byte = plain.recv(1)
-            if not byte:
-                raise Failure("nats-server closed the connection")
-            line += byte
-        information = json.loads(line.removeprefix(b"INFO "))
-        context = ssl.create_default_context(cafile=str(ca))
-        self.tls = context.wrap_socket(plain, server_hostname="127.0.0.1")
+        self.tls = connect(port, ca, key)
         self.tls.setblocking(False)
         self._lock = threading.Lock()  # OpenSSL does not allow two threads in one connection
-        options = {"verbose": False, "pedantic": True, "tls_required": True, "nkey": key.public, "lang": "test", "version": "1", "protocol": 1,
-                   "headers": True, "no_responders": True, "sig": key.signature(information["nonce"].encode())}
         threading.Thread(target=self._read, daemon=True).start()
-        self._send(b"CONNECT " + json.dumps(options).encode() + b"\r\n")
         self.wait_for_server()
 
     def close(self) -> None:

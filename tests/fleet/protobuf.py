@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages of fleet.proto by number of the field, for tests that send what no program of ours would send."""
+"""Messages of fleet.proto by number of the field: tests send what no program of ours would send, and read without generated code."""
 
 
 def varint(value: int) -> bytes:
@@ -25,3 +25,34 @@ def message(fields: dict[int, int | bytes | str]) -> bytes:
             data = value.encode() if isinstance(value, str) else value
             out += varint(number << 3 | 2) + varint(len(data)) + data
     return out
+
+
+def decoded(data: bytes) -> dict[int, list]:
+    """Returns the values of each field: numbers and bytes; fixed fields as bytes."""
+    fields: dict[int, list] = {}
+    at = 0
+
+    def read_varint() -> int:
+        nonlocal at
+        value = shift = 0
+        while True:
+            byte = data[at]
+            at += 1
+            value |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                return value
+
+    while at < len(data):
+        key = read_varint()
+        if key & 7 == 0:
+            fields.setdefault(key >> 3, []).append(read_varint())
+            continue
+        size = {1: 8, 5: 4}.get(key & 7) or read_varint()
+        fields.setdefault(key >> 3, []).append(data[at:at + size])
+        at += size
+    return fields
+
+
+def text_of(fields: dict[int, list], number: int) -> str:
+    return fields.get(number, [b""])[0].decode()

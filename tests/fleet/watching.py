@@ -25,7 +25,7 @@ def status_of(rigs: list[str]) -> bytes:
 
 def enrol(centre: Centre, clinic: str) -> NKey:
     key = centre.folder / f"{clinic}.nk"
-    centre.enrol(clinic, clinic.capitalize(), make_key(key), f"tls://127.0.0.1:{centre.nats_port}", centre.folder / f"{clinic}.toml")
+    centre.enrol(clinic, clinic.capitalize(), make_key(key), [centre.nats_port], centre.folder / f"{clinic}.toml")
     wait_until(f"nats-server lets {clinic} in", lambda: is_let_in(centre, NKey.of_file(key)))
     return NKey.of_file(key)
 

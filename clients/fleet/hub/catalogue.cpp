@@ -342,7 +342,7 @@ core::Result<bool> Catalogue::remove_recording(const RecordingName& name, Store&
   return database_->transaction([&]() -> core::Result<bool> {
     DTS_TRY(lock_recording(name));
     DTS_TRY_ASSIGN(const auto receipt, find_receipt(name));
-    if (receipt) return core::fail(core::ErrorCode::WrongState, "recording " + store.key(name) + " has a receipt and stays");
+    if (receipt) return core::fail(core::ErrorCode::WrongState, "recording " + key_of(name) + " has a receipt and stays");
     DTS_TRY_ASSIGN(const bool is_removed, store.remove(name));
     DTS_TRY(database_->run("DELETE FROM erased_file WHERE clinic = $1 AND sha256 = $2", {name.clinic, Parameter::binary(name.sha256)}));
     return is_removed;
@@ -370,9 +370,9 @@ core::Result<v1::Receipt> Catalogue::put_recording(const RecordingName& name, co
     DTS_TRY_ASSIGN(const bool is_gone, is_erased(name.clinic, offer.session_id()));
     if (is_gone) return erased_before(offer.session_id());
     DTS_TRY(lock_recording(name));
-    DTS_TRY_ASSIGN(const auto file, store.file(name));
-    if (!file) return core::fail(core::ErrorCode::DataDamaged, "recording " + store.key(name) + " is no longer in the store");
-    const std::string store_key = store.key(name);
+    DTS_TRY_ASSIGN(const bool is_stored, store.has(name));
+    if (!is_stored) return core::fail(core::ErrorCode::DataDamaged, "recording " + key_of(name) + " is no longer in the store");
+    const std::string store_key = key_of(name);
     // A newer recording of this part that the facts have announced stays announced.
     static const std::string kPutPart =
         "INSERT INTO part (clinic, session, part, sha256, bytes, stored_utc, store_key) VALUES ($1, $2, $3, $4, $5, " + time_of("$6") +

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -9,19 +8,13 @@
 
 #include "fleet/hub/durable_file.h"
 #include "fleet/hub/store.h"
-#include "fleet/wire/messages.h"
-#include "fleet/wire/subjects.h"
 
 namespace dts::fleet::hub {
 namespace {
 
 class FolderStore final : public Store {
  public:
-  explicit FolderStore(std::string folder) : folder_(std::move(folder)) {}
-
-  [[nodiscard]] std::string key(const RecordingName& name) const override {
-    return "objects/" + name.clinic + "/" + wire::hex_of(name.sha256);
-  }
+  explicit FolderStore(const std::string& folder) : Store(folder) {}
 
   [[nodiscard]] core::Status put(const RecordingName& name, const std::string& file) override {
     DTS_TRY(create_folder(clinic_folder(name)));
@@ -31,11 +24,16 @@ class FolderStore final : public Store {
     return synchronise(clinic_folder(name));
   }
 
-  [[nodiscard]] core::Result<std::optional<std::string>> file(const RecordingName& name) const override {
+  [[nodiscard]] core::Result<bool> has(const RecordingName& name) const override {
     struct stat status {};
-    if (::stat(path(name).c_str(), &status) == 0) return std::optional(path(name));
-    if (errno == ENOENT) return std::optional<std::string>();
+    if (::stat(path(name).c_str(), &status) == 0) return true;
+    if (errno == ENOENT) return false;
     return core::fail_errno(errno, "cannot look for '" + path(name) + "'", "check the disk");
+  }
+
+  [[nodiscard]] core::Result<std::optional<LocalFile>> file(const RecordingName& name) const override {
+    DTS_TRY_ASSIGN(const bool is_here, has(name));
+    return is_here ? std::optional(LocalFile::of_store(path(name))) : std::nullopt;
   }
 
   [[nodiscard]] core::Result<bool> remove(const RecordingName& name) override { return remove_file(path(name)); }
@@ -43,34 +41,18 @@ class FolderStore final : public Store {
   [[nodiscard]] core::Result<std::vector<RecordingName>> list() const override {
     std::vector<RecordingName> names;
     std::error_code error;
-    for (std::filesystem::recursive_directory_iterator entry(folder_ + "/objects", error), end; !error && entry != end;
+    for (std::filesystem::recursive_directory_iterator entry(folder() + "/objects", error), end; !error && entry != end;
          entry.increment(error)) {
       if (entry.depth() != 1) continue;
-      const auto sum = wire::bytes_of_hex(entry->path().filename().string());
-      const std::string clinic = entry->path().parent_path().filename().string();
-      if (sum && wire::is_clinic_name(clinic)) names.push_back({clinic, *sum});
+      if (auto name = name_of(entry->path().lexically_relative(folder()).string())) names.push_back(*std::move(name));
     }
-    if (error) return core::fail(core::ErrorCode::Failed, "cannot list '" + folder_ + "/objects': " + error.message(), "check the disk");
+    if (error) return core::fail(core::ErrorCode::Failed, "cannot list '" + folder() + "/objects': " + error.message(), "check the disk");
     return names;
   }
 
-  [[nodiscard]] double used_percent() const override {
-    struct statvfs disk {};
-    if (::statvfs(folder_.c_str(), &disk) != 0) return 100.0;
-    const auto used = static_cast<double>(disk.f_blocks - disk.f_bfree);
-    return 100.0 * used / (used + static_cast<double>(disk.f_bavail));
-  }
-
-  [[nodiscard]] std::uint64_t free_bytes() const override {
-    struct statvfs disk {};
-    return ::statvfs(folder_.c_str(), &disk) != 0 ? 0 : std::uint64_t{disk.f_bavail} * disk.f_frsize;
-  }
-
  private:
-  [[nodiscard]] std::string clinic_folder(const RecordingName& name) const { return folder_ + "/objects/" + name.clinic; }
-  [[nodiscard]] std::string path(const RecordingName& name) const { return folder_ + "/" + key(name); }
-
-  std::string folder_;
+  [[nodiscard]] std::string clinic_folder(const RecordingName& name) const { return folder() + "/objects/" + name.clinic; }
+  [[nodiscard]] std::string path(const RecordingName& name) const { return folder() + "/" + key_of(name); }
 };
 
 }  // namespace

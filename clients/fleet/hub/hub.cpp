@@ -74,7 +74,7 @@ class Hub {
       : settings_(settings), key_(std::move(key)), ca_pem_(std::move(ca_pem)), clock_(clock), log_(log) {}
 
   [[nodiscard]] core::Status start() {
-    DTS_TRY_ASSIGN(store_, open_folder_store(settings_.directory));
+    DTS_TRY_ASSIGN(store_, open_store(settings_));
     DTS_TRY_ASSIGN(auto staging, Staging::open(settings_.directory + "/staging/" + settings_.name));
     DTS_TRY_ASSIGN(ingest_, Ingest::create({.hub = settings_.name,
                                             .full_at_percent = settings_.full_at_percent,

@@ -34,7 +34,7 @@ int rebuild_command(const std::string& file, cli::Console& console) {
   if (!settings) return cli::kUsage;
   Database database({.connection = settings->connection, .name = "dts-hub rebuild"});
   if (const auto migrated = migrate(database); !migrated) return cli::fail_with(console, migrated.error());
-  const auto store = open_folder_store(settings->directory);
+  const auto store = open_store(*settings);
   if (!store) return cli::fail_with(console, store.error());
   Catalogue catalogue(database);
   const core::SystemClock clock;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
@@ -15,6 +16,7 @@ namespace dts::fleet::hub {
 namespace {
 
 constexpr std::uint32_t kDatabaseWaitS = 5;
+constexpr std::uint32_t kStoreWaitS = 5;
 constexpr std::uint32_t kFullWaitS = 300;
 constexpr std::uint32_t kFailedWaitS = 60;
 constexpr std::uint32_t kShareWaitS = 2;
@@ -25,6 +27,7 @@ constexpr const char* kDiskFull = "the disk of the centre is full";
 constexpr std::uint32_t kUnknownWaitS = 1;
 constexpr const char* kUnknown = "the hub does not know this file: offer it again";  // for example after its staging was removed
 constexpr const char* kDiskFailed = "the disk of the centre failed";
+constexpr const char* kStoreAway = "the store of the centre does not answer";
 
 v1::UploadAnswer upload_refusal(const std::string& reason) {
   v1::UploadAnswer answer;
@@ -53,9 +56,12 @@ core::Result<std::unique_ptr<Ingest>> Ingest::create(IngestOptions options, std:
 core::Status Ingest::adopt(Staging::Upload found) {
   Upload upload{.offer = std::move(found.offer), .have = found.have, .changed_utc_ns = found.changed_utc_ns};
   if (upload.have == 0) {
-    DTS_TRY_ASSIGN(const auto file, store_.file(found.name));
-    upload.is_in_store = file.has_value();
-    if (file) upload.have = upload.offer.bytes();
+    const auto is_stored = store_.has(found.name);
+    // If the store does not answer now, the offer is repeated: the next one looks again.
+    if (!is_stored && is_stored.error().code == core::ErrorCode::Unreachable) return {};
+    DTS_TRY(is_stored);
+    upload.is_in_store = *is_stored;
+    if (*is_stored) upload.have = upload.offer.bytes();
   }
   uploads_.emplace(std::move(found.name), std::move(upload));
   return {};
@@ -77,6 +83,11 @@ v1::UploadAnswer Ingest::later(const std::string& reason, std::uint32_t wait_s) 
   answer.mutable_later()->set_reason(reason);
   answer.mutable_later()->set_wait_s(wait_s);
   return answer;
+}
+
+v1::UploadAnswer Ingest::store_failed(const core::Error& error) {
+  log_.error(core::to_string(error));
+  return error.code == core::ErrorCode::Unreachable ? later(kStoreAway, kStoreWaitS) : later(kDiskFailed, kFullWaitS);
 }
 
 std::uint64_t Ingest::offered_bytes(const std::string& clinic) const {
@@ -116,8 +127,8 @@ v1::UploadAnswer Ingest::open(const std::string& clinic, const v1::UploadOffer& 
 }
 
 v1::UploadAnswer Ingest::begin(const RecordingName& name, const v1::UploadOffer& offer) {
-  const auto kept = store_.file(name);
-  if (!kept) return later(kDiskFailed, kFullWaitS);
+  const auto kept = store_.has(name);
+  if (!kept) return store_failed(kept.error());
   if (!*kept && is_full()) return later(kDiskFull, kFullWaitS);
   std::unique_lock lock(mutex_);
   const auto known = uploads_.find(name);
@@ -146,7 +157,7 @@ v1::UploadAnswer Ingest::begin(const RecordingName& name, const v1::UploadOffer&
     log_.error(core::to_string(begun.error()));
     return later(kDiskFailed, kFullWaitS);
   }
-  uploads_[name] = {.offer = offer, .have = have, .changed_utc_ns = utc_ns(), .is_in_store = kept->has_value()};
+  uploads_[name] = {.offer = offer, .have = have, .changed_utc_ns = utc_ns(), .is_in_store = *kept};
   return upload_answer(have);
 }
 
@@ -216,10 +227,11 @@ v1::UploadAnswer Ingest::commit(const std::string& clinic, const v1::UploadCommi
 /// Returns whether the file is what was offered.
 core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& upload, const std::stop_token& stop) {
   std::string file = staging_->file(name);
+  std::optional<LocalFile> kept;
   if (upload.is_in_store) {
-    DTS_TRY_ASSIGN(const auto kept, store_.file(name));
-    if (!kept) return false;
-    file = *kept;
+    DTS_TRY_ASSIGN(auto found, store_.file(name));
+    if (!found) return false;
+    file = kept.emplace(*std::move(found)).path();
     // An earlier hub may have ended after it had moved the file, before it synchronised the folder.
     DTS_TRY(synchronise(std::filesystem::path(file).parent_path().string()));
   }
@@ -236,6 +248,7 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
 v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& upload, Catalogue& catalogue, const std::stop_token& stop) {
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
+  if (!is_sound && is_sound.error().code == core::ErrorCode::Unreachable) return store_failed(is_sound.error());
   if (!is_sound || !*is_sound) {
     log_.warning(described(name) +
                  (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));
@@ -249,6 +262,7 @@ v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& u
   options_.reached("verified");
   if (!upload.is_in_store) {
     if (const auto put = store_.put(name, staging_->file(name)); !put) {
+      if (put.error().code == core::ErrorCode::Unreachable) return store_failed(put.error());
       log_.error(core::to_string(put.error()));
       start_again(name, false, catalogue);
       return later(kDiskFailed, kDatabaseWaitS);

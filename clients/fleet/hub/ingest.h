@@ -101,6 +101,8 @@ class Ingest {
   [[nodiscard]] bool is_day_spent(const std::string& clinic, std::uint64_t bytes);  ///< Requires `mutex_`.
   [[nodiscard]] v1::UploadAnswer upload_answer(std::uint64_t have) const;
   [[nodiscard]] v1::UploadAnswer later(const std::string& reason, std::uint32_t wait_s);
+  /// Logs the error of the store. Returns "later".
+  [[nodiscard]] v1::UploadAnswer store_failed(const core::Error& error);
 
   IngestOptions options_;
   std::unique_ptr<Staging> staging_;

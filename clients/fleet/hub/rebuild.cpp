@@ -30,11 +30,11 @@ core::Result<Rebuilt> rebuild(Store& store, Catalogue& catalogue, const std::str
     }
     DTS_TRY_ASSIGN(const auto file, store.file(name));
     if (!file) continue;
-    const auto facts = facts_in(name, *file);
+    const auto facts = facts_in(name, file->path());
     std::error_code error;
-    const auto bytes = std::filesystem::file_size(*file, error);
+    const auto bytes = std::filesystem::file_size(file->path(), error);
     if (!facts || error) {
-      rebuilt.left.push_back(store.key(name) + ": " + (facts ? error.message() : facts.error().what));
+      rebuilt.left.push_back(key_of(name) + ": " + (facts ? error.message() : facts.error().what));
       continue;
     }
     v1::UploadOffer offer;
@@ -49,7 +49,7 @@ core::Result<Rebuilt> rebuild(Store& store, Catalogue& catalogue, const std::str
       continue;
     }
     if (!entered && entered.error().code == core::ErrorCode::WrongState) {
-      rebuilt.left.push_back(store.key(name) + ": " + entered.error().what);
+      rebuilt.left.push_back(key_of(name) + ": " + entered.error().what);
       continue;
     }
     DTS_TRY(entered);

@@ -123,6 +123,7 @@ Settings load_settings(const std::string& file, files::Problems& problems) {
   files::TomlReader store = top.table("store");
   store.require("directory");
   loaded.directory = file_name(store, "directory");
+  if (store.has("s3")) loaded.s3 = s3::read_settings(store.table("s3"));
   loaded.full_at_percent = store.number("full_at_percent", 95.0, 1.0, 100.0);
   store.finish();
   loaded.quota = read_quota(top.table("quota"));

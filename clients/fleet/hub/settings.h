@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/result.h"
 #include "files/toml_reader.h"
 #include "fleet/hub/quota.h"
+#include "fleet/s3/settings.h"
 
 namespace dts::fleet::hub {
 
@@ -33,7 +35,8 @@ struct Settings {
 
   std::string connection;  ///< Of PostgreSQL.
 
-  std::string directory;  ///< Recordings.
+  std::string directory;           ///< Of recordings; with `s3`: of staged files only.
+  std::optional<s3::Settings> s3;  ///< Where recordings are, if not in the directory.
   double full_at_percent = 95.0;
   QuotaFigures quota;
 

@@ -28,7 +28,8 @@ WorkerOptions read_settings(const std::string& file, files::Problems& problems) 
   options.connection = required_text(database, "connection");
   database.finish();
   files::TomlReader store = top.table("store");
-  options.store = beside(file, required_text(store, "directory"));
+  if (store.has("s3")) options.s3 = s3::read_settings(store.table("s3"));
+  options.store = beside(file, options.s3 ? store.text("directory", "") : required_text(store, "directory"));
   store.finish();
   files::TomlReader limits = top.table("limits");
   options.limits.time = std::chrono::seconds(limits.integer("time_s", options.limits.time.count(), 1, 86'400));

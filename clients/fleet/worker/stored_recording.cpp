@@ -62,11 +62,22 @@ core::Status check_sha256(const std::string& file, const std::string& sha256, co
                     "check the disk of the store");
 }
 
-core::Result<RecordingName> RecordingName::create(const std::string& file) {
+core::Result<RecordingName> RecordingName::in_new_folder() {
   std::error_code error;
   std::string folder = (std::filesystem::temp_directory_path(error) / "dts-worker-XXXXXX").string();
   if (error || ::mkdtemp(folder.data()) == nullptr) return core::fail_errno(errno, "cannot make the folder '" + folder + "'");
-  RecordingName name(std::move(folder));
+  return RecordingName(std::move(folder));
+}
+
+core::Result<RecordingName> RecordingName::fetch(s3::Bucket& bucket, const std::string& key, const std::function<bool()>& keeps_on) {
+  if (key.empty()) return core::fail(core::ErrorCode::NotFound, "the catalogue has no recording of this part");
+  DTS_TRY_ASSIGN(RecordingName name, in_new_folder());
+  DTS_TRY(bucket.get(key, name.path(), keeps_on));
+  return name;
+}
+
+core::Result<RecordingName> RecordingName::create(const std::string& file) {
+  DTS_TRY_ASSIGN(RecordingName name, in_new_folder());
   if (::symlink(file.c_str(), name.path().c_str()) != 0) return core::fail_errno(errno, "cannot make the link '" + name.path() + "'");
   return name;
 }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/result.h"
+#include "fleet/s3/bucket.h"
 
 namespace dts::fleet::worker {
 
@@ -22,6 +23,8 @@ class RecordingName {
  public:
   /// Fails if the folder of temporary files is not writable.
   [[nodiscard]] static core::Result<RecordingName> create(const std::string& file);
+  /// The name is that of a copy, which is removed with it. Fails as `Bucket::get` does.
+  [[nodiscard]] static core::Result<RecordingName> fetch(s3::Bucket& bucket, const std::string& key, const std::function<bool()>& keeps_on);
   ~RecordingName();
   RecordingName(const RecordingName&) = delete;
   RecordingName& operator=(const RecordingName&) = delete;
@@ -31,6 +34,7 @@ class RecordingName {
   [[nodiscard]] std::string path() const { return folder_ + "/recording.xdf"; }
 
  private:
+  [[nodiscard]] static core::Result<RecordingName> in_new_folder();
   explicit RecordingName(std::string folder) : folder_(std::move(folder)) {}
 
   std::string folder_;  ///< Empty: none.

@@ -14,11 +14,14 @@
 #include <cerrno>
 #include <cinttypes>
 #include <cstdio>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "core/utf8.h"
+#include "fleet/s3/bucket.h"
 #include "fleet/worker/job_queue.h"
 #include "fleet/worker/kinds.h"
 #include "fleet/worker/stored_recording.h"
@@ -111,6 +114,9 @@ class Worker {
         database_({.connection = options.connection, .name = "dts-worker " + name_, .is_durable = true}) {}
 
   [[nodiscard]] core::Status run() {
+    if (options_.s3) {
+      DTS_TRY_ASSIGN(bucket_, s3::Bucket::open(*options_.s3));
+    }
     DTS_TRY(look_at_dtslab());
     database_.listen("job");
     sd_notify(0, "READY=1");
@@ -178,12 +184,22 @@ class Worker {
     static_cast<void>(end_job(job, [&] { return queue_->fail(job, message, is_final); }));
   }
 
+  /// Returns a name of the job's recording, whose SHA-256 is that of the catalogue.
+  [[nodiscard]] core::Result<RecordingName> recording_of(const TakenJob& job, const std::function<bool()>& keeps_on) {
+    if (bucket_) {
+      DTS_TRY_ASSIGN(RecordingName name, RecordingName::fetch(*bucket_, job.store_key, keeps_on));
+      DTS_TRY(check_sha256(name.path(), job.sha256, keeps_on));
+      return name;
+    }
+    DTS_TRY_ASSIGN(const std::string file, stored_file(options_.store, job.store_key));
+    DTS_TRY(check_sha256(file, job.sha256, keeps_on));
+    return RecordingName::create(file);
+  }
+
   /// Returns what dtslab computes from the recording.
   [[nodiscard]] core::Result<Figures> analyse(const TakenJob& job) {
     const auto keeps_on = [&] { return keep(job); };
-    DTS_TRY_ASSIGN(const std::string file, stored_file(options_.store, job.store_key));
-    DTS_TRY(check_sha256(file, job.sha256, keeps_on));
-    DTS_TRY_ASSIGN(const RecordingName name, RecordingName::create(file));
+    DTS_TRY_ASSIGN(const RecordingName name, recording_of(job, keeps_on));
     const auto words = words_of(job.kind, name.path());
     if (!words) return core::fail(core::ErrorCode::Unsupported, "unknown kind of job '" + job.kind + "'");
     DTS_TRY_ASSIGN(const Ended ended, run_confined(options_.dtslab, *words, options_.limits, keeps_on));
@@ -240,6 +256,7 @@ class Worker {
   EndSignals signals_{};
   std::string name_;
   database::Database database_;
+  std::unique_ptr<s3::Bucket> bucket_{};  ///< nullptr: the store is a folder.
   ProgramFile file_{};
   std::string version_{};
   std::optional<JobQueue> queue_{};

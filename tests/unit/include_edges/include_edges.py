@@ -103,15 +103,19 @@ HOUSE = [
     ("clients/fleet/wire/nkey.cpp", [],                                                   ["sodium.h"]),
     ("clients/fleet/link",       ["core", "fleet/wire"],                                  ["nats/"]),
     ("clients/fleet/database",   ["core"],                                                ["libpq-fe.h"]),
+    ("clients/fleet/s3",         ["core", "files"],                                       []),
+    ("clients/fleet/s3/bucket.cpp", [],                                                   ["pugixml.hpp"]),
+    ("clients/fleet/s3/connection.cpp", [],                                               ["curl/"]),
+    ("clients/fleet/s3/sha256.cpp", [],                                                   ["openssl/"]),
     ("clients/fleet/forward",    ["cli", "core", "files", "libdts", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),
     ("clients/fleet/forward/event_mask.cpp", [],                                          ["google/protobuf/", "nlohmann/"]),
     ("clients/fleet/forward/store.cpp", [],                                               ["google/protobuf/"]),
     ("clients/fleet/forward/forwarder.cpp", [],                                           ["malloc.h"]),
     ("clients/fleet/forward/main.cpp", [],                                                ["google/protobuf/"]),
-    ("clients/fleet/worker",     ["cli", "core", "files", "session", "fleet/database"],   ["CLI/", "nlohmann/", "systemd/"]),
+    ("clients/fleet/worker",     ["cli", "core", "files", "session", "fleet/database", "fleet/s3"], ["CLI/", "nlohmann/", "systemd/"]),
     ("clients/fleet/worker/stored_recording", [],                                         ["sodium.h"]),
-    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link", "fleet/database", "fleet/worker"],
+    ("clients/fleet/hub",        ["cli", "core", "files", "proto", "record", "fleet/wire", "fleet/link", "fleet/database", "fleet/s3", "fleet/worker"],
                                                                                           ["CLI/", "google/protobuf/", "systemd/"]),
     ("clients/fleet/hub/durable_file.cpp", [],                                            ["openssl/"]),
     ("clients/fleet/desk",       ["cli", "core", "files", "gateway", "proto", "fleet/wire", "fleet/link", "fleet/database"],
@@ -276,7 +280,7 @@ def edges_text(rooms):
     return ", ".join(f"`{room}`" for room in rooms) or "nothing of ours"
 
 
-ROOM_ROW = re.compile(r"\| `([a-z_/]+)` \| (.+) \| ([^|]+) \|$")
+ROOM_ROW = re.compile(r"\| `([a-z0-9_/]+)` \| (.+) \| ([^|]+) \|$")
 
 
 def faults_of_room_tables(root):

@@ -134,7 +134,7 @@ TEST_F(CatalogueTest, Recording_BeforeItsFacts_IsFoundByThem) {
 TEST_F(CatalogueTest, Recording_AfterItsFacts_CompletesThem) {
   ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
   ASSERT_TRUE(enter("kent", "s1", "recording of s1"));
-  EXPECT_EQ(value("SELECT concat_ws('|', state, store_key) FROM part"), "complete|" + store_->key({"kent", sum_of("recording of s1")}));
+  EXPECT_EQ(value("SELECT concat_ws('|', state, store_key) FROM part"), "complete|" + key_of({"kent", sum_of("recording of s1")}));
 }
 
 TEST_F(CatalogueTest, FactsOfAnOpenPart_KeepWhatIsStored) {
@@ -181,7 +181,7 @@ TEST_F(CatalogueTest, RemoveRecording_WithAReceipt_IsRejected) {
   const auto removed = catalogue_->remove_recording(name, *store_);
   ASSERT_FALSE(removed);
   EXPECT_EQ(removed.error().code, core::ErrorCode::WrongState);
-  EXPECT_TRUE(store_->file(name).value());
+  EXPECT_EQ(store_->has(name), true);
 }
 
 TEST_F(CatalogueTest, Erase_RemovesAllRows_AndNamesTheFiles) {

@@ -82,7 +82,7 @@ class IngestTest : public DatabaseTest {
     ASSERT_TRUE(database_->run_script("ALTER TABLE away RENAME TO receipt"));
   }
   [[nodiscard]] std::string object(const std::string& bytes, const std::string& clinic = "kent") const {
-    return folder_.path() + "/" + store_->key({clinic, sum_of(bytes)});
+    return folder_.path() + "/" + key_of({clinic, sum_of(bytes)});
   }
   [[nodiscard]] std::size_t staged_files() const {
     std::size_t count = 0;

@@ -27,14 +27,15 @@ class StoreTest : public testing::Test {
 
 TEST_F(StoreTest, Put_MovesTheFile) {
   const std::string file = new_file("abc");
-  EXPECT_EQ(store_->file(name_).value(), std::nullopt);
+  EXPECT_EQ(store_->has(name_), false);
+  EXPECT_FALSE(store_->file(name_).value());
   ASSERT_TRUE(store_->put(name_, file));
   EXPECT_FALSE(fs::exists(file));
-  ASSERT_TRUE(store_->file(name_).value());
-  EXPECT_EQ(content_of(**store_->file(name_)), "abc");
-  EXPECT_TRUE((*store_->file(name_))->ends_with("/" + store_->key(name_)));
+  ASSERT_EQ(store_->has(name_), true);
+  EXPECT_EQ(content_of(store_->file(name_).value()->path()), "abc");
+  EXPECT_TRUE(store_->file(name_).value()->path().ends_with("/" + key_of(name_)));
   ASSERT_TRUE(store_->put(name_, new_file("abc")));  // again
-  EXPECT_EQ(content_of(**store_->file(name_)), "abc");
+  EXPECT_EQ(content_of(store_->file(name_).value()->path()), "abc");
 }
 
 TEST_F(StoreTest, Put_WithoutAFile_Fails) { EXPECT_FALSE(store_->put(name_, folder_.path() + "/nothing")); }
@@ -43,15 +44,16 @@ TEST_F(StoreTest, Remove_ReturnsWhetherThereWasOne) {
   EXPECT_EQ(store_->remove(name_), false);
   ASSERT_TRUE(store_->put(name_, new_file("abc")));
   EXPECT_EQ(store_->remove(name_), true);
-  EXPECT_EQ(store_->file(name_).value(), std::nullopt);
+  EXPECT_EQ(store_->has(name_), false);
+  EXPECT_FALSE(store_->file(name_).value());
 }
 
 TEST_F(StoreTest, List_IgnoresWhatIsNoRecording) {
   ASSERT_TRUE(store_->put(name_, new_file("abc")));
   ASSERT_TRUE(store_->put({"leeds", name_.sha256}, new_file("abc")));
   fs::create_directories(folder_.path() + "/store/objects/Not a clinic");
-  fs::copy_file(**store_->file(name_),
-                folder_.path() + "/store/objects/Not a clinic/" + fs::path(**store_->file(name_)).filename().string());
+  const fs::path file = store_->file(name_).value()->path();
+  fs::copy_file(file, fs::path(folder_.path()) / "store/objects/Not a clinic" / file.filename());
   std::ofstream(folder_.path() + "/store/objects/kent/notes.txt") << "x";
   auto names = store_->list().value();
   std::ranges::sort(names);

@@ -1,0 +1,181 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A centre whose store is a bucket, over TLS: with a small S3 that answers wrongly, and with s3rver (npm) if it is installed.
+
+    s3.py [--keep]    s3rver is looked for in the path; unit_fleet_s3 does what is tried with it"""
+import os
+import shutil
+import sys
+
+from centre import Centre, sha256_of
+from checks import Checks, run_test
+from child import PROGRAMS, REPOSITORY, Child, Failure, free_port, program, run, wait_until
+from clinic import FLOOR, Clinic
+
+SERVER = REPOSITORY / "tests/support/s3_server.py"
+UNIT_TEST = PROGRAMS.parent / "tests/unit_fleet_s3"
+
+
+class S3:
+    """tests/support/s3_server.py beside a centre, with the certificate of its nats-server."""
+
+    def __init__(self) -> None:
+        self.port = free_port()
+        self.centre = Centre(f"""\
+[store.s3]
+endpoint = "https://127.0.0.1:{self.port}"
+bucket = "recordings"
+region = "eu-test-1"
+credentials = "s3.keys"
+ca = "ca.pem"
+""")
+        self.folder = self.centre.folder / "s3"
+        self.folder.mkdir()
+        keys = self.centre.folder / "s3.keys"
+        keys.touch(0o600)
+        keys.write_text("tester\na-secret+of/tests\n")
+        self.server = Child("the S3", ["/usr/bin/python3", "-B", SERVER, self.folder, self.centre.folder / "nats.pem",
+                                       self.centre.folder / "nats.key"], self.centre.folder / "s3.log",
+                            env=os.environ | {"S3_PORT": str(self.port)})
+
+    def set_fault(self, fault: str) -> None:
+        (self.folder / "fault.new").write_text(fault)
+        (self.folder / "fault.new").rename(self.folder / "fault")
+
+    def objects(self) -> dict[str, str]:
+        """Returns the SHA-256 of the content for each recording, by the SHA-256 in its key."""
+        return {path.name.rpartition("%")[2]: sha256_of(path) for path in self.folder.glob("objects/*") if not path.suffix}
+
+
+def record(clinic: Clinic, subject: str) -> None:
+    clinic.record(1.0, "floor", "--subject", subject)
+    wait_until("the session has ended", lambda: not clinic.is_recording())
+
+
+def expect_sound(checks: Checks, s3: S3, what: str, number: int) -> None:
+    objects, receipts = s3.objects(), {sha256 for _, sha256 in s3.centre.receipts() or ()}
+    checks.expect(f"{what}: {number} receipts, each with a whole object",
+                  len(receipts) == number and all(objects.get(name) == name for name in receipts), (objects, receipts))
+
+
+def faults(checks: Checks, s3: S3, clinic: Clinic) -> None:
+    """While S3 does not do its part, the hub answers "later", and says why in its log."""
+    record(clinic, "P001")  # S3 does not run yet
+    wait_until("dts-forward reports that the store does not answer", lambda: "store" in clinic.problem())
+    expect_sound(checks, s3, "without S3", 0)
+    s3.server.start()
+    wait_until("the recording has a receipt", lambda: not clinic.undelivered())
+    expect_sound(checks, s3, "with S3", 1)
+    for number, (fault, words) in enumerate((("PUT 403", "answers 403"), ("PUT lost", "no object"), ("HEAD 500", "answers 500")), start=2):
+        s3.set_fault(fault)
+        before = len(s3.centre.hub.text())
+        record(clinic, f"P{number:03}")
+        wait_until(f"the log of the hub has '{words}'", lambda text=words, begin=before: text in s3.centre.hub.text()[begin:])
+        expect_sound(checks, s3, fault, number - 1)
+        s3.set_fault("")
+        wait_until("the recording has a receipt", lambda: not clinic.undelivered())
+        expect_sound(checks, s3, f"after {fault}", number)
+
+
+def kills(checks: Checks, s3: S3, clinic: Clinic, number: int) -> None:
+    """The hub is killed while it waits for S3."""
+    for method in ("PUT", "HEAD"):
+        s3.set_fault(f"{method} silence")
+        begin = len((s3.folder / "requests").read_text())
+        record(clinic, f"K{number:03}")
+        wait_until(f"the hub has asked S3 for {method}", lambda word=method, at=begin: f"{word} /" in (s3.folder / "requests").read_text()[at:])
+        s3.centre.hub.kill()
+        expect_sound(checks, s3, f"killed during {method}", number)
+        s3.set_fault("")
+        s3.centre.hub.start()
+        wait_until("the recording has a receipt", lambda: not clinic.undelivered())
+        number += 1
+        expect_sound(checks, s3, "started again", number)
+
+
+def worker(checks: Checks, s3: S3) -> None:
+    s3.centre.start_worker()
+    s3.centre.fleet("jobs", "add", "--kind", "replay")
+    wait_until("all jobs are done", lambda: s3.centre.query("SELECT count(*) FROM job WHERE state IN ('waiting', 'running')") == "0")
+    checks.expect("a worker reads recordings from S3", s3.centre.query("SELECT bool_and(state = 'done') FROM job") == "t",
+                  s3.centre.query("SELECT message FROM job"))
+
+
+def erase(checks: Checks, s3: S3, clinic: Clinic, number: int) -> None:
+    clinic.dtsctl("subject", "erase", "P001", "--yes")
+    wait_until("the object of the erased subject is gone", lambda: len(s3.objects()) == number - 1)
+    expect_sound(checks, s3, "after an erasure", number - 1)
+
+
+def rebuild(checks: Checks, s3: S3, number: int) -> None:
+    s3.centre.hub.stop()
+    s3.centre.query("DELETE FROM job; DELETE FROM receipt; DELETE FROM part; DELETE FROM session")
+    run(program("dts-hub"), "rebuild", "--config", s3.centre.config)
+    expect_sound(checks, s3, "after dts-hub rebuild", number)
+
+
+def other_authority(checks: Checks, s3: S3) -> None:
+    """Nothing is sent to a server whose certificate another authority has signed."""
+    config = s3.centre.folder / "hub-without-ca.toml"
+    config.write_text(s3.centre.config.read_text().rpartition("ca = ")[0])
+    begin = len((s3.folder / "requests").read_text())
+    try:
+        reason = run(program("dts-hub"), "rebuild", "--config", config)
+    except Failure as failure:
+        reason = str(failure)
+    checks.expect("a server with a certificate of another authority gets no request",
+                  "certificate" in reason and len((s3.folder / "requests").read_text()) == begin, reason)
+
+
+def with_s3(checks: Checks, keep: bool) -> None:
+    s3 = S3()
+    clinic = Clinic(s3.centre, "kent", rigs=(FLOOR,))
+    try:
+        s3.centre.start()
+        clinic.start()
+        faults(checks, s3, clinic)
+        kills(checks, s3, clinic, 4)
+        worker(checks, s3)
+        erase(checks, s3, clinic, 6)
+        rebuild(checks, s3, 5)
+        other_authority(checks, s3)
+    finally:
+        clinic.close()
+        s3.server.stop()
+        s3.centre.close(keep or checks.failed > 0)
+
+
+def with_s3rver(checks: Checks) -> None:
+    """Another implementation of S3."""
+    found = shutil.which("s3rver")
+    if found is None or not UNIT_TEST.exists():
+        print("skipped: s3rver is not installed (npm install s3rver)")
+        return
+    centre = Centre()
+    port = free_port()
+    keys = centre.folder / "s3.keys"
+    keys.touch(0o600)
+    keys.write_text("S3RVER\nS3RVER\n")
+    server = Child("s3rver", [found, "--directory", centre.folder / "s3rver", "--address", "127.0.0.1", "--port", str(port), "--configure-bucket",
+                              "recordings"], centre.folder / "s3rver.log")
+    try:
+        server.start()
+        wait_until("s3rver listens", lambda: server.expect_alive() and "listening" in server.text())
+        test = [UNIT_TEST, "--gtest_filter=OtherServerTest.*"]
+        try:
+            done = run(*test, env=os.environ | {"DTS_S3": f"http://127.0.0.1:{port} recordings us-east-1 {keys}"})
+        except Failure as failure:
+            done = str(failure)
+        checks.expect("s3rver: put, in parts too, look, read, list, remove", "[  PASSED  ] 1 test" in done and "SKIPPED" not in done, done)
+    finally:
+        server.stop()
+        centre.close()
+
+
+def s3(checks: Checks) -> None:
+    with_s3(checks, "--keep" in sys.argv)
+    with_s3rver(checks)
+
+
+if __name__ == "__main__":
+    run_test(s3)

@@ -20,6 +20,7 @@ constexpr int kMostDoublings = 9;
 constexpr milliseconds kLongestSilence{5000};
 constexpr std::uint64_t kCommittedBytesPerMs = 20'000;  // the hub synchronises the file and reads it again
 constexpr std::size_t kLargestWindow = 16;
+constexpr int kMostDamagedCommits = 2;
 constexpr std::size_t kSmallestChunk = 16 * 1024;
 
 }  // namespace
@@ -113,7 +114,10 @@ void Transfer::handle_upload(const v1::Upload& upload, Time now) {
       problem_.clear();
       return;
     case State::Committing:  // the bytes at the centre were not those of the recording, or are gone
-      if (have < bytes_) wait(backoff_.next(), "the centre has to receive the recording again", now);
+      if (have == bytes_) return;
+      if (++damaged_commits_ < kMostDamagedCommits) return wait(backoff_.next(), "the centre has to receive the recording again", now);
+      state_ = State::Ended;
+      end_ = End{.is_damaged = true};
       return;
     case State::Sending:
       if (upload.worker() != worker_) return;  // a late answer of another one

@@ -50,7 +50,8 @@ class Transfer {
   };
   struct End {
     std::optional<v1::Receipt> receipt{};  ///< The file is safe at the centre.
-    std::string refusal{};                 ///< Why the centre does not accept it; empty: it has.
+    std::string refusal{};                 ///< Why the centre does not accept it; empty: it does.
+    bool is_damaged = false;               ///< Twice, what arrived was not what was offered: the file may have changed.
   };
 
   /// `sha256`: 32 bytes. `seed`: of the random part of waiting times.
@@ -93,6 +94,7 @@ class Transfer {
   bool has_gone_back_ = false;  ///< Answers to chunks that were sent before may still arrive.
   Time deadline_{};
   std::uint32_t tries_ = 0;
+  int damaged_commits_ = 0;
   std::string problem_;
   std::optional<End> end_;
 };

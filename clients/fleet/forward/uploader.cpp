@@ -196,7 +196,7 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
       if (const auto wanted = store_.is_wanted(file); wanted && !*wanted) break;
       show(file, transfer);
     }
-    const bool is_free = pace_.is_free(now);
+    const bool is_free = pace_.is_free(now) && uplink_.has_room();
     const Transfer::Step step = transfer.next(now, is_free);
     if (auto done = do_step(step, file, *bytes, (*mailbox)->address()); !done) {
       put_off(file, done.error().what);
@@ -211,13 +211,18 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
     }
     show(file, transfer);
   }
-  finish(file, transfer);
+  finish(file, transfer, stop);
 }
 
-void Uploader::finish(const FileRow& file, const Transfer& transfer) {
+void Uploader::finish(const FileRow& file, const Transfer& transfer, const std::stop_token& stop) {
   complain(store_.add_tries(file, transfer.tries()));
   set_problem({});
   if (!transfer.end()) return;
+  if (transfer.end()->is_damaged) {
+    read(file, stop);  // holds the file if it has changed
+    if (const auto wanted = store_.is_wanted(file); wanted && !*wanted) return;
+    return put_off(file, "what arrived at the centre was not what was sent");
+  }
   if (!transfer.end()->receipt) {
     log_.error("the centre rejected " + named(file) + ": " + transfer.end()->refusal);
     return complain(store_.hold(file, "the centre rejected it: " + transfer.end()->refusal));

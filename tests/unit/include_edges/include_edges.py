@@ -101,7 +101,7 @@ HOUSE = [
     ("clients/relay/main.cpp",   [],                                                      ["CLI/", "systemd/"]),
     ("clients/fleet/wire",       ["core", "proto"],                                       ["google/protobuf/"]),
     ("clients/fleet/wire/nkey.cpp", [],                                                   ["sodium.h"]),
-    ("clients/fleet/link",       ["core", "fleet/wire"],                                  ["nats/"]),
+    ("clients/fleet/link",       ["core", "fleet/wire"],                                  ["nlohmann/", "openssl/", "sodium.h"]),
     ("clients/fleet/database",   ["core"],                                                ["libpq-fe.h"]),
     ("clients/fleet/forward",    ["cli", "core", "files", "libdts", "proto", "record", "fleet/wire", "fleet/link"],
                                                                                           ["CLI/", "SQLiteCpp/", "sodium.h", "systemd/"]),

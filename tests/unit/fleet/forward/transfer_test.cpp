@@ -196,6 +196,19 @@ TEST_F(TransferTest, CommitOfDamagedBytes_StartsAgainAfterAPause) {
   EXPECT_THAT(chunks(), testing::ElementsAre(0));
 }
 
+TEST_F(TransferTest, BytesThatAreDamagedTwice_EndTheUpload) {
+  open(bytes_);
+  ASSERT_EQ(transfer_.next(now_).kind, Kind::Commit);
+  transfer_.handle(upload(0), now_);
+  now_ = transfer_.next(now_).until;
+  open(bytes_);
+  ASSERT_EQ(transfer_.next(now_).kind, Kind::Commit);
+  transfer_.handle(upload(0), now_);
+  ASSERT_TRUE(transfer_.end());
+  EXPECT_TRUE(transfer_.end()->is_damaged);
+  EXPECT_FALSE(transfer_.end()->receipt);
+}
+
 TEST_F(TransferTest, CommitOfALargeFile_GetsTimeForReadingIt) {
   bytes_ = 1'000'000'000;
   Transfer large("kent", sha256_, bytes_, 1);

@@ -62,8 +62,7 @@ def restore(checks: Checks) -> None:
         centre.nats.start()
         centre.hub.start()
         clinic.forwarder.stop()
-        for file in (clinic.folder / "forward").glob("sent.sqlite*"):
-            file.unlink()
+        clinic.forward("offer-again")
         clinic.forwarder.start()
         wait_until("every recording has a receipt again", lambda: not clinic.undelivered())
         expect_whole(checks, centre, "after the clinic offered everything again", 3)

@@ -76,7 +76,7 @@ bool Desk::fail(const std::string& problem) {
   return false;
 }
 
-/// The session waits for itself. The others pause, too, since the centre may not answer at all.
+/// Puts the session off. The others pause, too, since the centre may not answer at all.
 bool Desk::fail(const std::string& session, const core::Error& why) {
   if (why.code == core::ErrorCode::Unreachable) return fail(why.what);
   put_off(session, why.what);

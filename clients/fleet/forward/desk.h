@@ -16,8 +16,8 @@
 
 namespace dts::fleet::forward {
 
-/// Sends facts and erasures of the store to the centre, one at a time, until the centre has answered each. A session that fails waits for
-/// itself, longer at each failure; the others go on. Thread: one.
+/// Sends facts and erasures of the store to the centre, one at a time, until the centre has answered each. A session that fails waits,
+/// longer after each failure; the others do not wait for it. Thread: one.
 class Desk {
  public:
   Desk(std::string clinic, Uplink& uplink, Store& store, core::Log log);

@@ -32,6 +32,7 @@ using Time = std::chrono::steady_clock::time_point;
 constexpr milliseconds kConnectTimeout{5000};  // for TCP; and again for TLS and the first answers
 constexpr milliseconds kPingInterval{5000};
 constexpr milliseconds kLongestSilence{10'000};
+constexpr milliseconds kSteady{20'000};   // a connection that lasts longer was a success
 constexpr milliseconds kFirstPause{250};  // before the next try; up to twice as long at random
 constexpr milliseconds kLastPause{2000};
 constexpr milliseconds kFirstPauseRejected{1000};
@@ -40,6 +41,7 @@ constexpr milliseconds kTurn{500};
 constexpr milliseconds kLastWrite{500};    // for what waits when the link ends
 constexpr milliseconds kLongestEnd{1000};  // the resolver cannot be interrupted
 constexpr std::chrono::minutes kSameLog{1};
+constexpr int kRejections = 2;              // nats-server also rejects a key that connects while it reads its users again
 constexpr std::size_t kMostWaiting = 4096;  // letters of a subscription
 constexpr std::size_t kMostWaitingBytes = 16 * 1024 * 1024;
 constexpr std::size_t kRoomBytes = 256 * 1024;
@@ -140,7 +142,7 @@ class Connection {
     return get([this] { return is_connected_ && waiting_ < kRoomBytes; });
   }
   [[nodiscard]] bool is_rejected() const {
-    return get([this] { return is_rejected_; });
+    return get([this] { return rejections_ >= kRejections; });
   }
   [[nodiscard]] std::uint64_t connections() const {
     return get([this] { return connections_; });
@@ -204,7 +206,7 @@ class Connection {
   bool is_ending_ = false;  ///< Behind the mutex, as all that follows.
   bool is_over_ = false;
   bool is_connected_ = false;
-  bool is_rejected_ = false;
+  int rejections_ = 0;  ///< Since it was last accepted.
   std::uint64_t connections_ = 0;
   std::string problem_{"not connected yet"};
   std::string logged_{};
@@ -223,14 +225,14 @@ void Connection::run() {
   ::pthread_sigmask(SIG_BLOCK, &broken_pipe, nullptr);  // OpenSSL writes without MSG_NOSIGNAL
   (void)core::configure_this_thread("link", {});
   for (std::size_t tries = 0; !is_ending(); ++tries) {
-    const std::uint64_t before = connections();
+    const Time begun_at = std::chrono::steady_clock::now();
     try {
       const auto ended = serve(addresses_[tries % addresses_.size()]);
       if (!ended) set_ended(ended.error());
     } catch (const std::exception& error) {
       set_ended({.code = core::ErrorCode::Failed, .what = error.what(), .hint = {}});
     }
-    if (connections() != before) tries = 0;
+    if (std::chrono::steady_clock::now() - begun_at > kSteady) tries = 0;
     pause(tries);
   }
   const std::lock_guard lock(mutex_);
@@ -249,8 +251,9 @@ bool Connection::end() {
 void Connection::pause(std::size_t tries) {
   std::unique_lock lock(mutex_);
   const std::size_t rounds = std::min<std::size_t>(tries / addresses_.size(), 16);
-  const milliseconds longest = is_rejected_ ? kLastPauseRejected : kLastPause;
-  const milliseconds whole = std::min((is_rejected_ ? kFirstPauseRejected : kFirstPause) * (1 << rounds), longest);
+  const bool is_rejected = rejections_ >= kRejections;
+  const milliseconds longest = is_rejected ? kLastPauseRejected : kLastPause;
+  const milliseconds whole = std::min((is_rejected ? kFirstPauseRejected : kFirstPause) * (1 << rounds), longest);
   const milliseconds random(randombytes_uniform(static_cast<std::uint32_t>(whole.count()) + 1));
   changed_.wait_for(lock, whole + random, [this] { return is_ending_; });
 }
@@ -299,7 +302,7 @@ void Connection::unsubscribe(std::uint64_t subscription) {
 void Connection::set_connected(const ServerInfo& info) {
   const std::lock_guard lock(mutex_);
   is_connected_ = true;
-  is_rejected_ = false;
+  rejections_ = 0;
   ++connections_;
   max_payload_ = info.max_payload;
   problem_.clear();
@@ -311,7 +314,8 @@ void Connection::set_connected(const ServerInfo& info) {
 void Connection::set_ended(const core::Error& why) {
   const std::lock_guard lock(mutex_);
   if (is_ending_) return;
-  is_rejected_ = why.code == core::ErrorCode::NotAllowed;
+  if (why.code == core::ErrorCode::NotAllowed && rejections_ < kRejections) ++rejections_;
+  const bool is_rejected = why.code == core::ErrorCode::NotAllowed && rejections_ >= kRejections;
   const bool was_connected = std::exchange(is_connected_, false);
   out_.clear();
   waiting_ = 0;

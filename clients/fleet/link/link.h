@@ -79,7 +79,7 @@ class Link {
   [[nodiscard]] bool is_connected() const;
   /// Less than 256 KiB wait to be written: for those who can send later or not at all.
   [[nodiscard]] bool has_room() const;
-  /// The server rejected the key, and has not accepted it since.
+  /// The server rejected the key twice, and has not accepted it since.
   [[nodiscard]] bool is_rejected() const;
   /// Number of connections so far. It rises with every new one.
   [[nodiscard]] std::uint64_t connections() const;

@@ -319,7 +319,7 @@ void Connection::set_ended(const core::Error& why) {
   const bool was_connected = std::exchange(is_connected_, false);
   out_.clear();
   waiting_ = 0;
-  problem_ = (is_rejected_    ? "the server rejects the connection: "
+  problem_ = (is_rejected     ? "the server rejects the connection: "
               : was_connected ? "the connection is lost: "
                               : "no connection: ") +
              why.what;

@@ -14,7 +14,7 @@ from nats_client import NatsClient, NKey
 from protobuf import message
 
 BYTES_PER_S = 300e3
-SECONDS = 15.0
+SECONDS = 6.0
 
 
 class Viewer:

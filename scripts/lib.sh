@@ -25,7 +25,6 @@ DTS_PYTHON_PACKAGES=(python3-zmq python3-protobuf python3-numpy)
 
 # The fleet (clients/fleet): built if these are installed; the other programs do not need them.
 DTS_FLEET_PACKAGES=(
-  libnats-dev                                          # messages between clinics and the centre
   libpq-dev                                            # the centre's catalogue
   libcurl4-openssl-dev                                 # the centre's recordings in a bucket of S3: HTTP with signatures
 )

@@ -161,7 +161,7 @@ def expect_revoked(checks: Checks, centre: Centre, clinic: Clinic, other: Clinic
 
 def expect_dashboard_watches_only(checks: Checks, centre: Centre, gateway: Gateway, clinic: Clinic, other: Clinic) -> None:
     client = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(gateway.key_file))
-    own = f"_DASHBOARD.{gateway.public_key}"
+    own = f"_DASHBOARD.{NKey.of_file(gateway.key_file).public}"
     client.publish(f"dts.v1.{clinic.name}.down.live")
     for subject in ("dts.v1.*.live.>", f"dts.v1.{clinic.name}.live.>", f"{own}.>"):
         client.subscribe(subject)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The line between a clinic and the centre: TCP, with a rate and a switch."""
+"""The line between a clinic and the centre: TCP, with a rate and two switches: it can be cut, and it can be silent."""
 import socket
 import struct
 import threading
@@ -20,6 +20,9 @@ class Line:
         self._is_over = False
         self._lock = threading.Lock()
         self._sockets: set[socket.socket] = set()
+        self._speaks = {True: threading.Event(), False: threading.Event()}  # True: towards the centre
+        for direction in self._speaks.values():
+            direction.set()
         self._due_s = time.monotonic()  # when the next bytes may leave
         self._listener = socket.create_server(("127.0.0.1", 0), backlog=64)
         self.port = int(self._listener.getsockname()[1])
@@ -35,8 +38,21 @@ class Line:
         with self._lock:
             self._is_cut = False
 
+    def silence(self, up: bool, down: bool) -> None:
+        """Carries nothing in these directions until `speak`, and ends nothing, like a pulled cable or a firewall that drops. New connections
+        are accepted, and are as silent."""
+        for is_up, is_silent in ((True, up), (False, down)):
+            if is_silent:
+                self._speaks[is_up].clear()
+
+    def speak(self) -> None:
+        """What was held back arrives, as TCP sends it again."""
+        for direction in self._speaks.values():
+            direction.set()
+
     def close(self) -> None:
         self._is_over = True
+        self.speak()
         self.cut()
         self._listener.close()
 
@@ -75,6 +91,7 @@ class Line:
             while data := source.recv(4096 if is_up and self.bytes_per_s else 65536):
                 if is_up:
                     self._wait_for_turn(len(data))
+                self._speaks[is_up].wait()
                 sink.sendall(data)
         except OSError:
             pass

@@ -5,8 +5,11 @@ the files of the centre, the whole database, and the logs. A second clinic, whic
 what is there. Then the subject is erased at the clinic.
 
     privacy.py [--keep]    --keep: keeps the folder with files and logs"""
+import functools
 import struct
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 from centre import Centre
@@ -14,6 +17,7 @@ from checks import Checks, run_test
 from child import wait_until
 from clinic import FLOOR, Clinic
 from nats_client import NatsClient, NKey
+from protobuf import message
 
 PROTOCOL = """\
 name = "short"
@@ -47,6 +51,11 @@ title = "Eyes closed"
 """
 
 
+STREAMS = ("cop",)
+EVENTS = ("gap", "marker", "device", "session", "trigger", "trial", "reach", "class", "sway")  # topics of the events that dtsd publishes
+HAPPENING = ("marker", "session", "trial")  # those of them that this test makes
+
+
 def canaries_of(clinic: str) -> dict[str, str]:
     """Returns a word for everything that a person enters, by what it is. No two clinics have the same."""
     words = ["subject ID", "label", "corrected label", "notes", "marker", "second marker", "reason of a label", "reason of notes",
@@ -68,14 +77,18 @@ def entered(canary: str) -> str:
     return f'see "{canary}" é'
 
 
-def record(clinic: Clinic, canary: dict[str, str]) -> str:
-    """Records a session with a canary in everything. Returns its ID."""
+def record(clinic: Clinic, canary: dict[str, str], watch: Callable[[], None]) -> str:
+    """Records a session with a canary in everything, and watches it meanwhile. Returns its ID."""
+    watch()
     session = clinic.dtsctl("session", "start", "--rig", "floor", "--protocol", "short", "--subject", canary["subject ID"], "--label",
                             entered(canary["label"]), "--field", f"weight_kg={canary['weight_kg']}", "--field", f"code={canary['code']}").strip()
+    watch()
     clinic.dtsctl("mark", entered(canary["marker"]), "--rig", "floor")
     for trial in (1, 2):
+        watch()
         clinic.dtsctl("session", "trial", "next", "--rig", "floor")
         wait_until(f"trial {trial} is done", lambda number=trial: f'"last_trial": {number}' in clinic.dtsctl("status", "--json"))
+    watch()
     clinic.dtsctl("mark", entered(canary["second marker"]), "--rig", "floor")
     clinic.dtsctl("session", "stop", "--rig", "floor")
     wait_until("the session is closed", lambda: not clinic.is_recording())
@@ -94,10 +107,21 @@ class Places:
         self.centre = centre
         self.clinics = clinics
         self._watch = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(centre.folder / "hub.nk"))
-        for rest in ("up.>", "facts", "erase", "beat", "live.>"):
-            self._watch.subscribe(f"dts.v1.*.{rest}")
+        for subject in ("up.>", "facts", "erase", "beat", "live.>"):
+            self._watch.subscribe(f"dts.v1.*.{subject}")
         self._watch.wait_for_server()
         self._letters: list[tuple[str, bytes]] = []
+
+    def watch(self, clinic: Clinic) -> None:
+        """Asks for everything that can be watched at a clinic, for the next 10 s."""
+        topics = [f"floor/{name}" for name in (*STREAMS, *EVENTS)] + ["dtsd/status"]
+        request = b"".join(message({1: topic}) for topic in topics) + message({2: "ann"})
+        self._watch.publish(f"dts.v1.{clinic.name}.down.live", request, "_HUB.privacy")
+
+    def can_watch(self, clinic: Clinic) -> bool:
+        self.watch(clinic)
+        time.sleep(0.2)
+        return self.seen(clinic, "floor.cop")
 
     def letters(self) -> list[tuple[str, bytes]]:
         """Returns subject and content of all messages so far."""
@@ -105,6 +129,9 @@ class Places:
             letter = self._watch.letters.get()
             self._letters.append((letter.subject, letter.data))
         return self._letters
+
+    def seen(self, clinic: Clinic, topic: str) -> bool:
+        return any(subject == f"dts.v1.{clinic.name}.live.{topic}" for subject, _ in self.letters())
 
     def all(self) -> dict[str, bytes]:
         files = sorted(self.centre.store.rglob("*"))
@@ -167,10 +194,15 @@ def privacy(checks: Checks) -> None:
             clinic.start()
         kent, essex = clinics
         canaries = {clinic.name: canaries_of(clinic.name) for clinic in clinics}
-        sessions = {clinic.name: record(clinic, canaries[clinic.name]) for clinic in clinics}
+        for clinic in clinics:
+            wait_until(f"{clinic.name} can be watched", lambda one=clinic: places.can_watch(one))
+        sessions = {clinic.name: record(clinic, canaries[clinic.name], functools.partial(places.watch, clinic)) for clinic in clinics}
         for clinic in clinics:
             wait_until(f"the session of {clinic.name} has arrived", lambda one=clinic: has_arrived(one, sessions[one.name]))
         everywhere = places.all()
+        for clinic in clinics:
+            for topic in ("dtsd.status", *(f"floor.{name}" for name in STREAMS + HAPPENING)):
+                checks.expect(f"{topic} of {clinic.name} was watched meanwhile", places.seen(clinic, topic))
         for what, canary in canaries["kent"].items():
             reached = found(canary, everywhere)
             if what == "subject ID":

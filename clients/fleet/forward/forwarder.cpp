@@ -29,6 +29,7 @@
 #include "core/clock.h"
 #include "core/join.h"
 #include "core/thread.h"
+#include "core/token_bucket.h"
 #include "dts/subscriber.h"
 #include "fleet/forward/beat.h"
 #include "fleet/forward/desk.h"
@@ -125,13 +126,14 @@ class Board {
 class Forwarder {
  public:
   Forwarder(const Settings& settings, client::Endpoints endpoints, std::unique_ptr<Store> store, std::unique_ptr<Uplink> bulk,
-            std::unique_ptr<Uplink> talk, core::Log log)
+            std::unique_ptr<Uplink> talk, link::LinkOptions live, core::Log log)
       : settings_(settings),
         endpoints_(std::move(endpoints)),
         log_(std::move(log)),
         store_(std::move(store)),
         bulk_(std::move(bulk)),
         talk_(std::move(talk)),
+        live_options_(std::move(live)),
         uploader_({.clinic = settings.clinic, .rules = settings.rules, .limits = settings.upload}, *bulk_, *store_, clock_, log_) {}
 
   void run();
@@ -150,9 +152,9 @@ class Forwarder {
   [[nodiscard]] core::Status look(Outbox& outbox, bool is_all, const std::stop_token& stop);
   void show_words();
   void serve_viewers(Viewers& viewers, Mailbox& requests, milliseconds timeout);
-  void send_live(const client::Message& message);
-  void send_live(const std::string& topic, std::string data);
-  void send_status(v1::StatusSnapshot status);
+  void send_live(Uplink& uplink, const client::Message& message);
+  void send_live(Uplink& uplink, const std::string& topic, std::string data);
+  void send_status(Uplink& uplink, v1::StatusSnapshot status);
 
   const Settings& settings_;
   client::Endpoints endpoints_;
@@ -161,6 +163,8 @@ class Forwarder {
   std::unique_ptr<Store> store_;
   std::unique_ptr<Uplink> bulk_;
   std::unique_ptr<Uplink> talk_;
+  link::LinkOptions live_options_;
+  core::TokenBucket complaints_{0.1, 5.0};  ///< Of wrong requests. Thread: live.
   Uploader uploader_;
   Board board_;
   std::atomic<bool> is_desk_retry_due_ = false;
@@ -313,7 +317,7 @@ void Forwarder::upload(const std::stop_token& stop) {
   }
 }
 
-void Forwarder::send_live(const client::Message& message) {
+void Forwarder::send_live(Uplink& uplink, const client::Message& message) {
   std::string topic;
   std::string data;
   if (const auto* block = std::get_if<client::Block>(&message)) {
@@ -325,34 +329,35 @@ void Forwarder::send_live(const client::Message& message) {
     mask_event(masked, settings_.rules);
     data = masked.SerializeAsString();
   } else if (const auto* status = std::get_if<client::Status>(&message)) {
-    return send_status(*status->snapshot);
+    return send_status(uplink, *status->snapshot);
   } else {
     return;
   }
-  send_live(topic, std::move(data));
+  send_live(uplink, topic, std::move(data));
 }
 
-void Forwarder::send_live(const std::string& topic, std::string data) {
+void Forwarder::send_live(Uplink& uplink, const std::string& topic, std::string data) {
+  if (!uplink.has_room()) return;  // the block's sequence shows a loss
   const std::string subject = wire::to_text({.clinic = settings_.clinic, .matter = wire::Matter::Live, .topic = topic});
-  (void)talk_->publish({.subject = subject, .data = std::move(data)});  // the block's sequence shows a loss
+  (void)uplink.publish({.subject = subject, .data = std::move(data)});
 }
 
-void Forwarder::send_status(v1::StatusSnapshot status) {
+void Forwarder::send_status(Uplink& uplink, v1::StatusSnapshot status) {
   mask_status(status, settings_.rules);
-  send_live(std::string(kStatusTopic), status.SerializeAsString());
+  send_live(uplink, std::string(kStatusTopic), status.SerializeAsString());
 }
 
 void Forwarder::serve_viewers(Viewers& viewers, Mailbox& requests, milliseconds timeout) {
   for (auto letter = requests.next(timeout); letter; letter = requests.next(milliseconds(0))) {
     const auto request = wire::decode_live_request(letter->data);
     if (!request || !wire::is_inbox_of_dashboard(letter->reply)) {
-      log_.warning("a request to watch is not valid");
+      if (complaints_.take(steady_clock::now())) log_.warning("a request to watch is not valid");
       continue;
     }
     const auto status = board_.status();
     const v1::LiveAnswer answer = viewers.handle(*request, status.get(), steady_clock::now());
     (void)talk_->publish({.subject = letter->reply, .data = answer.SerializeAsString()});  // the viewer asks again
-    if (answer.has_lease_s() && status) send_status(*status);                              // a new viewer needs it before anything else
+    if (answer.has_lease_s() && status) send_status(*talk_, *status);                      // a new viewer needs it before anything else
   }
   viewers.expire(steady_clock::now());
   board_.set_word(words::kViewers, core::join(viewers.names(), ", "));
@@ -362,25 +367,17 @@ void Forwarder::live(const std::stop_token& stop) {
   Viewers viewers(settings_.is_live_allowed, log_);
   const std::string subject = wire::to_text({.clinic = settings_.clinic, .matter = wire::Matter::DownLive});
   std::optional<client::Subscriber> subscriber;
+  std::unique_ptr<Uplink> uplink;
   std::vector<std::string> topics;
-  std::unique_ptr<Mailbox> requests;
-  std::uint64_t connections = 0;
+  const auto requests = talk_->listen(subject);
+  if (!requests) return log_.error("requests to watch: " + requests.error().what);
   while (!stop.stop_requested()) {
-    if (requests == nullptr || talk_->connections() != connections) {
-      connections = talk_->connections();
-      requests.reset();
-      auto opened = talk_->listen(subject);
-      if (opened) requests = std::move(*opened);
-    }
-    if (requests == nullptr) {
-      std::this_thread::sleep_for(kTurn);
-      continue;
-    }
-    serve_viewers(viewers, *requests, subscriber ? milliseconds(0) : kTurn);
+    serve_viewers(viewers, **requests, subscriber ? milliseconds(0) : kTurn);
     if (const auto wanted = viewers.topics(); wanted != topics) {
       topics = wanted;
       if (topics.empty()) {
         subscriber.reset();
+        uplink.reset();
       } else if (subscriber) {
         if (!subscriber->set_topics(topics)) subscriber.reset();
       }
@@ -389,11 +386,16 @@ void Forwarder::live(const std::stop_token& stop) {
         if (!opened) return log_.error("dtsd's data socket: " + opened.error().what);
         subscriber.emplace(std::move(*opened));
       }
+      if (!topics.empty() && !uplink) {
+        auto opened = open_uplink(live_options_, log_);
+        if (!opened) return log_.error("live data: " + opened.error().what);
+        uplink = std::move(*opened);
+      }
     }
     if (!subscriber) continue;
     const auto message = subscriber->receive(kReceive);
     if (!message) return log_.error("dtsd's data socket: " + message.error().what);
-    if (*message) send_live(**message);
+    if (*message) send_live(*uplink, **message);
   }
 }
 
@@ -471,9 +473,10 @@ core::Status run_forwarder(const Settings& settings, const core::Log& log) {
                             .seed = key.seed,
                             .inbox_prefix = wire::inbox_prefix(settings.clinic)};
   DTS_TRY_ASSIGN(auto bulk, open_uplink(options, log));
-  options.name = settings.clinic + " live";
+  options.name = settings.clinic + " facts";
   DTS_TRY_ASSIGN(auto talk, open_uplink(options, log));
-  Forwarder(settings, std::move(*endpoints), std::move(store), std::move(bulk), std::move(talk), log).run();
+  options.name = settings.clinic + " live";
+  Forwarder(settings, std::move(*endpoints), std::move(store), std::move(bulk), std::move(talk), std::move(options), log).run();
   return {};
 }
 

@@ -17,7 +17,8 @@ namespace dts::fleet::forward {
 ///     upload  reads and sends recordings; SCHED_IDLE, the lowest I/O priority
 ///     live    sends what is watched
 ///
-/// Upload has a connection of its own; the others share the second, so that recordings on a slow link delay neither facts nor beats.
+/// Upload has a connection of its own, and so has what is watched, while somebody watches: neither recordings on a slow link nor a slow viewer
+/// delay facts and beats.
 [[nodiscard]] core::Status run_forwarder(const Settings& settings, const core::Log& log);
 
 }  // namespace dts::fleet::forward

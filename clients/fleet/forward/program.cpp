@@ -50,7 +50,9 @@ int key_command(const Arguments& arguments, cli::Console& console) {
   return cli::kOk;
 }
 
-int status_command(const Arguments& arguments, cli::Console& console) {
+/// Calls `action` with the settings and the store of the program.
+template <class Action>
+int with_store(const Arguments& arguments, cli::Console& console, Action action) {
   files::Problems problems;
   const Settings settings = load_settings(arguments.file, true, problems);
   if (!problems.empty()) return print_problems(problems, console);
@@ -62,9 +64,24 @@ int status_command(const Arguments& arguments, cli::Console& console) {
   }
   const auto store = Store::open(settings.state_folder);
   if (!store) return cli::fail_with(console, store.error());
-  if (!arguments.sha256.empty()) return print_file(**store, arguments.sha256, arguments.is_json, console);
-  const core::SystemClock clock;
-  return print_status(**store, settings.clinic, clock.now_ns() + clock.utc_minus_monotonic_ns(), arguments.is_json, console);
+  return action(settings, **store);
+}
+
+int status_command(const Arguments& arguments, cli::Console& console) {
+  return with_store(arguments, console, [&arguments, &console](const Settings& settings, const Store& store) {
+    if (!arguments.sha256.empty()) return print_file(store, arguments.sha256, arguments.is_json, console);
+    const core::SystemClock clock;
+    return print_status(store, settings.clinic, clock.now_ns() + clock.utc_minus_monotonic_ns(), arguments.is_json, console);
+  });
+}
+
+int offer_again_command(const Arguments& arguments, cli::Console& console) {
+  return with_store(arguments, console, [&console](const Settings& /*settings*/, Store& store) {
+    if (const auto done = store.offer_again(); !done) return cli::fail_with(console, done.error());
+    console.out << "When dts-forward starts again, it offers all recordings and repeats all erasures\n";
+    cli::print_hint(console, "systemctl restart dts-forward");
+    return int{cli::kOk};
+  });
 }
 
 cli::Manual make_manual() {
@@ -96,7 +113,11 @@ void add_commands(cli::CommandLine& line, Arguments& arguments) {
       [&arguments](cli::Console& console) { return status_command(arguments, console); });
   status_app->add_option("sha256", arguments.sha256, "SHA-256 of a recording, as dtsctl session show prints it")->option_text("SHA256");
   status_app->add_flag("--json", arguments.is_json, "Print one JSON document");
-  for (CLI::App* command : {run_app, key_app, status_app}) {
+  CLI::App* again_app = cli::add_command(
+      line, line.app, "offer-again", "Offer all recordings again, and repeat all erasures: the centre was restored from a backup",
+      "dts-forward offer-again --config /etc/dtsd/forward.toml | the centre answers at once for what it still has\n",
+      [&arguments](cli::Console& console) { return offer_again_command(arguments, console); });
+  for (CLI::App* command : {run_app, key_app, status_app, again_app}) {
     command->add_option("--config", arguments.file, "Configuration file")->required()->option_text("FILE");
   }
 }

@@ -85,8 +85,10 @@ core::Result<Facts> facts_of(const Store& store, std::int64_t utc_ns) {
   const auto rate = number<double>(facts.words, words::kUploadRate);
   const std::uint64_t have = number<std::uint64_t>(facts.words, words::kUploadHave);
   const std::uint64_t left = facts.backlog.bytes() - std::min(facts.backlog.bytes(), have);
-  if (facts.is_running && facts.backlog.files() > 0 && rate > 0.0) facts.seconds_to_go = static_cast<double>(left) / rate;
   facts.problem = problem_of(facts);
+  const bool is_sending =
+      facts.is_running && word(facts.words, words::kLinkProblem).empty() && word(facts.words, words::kUploadProblem).empty();
+  if (is_sending && facts.backlog.files() > 0 && rate > 0.0) facts.seconds_to_go = static_cast<double>(left) / rate;
   return facts;
 }
 

@@ -17,6 +17,9 @@ namespace dts::fleet::forward {
 namespace {
 
 constexpr std::int64_t kVersion = 1;
+// Values of session.is_erased; 0: it is not erased.
+constexpr int kToErase = 1;  // The centre has not answered yet.
+constexpr int kErased = 2;
 constexpr std::size_t kHexDigits = 2 * wire::kSha256Bytes;
 constexpr const char* kSchema =
     "CREATE TABLE session (id TEXT PRIMARY KEY, listed TEXT NOT NULL, content TEXT NOT NULL, revision INTEGER NOT NULL,"
@@ -161,6 +164,15 @@ core::Status Store::set_centre(const std::string& clinic, const std::string& ca_
   });
 }
 
+core::Status Store::offer_again() {
+  return guarded([this] {
+    database_.run("UPDATE session SET is_sent = 0, why_not = '', listed = '', content = ''");
+    database_.run("UPDATE session SET is_erased = ? WHERE is_erased = ?", kToErase, kErased);
+    database_.run("UPDATE file SET state = ?, tries = 0, receipt_utc_ns = 0, hub = '', why_not = '', not_before = 0",
+                  static_cast<int>(FileState::Waiting));
+  });
+}
+
 core::Status Store::retry_held() {
   return guarded([this] {
     database_.run("UPDATE file SET state = ?, sent = '', why_not = '' WHERE state = ?", static_cast<int>(FileState::Waiting),
@@ -221,11 +233,16 @@ core::Status Store::put_session(const v1::SessionRecord& listed, const v1::Sessi
   });
 }
 
-core::Result<std::optional<v1::FleetSession>> Store::next_facts() const {
-  return guarded([this]() -> std::optional<v1::FleetSession> {
+core::Result<std::optional<v1::FleetSession>> Store::next_facts(const std::set<std::string>& without) const {
+  return guarded([this, &without]() -> std::optional<v1::FleetSession> {
     auto row = database_.query(
-        "SELECT facts FROM session WHERE is_sent = 0 AND why_not = '' AND is_erased = 0 AND facts != '' ORDER BY started_utc_ns LIMIT 1");
-    return row.step() ? facts_of_text(row.text(0)) : std::nullopt;
+        "SELECT id, facts FROM session WHERE is_sent = 0 AND why_not = '' AND is_erased = 0 AND facts != '' ORDER BY started_utc_ns LIMIT "
+        "?",
+        without.size() + 1);
+    while (row.step()) {
+      if (!without.contains(row.text(0))) return facts_of_text(row.text(1));
+    }
+    return std::nullopt;
   });
 }
 
@@ -291,20 +308,24 @@ core::Result<std::vector<std::string>> Store::sessions() const {
 }
 
 core::Status Store::set_erased(const std::string& session) {
-  return guarded([this, &session] { database_.run("UPDATE session SET is_erased = 1, facts = '' WHERE id = ?", session); });
+  return guarded(
+      [this, &session] { database_.run("UPDATE session SET is_erased = ?, facts = '', why_not = '' WHERE id = ?", kToErase, session); });
 }
 
-core::Result<std::optional<std::string>> Store::next_erased() const {
-  return guarded([this]() -> std::optional<std::string> {
-    auto row = database_.query("SELECT id FROM session WHERE is_erased = 1 AND why_not = '' LIMIT 1");
-    return row.step() ? std::optional(row.text(0)) : std::nullopt;
+core::Result<std::optional<std::string>> Store::next_erased(const std::set<std::string>& without) const {
+  return guarded([this, &without]() -> std::optional<std::string> {
+    auto row = database_.query("SELECT id FROM session WHERE is_erased = ?", kToErase);
+    while (row.step()) {
+      if (!without.contains(row.text(0))) return row.text(0);
+    }
+    return std::nullopt;
   });
 }
 
-core::Status Store::forget(const std::string& session) {
+core::Status Store::erasure_answered(const std::string& session) {
   return guarded([this, &session] {
     database_.run("DELETE FROM file WHERE session = ?", session);
-    database_.run("DELETE FROM session WHERE id = ?", session);
+    database_.run("UPDATE session SET is_erased = ? WHERE id = ? AND is_erased = ?", kErased, session, kToErase);
   });
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,6 +64,9 @@ class Store {
   /// are offered again.
   [[nodiscard]] core::Status set_centre(const std::string& clinic, const std::string& ca_pem);
 
+  /// The centre may have lost what it had: all facts and files are offered again, and all erasures are sent again.
+  [[nodiscard]] core::Status offer_again();
+
   /// Tries again what was held or rejected: a person may have corrected the reason.
   [[nodiscard]] core::Status retry_held();
 
@@ -71,8 +75,9 @@ class Store {
   /// Stores the facts of a session and its closed recordings. `listed`: as in the list, `shown`: with trials. `utc_ns`: now.
   [[nodiscard]] core::Status put_session(const v1::SessionRecord& listed, const v1::SessionRecord& shown, const wire::SendRules& rules,
                                          std::int64_t utc_ns);
-  /// Returns facts that the centre does not have, those of the oldest session first; nothing if there are none.
-  [[nodiscard]] core::Result<std::optional<v1::FleetSession>> next_facts() const;
+  /// Returns facts that the centre does not have, those of the oldest session first; nothing if there are none. `without`: not of these
+  /// sessions, as in `next_erased`.
+  [[nodiscard]] core::Result<std::optional<v1::FleetSession>> next_facts(const std::set<std::string>& without = {}) const;
   /// The centre has these facts, as its `revision`. If that is a larger one, the facts are sent again with the next.
   [[nodiscard]] core::Status facts_answered(const v1::FleetSession& sent, std::uint64_t revision);
   [[nodiscard]] core::Status facts_rejected(const v1::FleetSession& sent, const std::string& reason);
@@ -84,9 +89,9 @@ class Store {
   [[nodiscard]] core::Result<std::vector<std::string>> sessions() const;
   /// The clinic has erased this session: the centre must do so too.
   [[nodiscard]] core::Status set_erased(const std::string& session);
-  [[nodiscard]] core::Result<std::optional<std::string>> next_erased() const;
-  /// The centre has erased it.
-  [[nodiscard]] core::Status forget(const std::string& session);
+  [[nodiscard]] core::Result<std::optional<std::string>> next_erased(const std::set<std::string>& without = {}) const;
+  /// The centre has erased it. Its ID is kept for `offer_again`.
+  [[nodiscard]] core::Status erasure_answered(const std::string& session);
 
   /// Returns the file to send next: of the oldest session, and not before its time, see `postpone`.
   [[nodiscard]] core::Result<std::optional<FileRow>> next_file(std::int64_t utc_ns) const;

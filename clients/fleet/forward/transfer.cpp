@@ -20,6 +20,7 @@ constexpr int kMostDoublings = 9;
 constexpr milliseconds kLongestSilence{5000};
 constexpr std::uint64_t kCommittedBytesPerMs = 20'000;  // the hub synchronises the file and reads it again
 constexpr std::size_t kLargestWindow = 16;
+constexpr int kMostDamagedCommits = 2;
 constexpr std::size_t kSmallestChunk = 16 * 1024;
 
 }  // namespace
@@ -52,6 +53,7 @@ Transfer::Step Transfer::next(Time now, bool is_chunk_allowed) {
   switch (state_) {
     case State::Open:
       state_ = State::Opening;
+      sent_.clear();
       ++tries_;
       return sent({.kind = Step::Kind::Open}, kLongestSilence);
     case State::Sending:
@@ -60,6 +62,7 @@ Transfer::Step Transfer::next(Time now, bool is_chunk_allowed) {
         Step step{.kind = Step::Kind::Chunk, .worker = worker_, .offset = next_, .count = count};
         if (next_ == have_) deadline_ = now + kLongestSilence;  // nothing was under way
         next_ += count;
+        sent_.push_back({.end = next_});
         return step;
       }
       if (have_ == bytes_) {
@@ -107,29 +110,32 @@ void Transfer::handle_upload(const v1::Upload& upload, Time now) {
     case State::Opening:
       worker_ = upload.worker();
       go_back(have);
-      has_gone_back_ = false;
       state_ = State::Sending;
       deadline_ = now + kLongestSilence;
       problem_.clear();
       return;
     case State::Committing:  // the bytes at the centre were not those of the recording, or are gone
-      if (have < bytes_) wait(backoff_.next(), "the centre has to receive the recording again", now);
+      if (have == bytes_) return;
+      if (++damaged_commits_ < kMostDamagedCommits) return wait(backoff_.next(), "the centre has to receive the recording again", now);
+      state_ = State::Ended;
+      end_ = End{.is_damaged = true};
       return;
-    case State::Sending:
+    case State::Sending: {
       if (upload.worker() != worker_) return;  // a late answer of another one
+      const Sent chunk = sent_.empty() ? Sent() : sent_.front();
+      if (!sent_.empty()) sent_.pop_front();
       if (have > have_) {
         have_ = have;
         next_ = std::max(next_, have_);
         window_ = std::min(window_ + 1, kLargestWindow);
         chunk_ = std::min(chunk_ * 2, wire::kLargestChunk);
-        has_gone_back_ = false;
         deadline_ = now + kLongestSilence;
         backoff_.reset();
-      } else if (!has_gone_back_ || have < have_) {  // a chunk was lost, or the hub lost what it had
+      } else if (have < have_ || (have < chunk.end && !chunk.was_overtaken)) {  // the hub lost what it had, or one before was lost
         go_back(have);
-        has_gone_back_ = true;
       }
       return;
+    }
     case State::Open:
     case State::Waiting:
     case State::Ended: return;
@@ -139,12 +145,17 @@ void Transfer::handle_upload(const v1::Upload& upload, Time now) {
 void Transfer::go_back(std::uint64_t have) noexcept {
   have_ = have;
   next_ = have;
+  for (Sent& chunk : sent_) chunk.was_overtaken = true;
 }
 
 void Transfer::wait(milliseconds pause, std::string problem, Time now) {
   state_ = State::Waiting;
   deadline_ = now + pause;
   problem_ = std::move(problem);
+}
+
+void Transfer::retry() noexcept {
+  if (state_ == State::Waiting) restart();
 }
 
 void Transfer::restart() noexcept {

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -50,19 +51,23 @@ class Transfer {
   };
   struct End {
     std::optional<v1::Receipt> receipt{};  ///< The file is safe at the centre.
-    std::string refusal{};                 ///< Why the centre does not accept it; empty: it has.
+    std::string refusal{};                 ///< Why the centre does not accept it; empty: it does.
+    bool is_damaged = false;               ///< Twice, what arrived was not what was offered: the file may have changed.
   };
 
   /// `sha256`: 32 bytes. `seed`: of the random part of waiting times.
   Transfer(std::string clinic, std::string sha256, std::uint64_t bytes, std::uint64_t seed);
 
-  /// Returns what to do now. Open, Chunk and Commit count as done when this returns. `is_chunk_allowed` false: returns no chunk, because
+  /// Returns what to do now. Open, Chunk and Commit count as done when this returns. Answers to what was sent before an Open must not be
+  /// passed to `handle` after it: they would look like answers to what comes after. `is_chunk_allowed` false: returns no chunk, because
   /// the limit of the rate is reached.
   [[nodiscard]] Step next(Time now, bool is_chunk_allowed = true);
   /// Handles an answer of the hub, checked by wire::decode_upload_answer.
   void handle(const v1::UploadAnswer& answer, Time now);
   /// Starts again at once: the connection or the hub is new, and what was sent before may be lost.
   void restart() noexcept;
+  /// Ends a pause: the hub answers again.
+  void retry() noexcept;
 
   [[nodiscard]] const std::optional<End>& end() const noexcept { return end_; }
   /// Bytes that the hub has.
@@ -74,6 +79,11 @@ class Transfer {
 
  private:
   enum class State { Open, Opening, Sending, Committing, Waiting, Ended };
+
+  struct Sent {
+    std::uint64_t end = 0;       ///< Offset after its last byte.
+    bool was_overtaken = false;  ///< Sent before it went back: it is sent again, whatever the answer is.
+  };
 
   void handle_upload(const v1::Upload& upload, Time now);
   void handle_receipt(const v1::Receipt& receipt, Time now);
@@ -87,12 +97,13 @@ class Transfer {
   State state_ = State::Open;
   std::string worker_;
   std::uint64_t have_ = 0;
-  std::uint64_t next_ = 0;      ///< Offset of the next chunk.
-  std::size_t chunk_;           ///< Bytes of a chunk.
-  std::size_t window_ = 1;      ///< Most chunks without an answer.
-  bool has_gone_back_ = false;  ///< Answers to chunks that were sent before may still arrive.
+  std::uint64_t next_ = 0;  ///< Offset of the next chunk.
+  std::size_t chunk_;       ///< Bytes of a chunk.
+  std::size_t window_ = 1;  ///< Most chunks without an answer.
+  std::deque<Sent> sent_;   ///< Chunks without an answer; answers come in this order.
   Time deadline_{};
   std::uint32_t tries_ = 0;
+  int damaged_commits_ = 0;
   std::string problem_;
   std::optional<End> end_;
 };

@@ -2,7 +2,6 @@
 #include "fleet/forward/uplink.h"
 
 #include <algorithm>
-#include <mutex>
 #include <utility>
 
 namespace dts::fleet::forward {
@@ -11,9 +10,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kLookForEnd{100};
-
-constexpr std::chrono::seconds kTryRejectedFirst{1};
-constexpr std::chrono::seconds kTryRejectedLast{60};
 
 class LinkMailbox : public Mailbox {
  public:
@@ -24,67 +20,35 @@ class LinkMailbox : public Mailbox {
   std::optional<link::Letter> next(milliseconds timeout) override { return letters_->next(timeout); }
 
  private:
-  std::shared_ptr<link::Link> link_;  ///< Outlives the subscription.
+  std::shared_ptr<link::Link> link_;
   std::string address_;
   std::unique_ptr<link::Subscription> letters_;
 };
 
 class LinkUplink : public Uplink {
  public:
-  LinkUplink(link::LinkOptions options, core::Log log, std::shared_ptr<link::Link> link)
-      : options_(std::move(options)), log_(std::move(log)), link_(std::move(link)) {}
+  explicit LinkUplink(std::shared_ptr<link::Link> link) : link_(std::move(link)) {}
 
-  bool is_connected() const override { return current()->is_connected(); }
-  std::uint64_t connections() const override {
-    const auto link = current();
-    const std::lock_guard lock(mutex_);
-    return earlier_connections_ + link->connections();
+  bool is_connected() const override { return link_->is_connected(); }
+  bool has_room() const override { return link_->has_room(); }
+  std::uint64_t connections() const override { return link_->connections(); }
+  std::string problem() const override { return link_->problem(); }
+  core::Status publish(const link::Letter& letter) override { return link_->publish(letter); }
+  core::Result<std::unique_ptr<Mailbox>> open_mailbox() override { return listen(link_->new_inbox()); }
+  core::Result<std::unique_ptr<Mailbox>> listen(const std::string& subject) override {
+    DTS_TRY_ASSIGN(auto letters, link_->subscribe(subject));
+    return std::unique_ptr<Mailbox>(std::make_unique<LinkMailbox>(link_, subject, std::move(letters)));
   }
-  std::string problem() const override { return current()->problem(); }
-  core::Status publish(const link::Letter& letter) override { return current()->publish(letter); }
-  core::Result<std::unique_ptr<Mailbox>> open_mailbox() override {
-    auto link = current();
-    std::string address = link->new_inbox();
-    return open_at(std::move(link), std::move(address));
-  }
-  core::Result<std::unique_ptr<Mailbox>> listen(const std::string& subject) override { return open_at(current(), subject); }
 
  private:
-  static core::Result<std::unique_ptr<Mailbox>> open_at(std::shared_ptr<link::Link> link, std::string address) {
-    DTS_TRY_ASSIGN(auto letters, link->subscribe(address));
-    return std::unique_ptr<Mailbox>(std::make_unique<LinkMailbox>(std::move(link), std::move(address), std::move(letters)));
-  }
-  /// Returns the connection; a rejected one is replaced when its time has come.
-  std::shared_ptr<link::Link> current() const {
-    const std::lock_guard lock(mutex_);
-    if (link_->is_connected()) pause_ = kTryRejectedFirst;
-    if (!link_->is_rejected()) return link_;
-    const auto now = std::chrono::steady_clock::now();
-    if (try_at_ == std::chrono::steady_clock::time_point()) try_at_ = now + pause_;
-    if (now < try_at_) return link_;
-    try_at_ = {};
-    pause_ = std::min(2 * pause_, kTryRejectedLast);
-    if (auto opened = link::Link::open(options_, log_)) {
-      earlier_connections_ += link_->connections();
-      link_ = std::move(*opened);
-    }
-    return link_;
-  }
-
-  link::LinkOptions options_;
-  core::Log log_;
-  mutable std::mutex mutex_;
-  mutable std::shared_ptr<link::Link> link_;
-  mutable std::uint64_t earlier_connections_ = 0;
-  mutable std::chrono::steady_clock::time_point try_at_{};
-  mutable std::chrono::seconds pause_ = kTryRejectedFirst;
+  std::shared_ptr<link::Link> link_;
 };
 
 }  // namespace
 
 core::Result<std::unique_ptr<Uplink>> open_uplink(const link::LinkOptions& options, const core::Log& log) {
   DTS_TRY_ASSIGN(auto link, link::Link::open(options, log));
-  return std::unique_ptr<Uplink>(std::make_unique<LinkUplink>(options, log, std::move(link)));
+  return std::unique_ptr<Uplink>(std::make_unique<LinkUplink>(std::move(link)));
 }
 
 core::Result<std::string> ask(Uplink& uplink, const std::string& subject, std::string_view data, milliseconds timeout,

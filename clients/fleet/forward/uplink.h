@@ -38,6 +38,8 @@ class Uplink {
   Uplink& operator=(const Uplink&) = delete;
 
   [[nodiscard]] virtual bool is_connected() const = 0;
+  /// Little waits to be written: for those who can send later or not at all.
+  [[nodiscard]] virtual bool has_room() const = 0;
   /// Number of connections so far.
   [[nodiscard]] virtual std::uint64_t connections() const = 0;
   /// Why there is no connection; empty: there is one.
@@ -45,13 +47,11 @@ class Uplink {
   [[nodiscard]] virtual core::Status publish(const link::Letter& letter) = 0;
   /// For answers.
   [[nodiscard]] virtual core::Result<std::unique_ptr<Mailbox>> open_mailbox() = 0;
-  /// For what the centre sends to a subject. It receives nothing more after a connection was rejected: see `connections`.
+  /// For what the centre sends to a subject.
   [[nodiscard]] virtual core::Result<std::unique_ptr<Mailbox>> listen(const std::string& subject) = 0;
 };
 
-/// Opens a connection to the centre. If the server rejects its key, tries again after 1 s, then at longer intervals up to 60 s. The clinic
-/// may be enrolled again; and libnats 3.4.1 sends no signature if its first byte is 0, which is so for one nonce in 256. Fails with
-/// InvalidArgument for wrong options.
+/// Opens a connection to the centre, see link::Link. Fails with InvalidArgument for wrong options.
 [[nodiscard]] core::Result<std::unique_ptr<Uplink>> open_uplink(const link::LinkOptions& options, const core::Log& log);
 
 /// Sends a request and waits for its answer. Fails with Unreachable while there is no connection or no hub, with Timeout, and with Failed

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <memory>
 #include <utility>
 
 #include "fleet/wire/messages.h"
@@ -172,8 +173,7 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
   auto bytes = SentBytes::open(file.file, options_.rules);
   if (!bytes) return put_off(file, bytes.error().what);
   if (bytes->size() != file.bytes) return put_off(file, file.file + " has another size than before");
-  auto mailbox = uplink_.open_mailbox();
-  if (!mailbox) return set_problem(mailbox.error().what);
+  std::unique_ptr<Mailbox> mailbox;
   const auto sha256 = wire::bytes_of_hex(file.sent_sha256);
   if (!sha256) return complain(store_.hold(file, sha256.error().what));
   Transfer transfer(options_.clinic, *sha256, file.bytes, random_seed());
@@ -183,41 +183,45 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
   while (!stop.stop_requested() && !transfer.end() && is_time()) {
     const auto now = steady_clock::now();
     const std::uint64_t counted = uplink_.connections();
-    if (const bool is_due = is_retry_due_.exchange(false, std::memory_order_relaxed); is_due || counted != connections) {
-      if (counted != connections) {  // perhaps another link: answers to the old address would not arrive
-        mailbox = uplink_.open_mailbox();
-        if (!mailbox) return set_problem(mailbox.error().what);
-      }
-      connections = counted;
-      transfer.restart();
-    }
+    if (is_retry_due_.exchange(false, std::memory_order_relaxed)) transfer.retry();
+    if (std::exchange(connections, counted) != counted) transfer.restart();
     if (now - looked_at > std::chrono::seconds(1)) {
       looked_at = now;
       if (const auto wanted = store_.is_wanted(file); wanted && !*wanted) break;
       show(file, transfer);
     }
-    const bool is_free = pace_.is_free(now);
+    const bool is_free = pace_.is_free(now) && uplink_.has_room();
     const Transfer::Step step = transfer.next(now, is_free);
-    if (auto done = do_step(step, file, *bytes, (*mailbox)->address()); !done) {
+    if (step.kind == Transfer::Step::Kind::Open) {  // late answers to the old address are not seen
+      auto opened = uplink_.open_mailbox();
+      if (!opened) return set_problem(opened.error().what);
+      mailbox = std::move(*opened);
+    }
+    if (auto done = do_step(step, file, *bytes, mailbox->address()); !done) {
       put_off(file, done.error().what);
       break;
     }
     const bool is_busy = step.kind == Transfer::Step::Kind::Chunk;
-    auto letter = (*mailbox)->next(is_busy ? milliseconds(0) : kUploadTurn);
-    for (; letter; letter = (*mailbox)->next(milliseconds(0))) {
+    auto letter = mailbox->next(is_busy ? milliseconds(0) : kUploadTurn);
+    for (; letter; letter = mailbox->next(milliseconds(0))) {
       if (letter->data.empty()) continue;  // nobody listens: the silence decides
       if (const auto answer = wire::decode_upload_answer(letter->data)) transfer.handle(*answer, steady_clock::now());
       if (!is_busy) break;
     }
     show(file, transfer);
   }
-  finish(file, transfer);
+  finish(file, transfer, stop);
 }
 
-void Uploader::finish(const FileRow& file, const Transfer& transfer) {
+void Uploader::finish(const FileRow& file, const Transfer& transfer, const std::stop_token& stop) {
   complain(store_.add_tries(file, transfer.tries()));
   set_problem({});
   if (!transfer.end()) return;
+  if (transfer.end()->is_damaged) {
+    read(file, stop);  // holds the file if it has changed
+    if (const auto wanted = store_.is_wanted(file); wanted && !*wanted) return;
+    return put_off(file, "what arrived at the centre was not what was sent");
+  }
   if (!transfer.end()->receipt) {
     log_.error("the centre rejected " + named(file) + ": " + transfer.end()->refusal);
     return complain(store_.hold(file, "the centre rejected it: " + transfer.end()->refusal));

@@ -77,7 +77,7 @@ class Uploader {
   void set_problem(const std::string& problem);
   void complain(const core::Status& status);
   void put_off(const FileRow& file, const std::string& why_not);
-  void finish(const FileRow& file, const Transfer& transfer);
+  void finish(const FileRow& file, const Transfer& transfer, const std::stop_token& stop);
 
   UploaderOptions options_;
   Uplink& uplink_;

@@ -72,8 +72,8 @@ core::Result<std::string> sha256_from_disk(const std::string& file, const std::s
 
 core::Status create_folder(const std::string& folder) {
   struct stat status {};
-  if (::stat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) return {};
   const std::string above = folder_of(folder);
+  if (::stat(folder.c_str(), &status) == 0 && S_ISDIR(status.st_mode)) return above.empty() ? core::Status() : synchronise(above);
   if (!above.empty() && above != folder) DTS_TRY(create_folder(above));
   if (::mkdir(folder.c_str(), kFolderMode) != 0 && errno != EEXIST) {
     return core::fail_errno(errno, "cannot create the folder '" + folder + "'", "check that its parent is writable for the hub");

@@ -1,317 +1,636 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/link/link.h"
 
-#include <nats/nats.h>
+#include <poll.h>
+#include <signal.h>
+#include <sodium.h>
 
-#include <atomic>
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <condition_variable>
+#include <deque>
+#include <exception>
+#include <map>
 #include <mutex>
-#include <new>
 #include <thread>
 #include <utility>
 
+#include "core/doorbell.h"
+#include "core/thread.h"
+#include "core/token_bucket.h"
+#include "fleet/link/channel.h"
+#include "fleet/link/protocol.h"
 #include "fleet/wire/nkey.h"
 
 namespace dts::fleet::link {
-
-template <auto destroy>
-struct Destroyer {
-  template <class T>
-  void operator()(T* object) const noexcept {
-    destroy(object);
-  }
-};
-using Options = std::unique_ptr<natsOptions, Destroyer<natsOptions_Destroy>>;
-using Message = std::unique_ptr<natsMsg, Destroyer<natsMsg_Destroy>>;
-using Connection = std::unique_ptr<natsConnection, Destroyer<natsConnection_Destroy>>;
-using NatsSubscription = std::unique_ptr<natsSubscription, Destroyer<natsSubscription_Destroy>>;
-
 namespace {
 
-constexpr std::int64_t kReconnectWaitMs = 250;
-constexpr std::int64_t kReconnectJitterMs = 250;
-constexpr std::int64_t kPingIntervalMs = 5000;  // a dead link is noticed after three of these
-constexpr int kMostPingsOut = 2;
-constexpr std::int64_t kConnectTimeoutMs = 5000;
-constexpr int kMostWaiting = 4096;
-constexpr int kMostWaitingBytes = 16 * 1024 * 1024;
-constexpr std::chrono::milliseconds kLongestClose{2000};
+using std::chrono::milliseconds;
+using Time = std::chrono::steady_clock::time_point;
 
-core::ErrorCode code_of(natsStatus status) noexcept {
-  switch (status) {
-    case NATS_TIMEOUT: return core::ErrorCode::Timeout;
-    case NATS_MAX_PAYLOAD: return core::ErrorCode::LimitExceeded;
-    case NATS_INVALID_ARG:
-    case NATS_INVALID_SUBJECT: return core::ErrorCode::InvalidArgument;
-    case NATS_CONNECTION_AUTH_FAILED:
-    case NATS_NOT_PERMITTED: return core::ErrorCode::NotAllowed;
-    case NATS_CONNECTION_CLOSED:
-    case NATS_CONNECTION_DISCONNECTED:
-    case NATS_NOT_YET_CONNECTED:
-    case NATS_NO_SERVER:
-    case NATS_NO_RESPONDERS: return core::ErrorCode::Unreachable;
-    default: return core::ErrorCode::Failed;
-  }
-}
+constexpr milliseconds kConnectTimeout{5000};  // for TCP; and again for TLS and the first answers
+constexpr milliseconds kPingInterval{5000};
+constexpr milliseconds kLongestSilence{10'000};
+constexpr milliseconds kSteady{20'000};   // a connection that lasts longer was a success
+constexpr milliseconds kFirstPause{250};  // before the next try; up to twice as long at random
+constexpr milliseconds kLastPause{2000};
+constexpr milliseconds kFirstPauseRejected{1000};
+constexpr milliseconds kLastPauseRejected{60'000};
+constexpr milliseconds kTurn{500};
+constexpr milliseconds kLastWrite{500};    // for what waits when the link ends
+constexpr milliseconds kLongestEnd{1000};  // the resolver cannot be interrupted
+constexpr std::chrono::minutes kSameLog{1};
+constexpr int kRejections = 2;              // nats-server also rejects a key that connects while it reads its users again
+constexpr std::size_t kMostWaiting = 4096;  // letters of a subscription
+constexpr std::size_t kMostWaitingBytes = 16 * 1024 * 1024;
+constexpr std::size_t kRoomBytes = 256 * 1024;
+constexpr std::size_t kMostOutgoingBytes = 8 * 1024 * 1024;
+constexpr int kReadsInATurn = 16;
+constexpr std::size_t kReadBytes = 32 * 1024;
 
-tl::unexpected<core::Error> failed(natsStatus status, const std::string& what) {
-  return core::fail(code_of(status), what + ": " + natsStatus_GetText(status));
-}
+bool is_loopback(const std::string& host) { return host == "127.0.0.1" || host == "localhost" || host == "::1"; }
 
-core::Status check(natsStatus status, const std::string& what) {
-  if (status != NATS_OK) return failed(status, what);
-  return {};
-}
-
-bool is_loopback(std::string_view server) {
-  return server.starts_with("nats://127.0.0.1:") || server.starts_with("nats://localhost:") || server.starts_with("nats://[::1]:");
-}
-
-core::Status check_servers(const LinkOptions& options) {
+core::Result<std::vector<Address>> addresses_of(const LinkOptions& options) {
   if (options.servers.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no server is named");
+  std::vector<Address> addresses;
   for (const std::string& server : options.servers) {
-    const bool is_tls = server.starts_with("tls://");
-    if (!is_tls && !is_loopback(server)) {
+    DTS_TRY_ASSIGN(const Address address, address_of(server));
+    if (!address.is_tls && !is_loopback(address.host)) {
       return core::fail(core::ErrorCode::InvalidArgument, "the server '" + server + "' is not tls://HOST:PORT",
                         "without TLS only a server on this machine is possible: nats://127.0.0.1:4222");
     }
-    if (is_tls != options.servers.front().starts_with("tls://")) {
-      return core::fail(core::ErrorCode::InvalidArgument, "some servers have TLS and some do not");
-    }
-    if (is_tls && options.ca_pem.empty()) {
+    if (address.is_tls && options.ca_pem.empty()) {
       return core::fail(core::ErrorCode::InvalidArgument, "no certificate authority is given for " + server);
     }
+    addresses.push_back(address);
+  }
+  return addresses;
+}
+
+/// True for what the server says before it ends a connection whose key it does not accept.
+bool is_rejection(std::string_view reason) {
+  return reason.starts_with("Authorization Violation") || reason.starts_with("User Authentication") ||
+         reason.starts_with("Account Authentication");
+}
+
+}  // namespace
+
+/// The letters of one subscription.
+struct Mail {
+  std::mutex mutex{};
+  std::condition_variable changed{};
+  std::deque<Letter> letters{};
+  std::size_t bytes = 0;
+  std::uint64_t dropped = 0;
+  bool has_no_listener = false;
+
+  void add(Letter letter) {
+    const std::lock_guard lock(mutex);
+    if (letters.size() >= kMostWaiting || bytes + letter.data.size() > kMostWaitingBytes) {
+      ++dropped;
+      return;
+    }
+    bytes += letter.data.size();
+    letters.push_back(std::move(letter));
+    changed.notify_one();
+  }
+  void note_no_listener() {
+    const std::lock_guard lock(mutex);
+    has_no_listener = true;
+    changed.notify_one();
+  }
+  std::optional<Letter> next(milliseconds timeout) {
+    std::unique_lock lock(mutex);
+    changed.wait_for(lock, timeout, [this] { return !letters.empty() || has_no_listener; });
+    if (letters.empty()) {
+      has_no_listener = false;
+      return std::nullopt;
+    }
+    Letter letter = std::move(letters.front());
+    letters.pop_front();
+    bytes -= letter.data.size();
+    return letter;
+  }
+};
+
+/// What a link, its subscriptions and its thread share.
+class Connection {
+  template <class Action>
+  auto get(Action action) const {
+    const std::lock_guard lock(mutex_);
+    return action();
+  }
+
+ public:
+  Connection(const LinkOptions& options, std::vector<Address> addresses, TlsContext tls, core::Log log)
+      : name_(options.name), seed_(options.seed), addresses_(std::move(addresses)), tls_(std::move(tls)), log_(std::move(log)) {}
+
+  /// The thread: connects, serves the connection, connects again, until `end`.
+  void run();
+  /// Asks the thread to end, and waits for it as long as may be. Returns true if it has ended.
+  [[nodiscard]] bool end();
+
+  [[nodiscard]] core::Status publish(const Letter& letter);
+  [[nodiscard]] std::uint64_t subscribe(const std::string& subject, const std::string& queue, std::shared_ptr<Mail> mail);
+  void unsubscribe(std::uint64_t subscription);
+
+  [[nodiscard]] bool is_connected() const {
+    return get([this] { return is_connected_; });
+  }
+  [[nodiscard]] bool has_room() const {
+    return get([this] { return is_connected_ && waiting_ < kRoomBytes; });
+  }
+  [[nodiscard]] bool is_rejected() const {
+    return get([this] { return rejections_ >= kRejections; });
+  }
+  [[nodiscard]] std::uint64_t connections() const {
+    return get([this] { return connections_; });
+  }
+  [[nodiscard]] std::string problem() const {
+    return get([this] { return problem_; });
+  }
+
+ private:
+  struct Wanted {
+    std::string subject;
+    std::string queue;
+    std::shared_ptr<Mail> mail;
+  };
+  /// What is known of one connection. Thread: of the link.
+  struct Present {
+    explicit Present(Time now) : heard_at(now), acknowledged_at(now), arrived_at(now), ping_at(now + kPingInterval) {}
+    Parser parser{};
+    std::string writing{};       ///< Bytes that are written now,
+    std::size_t written = 0;     ///< and how many of them are.
+    bool has_ping = false;       ///< They end with a ping.
+    bool is_ping_out = false;    ///< Its answer has not arrived.
+    std::uint64_t ping_end = 0;  ///< Bytes given to TCP when the ping was; 0: it was not yet.
+    std::uint64_t acknowledged = 0;
+    Time heard_at;         ///< When the server last sent something.
+    Time acknowledged_at;  ///< When it last acknowledged something, or had nothing to acknowledge.
+    Time arrived_at;       ///< When it had acknowledged the last ping.
+    Time ping_at;          ///< When the next is due.
+  };
+
+  [[nodiscard]] bool is_ending() const {
+    return get([this] { return is_ending_; });
+  }
+  [[nodiscard]] core::Status serve(const Address& address);
+  [[nodiscard]] core::Result<std::unique_ptr<Channel>> connect(const Address& address);
+  [[nodiscard]] core::Status greet(const Address& address, Channel& channel, Present& present);
+  [[nodiscard]] core::Result<Operation> wait_for(Operation::Kind kind, Channel& channel, Present& present, Time deadline);
+  [[nodiscard]] core::Status write_all(std::string_view bytes, Channel& channel, Time deadline);
+  [[nodiscard]] core::Status poll(Channel& channel, int events, milliseconds timeout);
+  [[nodiscard]] core::Status wait(Channel& channel, int events, Time deadline);
+  [[nodiscard]] core::Status exchange(Channel& channel, Present& present);
+  [[nodiscard]] core::Status write(Channel& channel, Present& present, Time now);
+  [[nodiscard]] core::Result<bool> receive(Channel& channel, Present& present);
+  [[nodiscard]] core::Status handle(Operation operation, Present& present);
+  [[nodiscard]] core::Status check_silence(const Channel& channel, Present& present, Time now) const;
+  void set_connected(const ServerInfo& info);
+  void set_ended(const core::Error& why);
+  void send_line(std::string line);  // behind the mutex
+  void pause(std::size_t tries);
+
+  const std::string name_;
+  const std::string seed_;
+  const std::vector<Address> addresses_;
+  const TlsContext tls_;
+  const core::Log log_;
+  core::Doorbell doorbell_{};  ///< Something can be written, or the end is requested.
+  core::TokenBucket complaints_{0.1, 5.0};
+
+  mutable std::mutex mutex_{};
+  std::condition_variable changed_{};
+  bool is_ending_ = false;  ///< Behind the mutex, as all that follows.
+  bool is_over_ = false;
+  bool is_connected_ = false;
+  int rejections_ = 0;  ///< Since it was last accepted.
+  std::uint64_t connections_ = 0;
+  std::string problem_{"not connected yet"};
+  std::string logged_{};
+  Time logged_at_{};
+  std::size_t max_payload_ = 0;
+  std::string out_{};        ///< To be written next.
+  std::size_t waiting_ = 0;  ///< Bytes that are not yet given to TCP.
+  std::uint64_t last_subscription_ = 0;
+  std::map<std::uint64_t, Wanted> wanted_{};
+};
+
+void Connection::run() {
+  sigset_t broken_pipe;
+  sigemptyset(&broken_pipe);
+  sigaddset(&broken_pipe, SIGPIPE);
+  ::pthread_sigmask(SIG_BLOCK, &broken_pipe, nullptr);  // OpenSSL writes without MSG_NOSIGNAL
+  (void)core::configure_this_thread("link", {});
+  for (std::size_t tries = 0; !is_ending(); ++tries) {
+    const Time begun_at = std::chrono::steady_clock::now();
+    try {
+      const auto ended = serve(addresses_[tries % addresses_.size()]);
+      if (!ended) set_ended(ended.error());
+    } catch (const std::exception& error) {
+      set_ended({.code = core::ErrorCode::Failed, .what = error.what(), .hint = {}});
+    }
+    if (std::chrono::steady_clock::now() - begun_at > kSteady) tries = 0;
+    pause(tries);
+  }
+  const std::lock_guard lock(mutex_);
+  is_over_ = true;
+  changed_.notify_all();
+}
+
+bool Connection::end() {
+  std::unique_lock lock(mutex_);
+  is_ending_ = true;
+  doorbell_.ring();
+  changed_.notify_all();
+  return changed_.wait_for(lock, kLongestEnd, [this] { return is_over_; });
+}
+
+void Connection::pause(std::size_t tries) {
+  std::unique_lock lock(mutex_);
+  const std::size_t rounds = std::min<std::size_t>(tries / addresses_.size(), 16);
+  const bool is_rejected = rejections_ >= kRejections;
+  const milliseconds longest = is_rejected ? kLastPauseRejected : kLastPause;
+  const milliseconds whole = std::min((is_rejected ? kFirstPauseRejected : kFirstPause) * (1 << rounds), longest);
+  const milliseconds random(randombytes_uniform(static_cast<std::uint32_t>(whole.count()) + 1));
+  changed_.wait_for(lock, whole + random, [this] { return is_ending_; });
+}
+
+core::Status Connection::publish(const Letter& letter) {
+  const std::lock_guard lock(mutex_);
+  if (!is_connected_) return core::fail(core::ErrorCode::Unreachable, "no connection to the centre: " + problem_);
+  if (!is_subject(letter.subject) || (!letter.reply.empty() && !is_subject(letter.reply))) {
+    return core::fail(core::ErrorCode::InvalidArgument, "cannot send to " + letter.subject + ": not a subject");
+  }
+  if (letter.data.size() > max_payload_) {
+    return core::fail(core::ErrorCode::LimitExceeded, "cannot send to " + letter.subject + ": " + std::to_string(letter.data.size()) +
+                                                          " bytes, but the server accepts at most " + std::to_string(max_payload_));
+  }
+  if (waiting_ > kMostOutgoingBytes) {
+    return core::fail(core::ErrorCode::Timeout, "cannot send to " + letter.subject + ": the line does not take what waits");
+  }
+  const std::size_t before = out_.size();
+  append_publish(letter, out_);
+  waiting_ += out_.size() - before;
+  doorbell_.ring();
+  return {};
+}
+
+void Connection::send_line(std::string line) {
+  if (!is_connected_) return;  // all subscriptions are sent when it is
+  waiting_ += line.size();
+  out_ += line;
+  doorbell_.ring();
+}
+
+std::uint64_t Connection::subscribe(const std::string& subject, const std::string& queue, std::shared_ptr<Mail> mail) {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t subscription = ++last_subscription_;
+  wanted_.emplace(subscription, Wanted{.subject = subject, .queue = queue, .mail = std::move(mail)});
+  send_line(subscribe_line(subject, queue, subscription));
+  return subscription;
+}
+
+void Connection::unsubscribe(std::uint64_t subscription) {
+  const std::lock_guard lock(mutex_);
+  wanted_.erase(subscription);
+  send_line(unsubscribe_line(subscription));
+}
+
+void Connection::set_connected(const ServerInfo& info) {
+  const std::lock_guard lock(mutex_);
+  is_connected_ = true;
+  rejections_ = 0;
+  ++connections_;
+  max_payload_ = info.max_payload;
+  problem_.clear();
+  logged_.clear();
+  log_.info(name_ + ": connected");
+  for (const auto& [subscription, wanted] : wanted_) send_line(subscribe_line(wanted.subject, wanted.queue, subscription));
+}
+
+void Connection::set_ended(const core::Error& why) {
+  const std::lock_guard lock(mutex_);
+  if (is_ending_) return;
+  if (why.code == core::ErrorCode::NotAllowed && rejections_ < kRejections) ++rejections_;
+  const bool is_rejected = why.code == core::ErrorCode::NotAllowed && rejections_ >= kRejections;
+  const bool was_connected = std::exchange(is_connected_, false);
+  out_.clear();
+  waiting_ = 0;
+  problem_ = (is_rejected     ? "the server rejects the connection: "
+              : was_connected ? "the connection is lost: "
+                              : "no connection: ") +
+             why.what;
+  const Time now = std::chrono::steady_clock::now();
+  if (problem_ == logged_ || (!was_connected && !logged_.empty() && now - logged_at_ < kSameLog)) return;
+  logged_ = problem_;
+  logged_at_ = now;
+  log_.warning(name_ + ": " + problem_);
+}
+
+/// Waits for these events, for a letter to write, or for the end of the timeout.
+core::Status Connection::poll(Channel& channel, int events, milliseconds timeout) {
+  std::array<pollfd, 2> polled{{{.fd = channel.descriptor(), .events = static_cast<short>(events | channel.events()), .revents = 0},
+                                {.fd = doorbell_.fd(), .events = POLLIN, .revents = 0}}};
+  if (::poll(polled.data(), polled.size(), static_cast<int>(timeout.count())) < 0 && errno != EINTR) return core::fail_errno(errno, "poll");
+  if (polled[1].revents != 0) (void)doorbell_.clear();
+  return {};
+}
+
+/// The same before a connection is established. Fails at the deadline, and if the end is requested.
+core::Status Connection::wait(Channel& channel, int events, Time deadline) {
+  const auto left = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
+  if (left <= milliseconds(0)) return core::fail(core::ErrorCode::Timeout, "the server does not answer");
+  if (is_ending()) return core::fail(core::ErrorCode::Failed, "stopped");
+  return poll(channel, events, std::min(left, kTurn));
+}
+
+core::Result<std::unique_ptr<Channel>> Connection::connect(const Address& address) {
+  DTS_TRY_ASSIGN(const auto found, find_host(address));
+  core::Error why{.code = core::ErrorCode::Unreachable, .what = "no address", .hint = {}};
+  for (const SocketAddress& one : found) {
+    auto begun = Channel::begin(one);
+    if (!begun) {
+      why = begun.error();
+      continue;
+    }
+    const Time deadline = std::chrono::steady_clock::now() + kConnectTimeout;
+    core::Status waited;
+    pollfd polled{.fd = (*begun)->descriptor(), .events = POLLOUT, .revents = 0};
+    while (waited && ::poll(&polled, 1, 0) == 0) waited = wait(**begun, POLLOUT, deadline);
+    if (waited) waited = (*begun)->connected();
+    if (waited) return begun;
+    why = waited.error();
+  }
+  return tl::make_unexpected(why);
+}
+
+core::Status Connection::write_all(std::string_view bytes, Channel& channel, Time deadline) {
+  while (!bytes.empty()) {
+    DTS_TRY_ASSIGN(const std::size_t count, channel.write(bytes));
+    bytes.remove_prefix(count);
+    if (count == 0) DTS_TRY(wait(channel, POLLIN | POLLOUT, deadline));
   }
   return {};
 }
 
-Letter letter_of(const Message& message) {
-  const char* const reply = natsMsg_GetReply(message.get());
-  return {.subject = natsMsg_GetSubject(message.get()),
-          .reply = reply == nullptr ? std::string() : std::string(reply),
-          .data = std::string(natsMsg_GetData(message.get()), static_cast<std::size_t>(natsMsg_GetDataLength(message.get())))};
+core::Result<Operation> Connection::wait_for(Operation::Kind kind, Channel& channel, Present& present, Time deadline) {
+  while (true) {
+    DTS_TRY_ASSIGN(auto operation, present.parser.next());
+    if (!operation) {
+      // One byte at a time before TLS: what comes after the line belongs to TLS.
+      std::array<char, 512> bytes{};
+      DTS_TRY_ASSIGN(const std::size_t count, channel.read(bytes.data(), kind == Operation::Kind::Info ? 1 : bytes.size()));
+      present.parser.append(std::string_view(bytes.data(), count));
+      if (count == 0) DTS_TRY(wait(channel, POLLIN, deadline));
+      continue;
+    }
+    if (operation->kind == kind) return std::move(*operation);
+    if (operation->kind == Operation::Kind::Error) {
+      return core::fail(is_rejection(operation->text) ? core::ErrorCode::NotAllowed : core::ErrorCode::Unreachable, operation->text);
+    }
+  }
 }
 
-}  // namespace
+/// The first lines of both sides, until the server has accepted the key.
+core::Status Connection::greet(const Address& address, Channel& channel, Present& present) {
+  const Time deadline = std::chrono::steady_clock::now() + kConnectTimeout;
+  DTS_TRY_ASSIGN(const Operation hello, wait_for(Operation::Kind::Info, channel, present, deadline));
+  DTS_TRY_ASSIGN(const ServerInfo info, info_of_json(hello.text));
+  if (address.is_tls) {
+    DTS_TRY(channel.begin_tls(tls_.get(), address.host));
+    while (true) {
+      DTS_TRY_ASSIGN(const bool is_done, channel.shake_hands());
+      if (is_done) break;
+      DTS_TRY(wait(channel, POLLIN, deadline));
+    }
+  }
+  DTS_TRY_ASSIGN(std::string line, connect_line(name_, seed_, info.nonce, address.is_tls));
+  DTS_TRY(write_all(line + std::string(kPing), channel, deadline));
+  DTS_TRY(wait_for(Operation::Kind::Pong, channel, present, deadline));
+  set_connected(info);
+  return {};
+}
 
-/// What libnats's threads report. They may call until `on_closed`, which is the last call.
-struct Reports {
-  Reports(core::Log to, std::string of, std::string key) : log(std::move(to)), name(std::move(of)), seed(std::move(key)) {}
+core::Status Connection::serve(const Address& address) {
+  DTS_TRY_ASSIGN(const auto channel, connect(address));
+  Present present(std::chrono::steady_clock::now());
+  DTS_TRY(greet(address, *channel, present));
+  return exchange(*channel, present);
+}
 
-  core::Log log;
-  std::string name;
-  std::string seed;
-  std::atomic<std::uint64_t> connections{0};
-  std::mutex mutex{};
-  std::condition_variable changed{};
-  std::string problem{"not connected yet"};
-  bool is_closed = false;
-  bool is_ending = false;
+core::Status Connection::exchange(Channel& channel, Present& present) {
+  std::optional<Time> end_at;
+  present.heard_at = present.acknowledged_at = std::chrono::steady_clock::now();
+  Time checked_at{};
+  while (true) {
+    DTS_TRY(write(channel, present, std::chrono::steady_clock::now()));
+    DTS_TRY_ASSIGN(const bool has_more, receive(channel, present));
+    const Time now = std::chrono::steady_clock::now();
+    if (now - checked_at >= kTurn) {
+      checked_at = now;
+      DTS_TRY(check_silence(channel, present, now));
+    }
+    const auto [is_end, is_empty] = get([this] { return std::pair(is_ending_, out_.empty()); });
+    const bool is_writing = present.written < present.writing.size() || !is_empty;
+    if (is_end) {
+      if (!end_at) end_at = now + kLastWrite;
+      if (!is_writing || now >= *end_at) return {};
+    }
+    DTS_TRY(poll(channel, POLLIN | (present.written < present.writing.size() ? POLLOUT : 0), has_more ? milliseconds(0) : kTurn));
+  }
+}
 
-  void set_problem(std::string text) {
-    const std::lock_guard lock(mutex);
-    if (!is_ending && text != problem) {
-      if (text.empty()) {
-        log.info(name + ": connected");
-      } else {
-        log.warning(name + ": " + text);
+core::Status Connection::write(Channel& channel, Present& present, Time now) {
+  while (true) {
+    if (present.written == present.writing.size()) {
+      present.writing.clear();
+      present.written = 0;
+      const std::lock_guard lock(mutex_);
+      std::swap(present.writing, out_);
+      present.has_ping = !present.is_ping_out && now >= present.ping_at;
+      if (present.has_ping) {
+        present.writing += kPing;
+        waiting_ += kPing.size();
+        present.is_ping_out = true;
+        present.ping_end = 0;
       }
     }
-    problem = std::move(text);
+    if (present.writing.empty()) return {};
+    DTS_TRY_ASSIGN(const std::size_t count, channel.write(std::string_view(present.writing).substr(present.written)));
+    if (count == 0) return {};
+    present.written += count;
+    {
+      const std::lock_guard lock(mutex_);
+      waiting_ -= std::min(waiting_, count);
+    }
+    if (present.written == present.writing.size() && present.has_ping) present.ping_end = channel.written();
   }
-};
-
-namespace {
-
-using SharedReports = std::shared_ptr<Reports>;
-
-Reports& reports(void* closure) noexcept { return **static_cast<SharedReports*>(closure); }
-
-std::string last_error(natsConnection* connection) {
-  const char* text = nullptr;
-  natsConnection_GetLastError(connection, &text);
-  return text == nullptr || *text == '\0' ? std::string("no connection") : std::string(text);
 }
 
-void on_connected(natsConnection* /*connection*/, void* closure) {
-  ++reports(closure).connections;
-  reports(closure).set_problem({});
-}
-
-void on_disconnected(natsConnection* connection, void* closure) {
-  reports(closure).set_problem("the connection is lost: " + last_error(connection));
-}
-
-void on_closed(natsConnection* connection, void* closure) {
-  const std::unique_ptr<SharedReports> own(static_cast<SharedReports*>(closure));
-  Reports& own_reports = **own;
-  own_reports.set_problem("the server rejects the connection: " + last_error(connection));
-  const std::lock_guard lock(own_reports.mutex);
-  own_reports.is_closed = true;
-  own_reports.changed.notify_all();
-}
-
-void on_error(natsConnection* connection, natsSubscription* /*subscription*/, natsStatus status, void* closure) {
-  reports(closure).log.warning(reports(closure).name + ": " + natsStatus_GetText(status) + ": " + last_error(connection));
-}
-
-natsStatus sign(char** error, unsigned char** signature, int* length, const char* nonce, void* closure) {
-  *error = nullptr;
-  return nats_Sign(reports(closure).seed.c_str(), nonce, signature, length);
-}
-
-natsStatus set_options(natsOptions* options, const LinkOptions& wanted, void* closure, const std::string& public_key) {
-  std::vector<const char*> servers;
-  servers.reserve(wanted.servers.size());
-  for (const std::string& server : wanted.servers) servers.push_back(server.c_str());
-  natsStatus status = natsOptions_SetServers(options, servers.data(), static_cast<int>(servers.size()));
-  const auto then = [&status](natsStatus next) {
-    if (status == NATS_OK) status = next;
-  };
-  if (wanted.servers.front().starts_with("tls://")) {
-    then(natsOptions_SetSecure(options, true));
-    then(natsOptions_SetCATrustedCertificates(options, wanted.ca_pem.c_str()));
+core::Result<bool> Connection::receive(Channel& channel, Present& present) {
+  std::array<char, kReadBytes> bytes;  // NOLINT(*-member-init): `count` of them are written
+  for (int reads = 0; reads < kReadsInATurn; ++reads) {
+    DTS_TRY_ASSIGN(const std::size_t count, channel.read(bytes.data(), bytes.size()));
+    if (count == 0) return false;
+    present.heard_at = std::chrono::steady_clock::now();
+    present.parser.append(std::string_view(bytes.data(), count));
+    while (true) {
+      DTS_TRY_ASSIGN(auto operation, present.parser.next());
+      if (!operation) break;
+      DTS_TRY(handle(std::move(*operation), present));
+    }
   }
-  then(natsOptions_SetName(options, wanted.name.c_str()));
-  if (!wanted.seed.empty()) then(natsOptions_SetNKey(options, public_key.c_str(), sign, closure));
-  if (!wanted.inbox_prefix.empty()) then(natsOptions_SetCustomInboxPrefix(options, wanted.inbox_prefix.c_str()));
-  then(natsOptions_SetTimeout(options, kConnectTimeoutMs));
-  then(natsOptions_SetMaxReconnect(options, -1));
-  then(natsOptions_SetReconnectWait(options, kReconnectWaitMs));
-  then(natsOptions_SetReconnectJitter(options, kReconnectJitterMs, kReconnectJitterMs));
-  then(natsOptions_SetPingInterval(options, kPingIntervalMs));
-  then(natsOptions_SetMaxPingsOut(options, kMostPingsOut));
-  then(natsOptions_SetRetryOnFailedConnect(options, true, on_connected, closure));
-  then(natsOptions_SetReconnectedCB(options, on_connected, closure));
-  then(natsOptions_SetDisconnectedCB(options, on_disconnected, closure));
-  then(natsOptions_SetClosedCB(options, on_closed, closure));
-  then(natsOptions_SetErrorHandler(options, on_error, closure));
-  return status;
+  return true;
 }
 
-}  // namespace
+core::Status Connection::handle(Operation operation, Present& present) {
+  switch (operation.kind) {
+    case Operation::Kind::Message:
+    case Operation::Kind::NoListener: {
+      const auto mail = get([this, &operation] {
+        const auto found = wanted_.find(operation.subscription);
+        return found == wanted_.end() ? nullptr : found->second.mail;
+      });
+      if (mail == nullptr) return {};  // it has ended meanwhile
+      if (operation.kind == Operation::Kind::Message) {
+        mail->add(std::move(operation.letter));
+      } else {
+        mail->note_no_listener();
+      }
+      return {};
+    }
+    case Operation::Kind::Ping: {
+      const std::lock_guard lock(mutex_);
+      send_line(std::string(kPong));
+      return {};
+    }
+    case Operation::Kind::Pong:
+      present.is_ping_out = false;
+      present.ping_at = std::chrono::steady_clock::now() + kPingInterval;
+      return {};
+    case Operation::Kind::Error:
+      if (operation.text.starts_with("Permissions Violation")) {  // the connection continues
+        if (complaints_.take(std::chrono::steady_clock::now())) log_.warning(name_ + ": " + operation.text);
+        return {};
+      }
+      return core::fail(is_rejection(operation.text) ? core::ErrorCode::NotAllowed : core::ErrorCode::Unreachable, operation.text);
+    case Operation::Kind::Info:
+    case Operation::Kind::Ok: return {};
+  }
+  return {};
+}
+
+/// Fails if the line is dead although nothing has ended the connection: the server's TCP acknowledges nothing of what waits, or no answer
+/// comes to a ping that has arrived. A slow line is not dead: a ping behind many bytes arrives late.
+core::Status Connection::check_silence(const Channel& channel, Present& present, Time now) const {
+  const std::uint64_t unacknowledged = channel.unacknowledged();
+  const std::uint64_t acknowledged = channel.written() - std::min(channel.written(), unacknowledged);
+  if (acknowledged != present.acknowledged || (unacknowledged == 0 && present.written == present.writing.size()))
+    present.acknowledged_at = now;
+  present.acknowledged = acknowledged;
+  const bool has_arrived = present.is_ping_out && present.ping_end != 0 && acknowledged >= present.ping_end;
+  if (!has_arrived) present.arrived_at = now;
+  if (now - present.acknowledged_at > kLongestSilence || now - std::max(present.arrived_at, present.heard_at) > kLongestSilence) {
+    return core::fail(core::ErrorCode::Timeout, "the server is silent");
+  }
+  return {};
+}
 
 class Subscription::Implementation {
  public:
-  explicit Implementation(NatsSubscription opened) noexcept : subscription(std::move(opened)) {}
-  NatsSubscription subscription;
+  Implementation(std::shared_ptr<Connection> of, std::shared_ptr<Mail> letters, std::uint64_t subscription)
+      : connection(std::move(of)), mail(std::move(letters)), number(subscription) {}
+  ~Implementation() { connection->unsubscribe(number); }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  std::shared_ptr<Connection> connection;
+  std::shared_ptr<Mail> mail;
+  std::uint64_t number;
 };
 
 Subscription::Subscription(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
 Subscription::~Subscription() = default;
 
-std::optional<Letter> Subscription::next(std::chrono::milliseconds timeout) {
-  natsMsg* received = nullptr;
-  const natsStatus status = natsSubscription_NextMsg(&received, implementation_->subscription.get(), timeout.count());
-  if (status == NATS_OK) return letter_of(Message(received));
-  // A closed connection fails at once; a caller that asks again in a loop must not use a whole core.
-  const bool can_go_on = status == NATS_TIMEOUT || status == NATS_SLOW_CONSUMER || status == NATS_NO_RESPONDERS;
-  if (!can_go_on) std::this_thread::sleep_for(timeout);
-  return std::nullopt;
-}
+std::optional<Letter> Subscription::next(milliseconds timeout) { return implementation_->mail->next(timeout); }
 
 std::uint64_t Subscription::dropped() const {
-  std::int64_t count = 0;
-  if (natsSubscription_GetDropped(implementation_->subscription.get(), &count) != NATS_OK) return 0;
-  return static_cast<std::uint64_t>(count);
+  const std::lock_guard lock(implementation_->mail->mutex);
+  return implementation_->mail->dropped;
 }
 
 class Link::Implementation {
  public:
-  Implementation(SharedReports shared, Connection opened, std::string prefix)
-      : reports(std::move(shared)), connection(std::move(opened)), inbox_prefix(std::move(prefix)) {}
+  Implementation(std::shared_ptr<Connection> opened, std::string prefix)
+      : connection(std::move(opened)), inbox_prefix(std::move(prefix)), thread([own = connection] { own->run(); }) {}
   ~Implementation() {
-    {
-      const std::lock_guard lock(reports->mutex);
-      reports->is_ending = true;
+    if (connection->end()) {
+      thread.join();
+    } else {
+      thread.detach();  // it waits for the resolver, and owns what it uses
     }
-    natsConnection_Close(connection.get());
-    std::unique_lock lock(reports->mutex);
-    reports->changed.wait_for(lock, kLongestClose, [this] { return reports->is_closed; });
   }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
-  SharedReports reports;
-  Connection connection;
+  std::shared_ptr<Connection> connection;
   std::string inbox_prefix;
+  std::thread thread;
 };
 
 Link::Link(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
 Link::~Link() = default;
 
-core::Result<std::unique_ptr<Link>> Link::open(const LinkOptions& wanted, const core::Log& log) {
-  DTS_TRY(check_servers(wanted));
-  std::string public_key;
-  if (!wanted.seed.empty()) {
-    DTS_TRY_ASSIGN(const wire::NKey key, wire::nkey_of_seed(wanted.seed));
-    public_key = key.public_key;
+core::Result<std::unique_ptr<Link>> Link::open(const LinkOptions& options, const core::Log& log) {
+  DTS_TRY_ASSIGN(auto addresses, addresses_of(options));
+  if (!options.seed.empty()) DTS_TRY(wire::nkey_of_seed(options.seed));
+  TlsContext tls;
+  if (std::ranges::any_of(addresses, &Address::is_tls)) {
+    DTS_TRY_ASSIGN(tls, make_tls_context(options.ca_pem));
   }
-  natsOptions* made = nullptr;
-  DTS_TRY(check(natsOptions_Create(&made), "cannot prepare a connection"));
-  const Options options(made);
-  auto shared = std::make_shared<Reports>(log, wanted.name, wanted.seed);
-  auto closure = std::make_unique<SharedReports>(shared);
-  DTS_TRY(check(set_options(options.get(), wanted, closure.get(), public_key), "cannot connect to " + wanted.servers.front()));
-  natsConnection* opened = nullptr;
-  const natsStatus status = natsConnection_Connect(&opened, options.get());
-  if (status != NATS_OK && status != NATS_NOT_YET_CONNECTED) return failed(status, "cannot connect to " + wanted.servers.front());
-  if (status == NATS_OK) on_connected(opened, closure.get());  // libnats reports only a connection that it made later
-  static_cast<void>(closure.release());                        // on_closed deletes it
-  return std::unique_ptr<Link>(new Link(std::make_unique<Implementation>(std::move(shared), Connection(opened),
-                                                                         wanted.inbox_prefix.empty() ? "_INBOX" : wanted.inbox_prefix)));
+  auto connection = std::make_shared<Connection>(options, std::move(addresses), std::move(tls), log);
+  const std::string prefix = options.inbox_prefix.empty() ? "_INBOX" : options.inbox_prefix;
+  return std::unique_ptr<Link>(new Link(std::make_unique<Implementation>(std::move(connection), prefix)));
 }
 
-core::Status Link::publish(const Letter& letter) {
-  if (!is_connected()) return core::fail(core::ErrorCode::Unreachable, "no connection to the centre: " + problem());
-  natsConnection* const connection = implementation_->connection.get();
-  const int length = static_cast<int>(letter.data.size());
-  return check(letter.reply.empty()
-                   ? natsConnection_Publish(connection, letter.subject.c_str(), letter.data.data(), length)
-                   : natsConnection_PublishRequest(connection, letter.subject.c_str(), letter.reply.c_str(), letter.data.data(), length),
-               "cannot send to " + letter.subject);
-}
+core::Status Link::publish(const Letter& letter) { return implementation_->connection->publish(letter); }
 
-core::Result<std::string> Link::request(const std::string& subject, std::string_view data, std::chrono::milliseconds timeout) {
-  if (!is_connected()) return core::fail(core::ErrorCode::Unreachable, "no connection to the centre: " + problem());
-  natsMsg* received = nullptr;
-  DTS_TRY(check(natsConnection_Request(&received, implementation_->connection.get(), subject.c_str(), data.data(),
-                                       static_cast<int>(data.size()), timeout.count()),
-                "no answer to " + subject));
-  return letter_of(Message(received)).data;
+core::Result<std::string> Link::request(const std::string& subject, std::string_view data, milliseconds timeout) {
+  const std::string inbox = new_inbox();
+  DTS_TRY_ASSIGN(const auto answers, subscribe(inbox));
+  DTS_TRY(publish({.subject = subject, .reply = inbox, .data = std::string(data)}));
+  const Time deadline = std::chrono::steady_clock::now() + timeout;
+  if (auto letter = answers->next(timeout)) return std::move(letter->data);
+  const bool is_late = std::chrono::steady_clock::now() >= deadline;
+  return core::fail(is_late ? core::ErrorCode::Timeout : core::ErrorCode::Unreachable,
+                    "no answer to " + subject + (is_late ? "" : ": nobody listens"));
 }
 
 core::Result<std::unique_ptr<Subscription>> Link::subscribe(const std::string& subject, const std::string& queue) {
-  natsSubscription* made = nullptr;
-  natsConnection* const connection = implementation_->connection.get();
-  DTS_TRY(check(queue.empty() ? natsConnection_SubscribeSync(&made, connection, subject.c_str())
-                              : natsConnection_QueueSubscribeSync(&made, connection, subject.c_str(), queue.c_str()),
-                "cannot subscribe to " + subject));
-  NatsSubscription subscription(made);
-  DTS_TRY(check(natsSubscription_SetPendingLimits(made, kMostWaiting, kMostWaitingBytes), "cannot subscribe to " + subject));
-  return std::unique_ptr<Subscription>(new Subscription(std::make_unique<Subscription::Implementation>(std::move(subscription))));
+  if (!is_subject(subject) || (!queue.empty() && !is_subject(queue))) {
+    return core::fail(core::ErrorCode::InvalidArgument, "cannot subscribe to " + subject + ": not a subject");
+  }
+  auto mail = std::make_shared<Mail>();
+  const std::uint64_t number = implementation_->connection->subscribe(subject, queue, mail);
+  return std::unique_ptr<Subscription>(
+      new Subscription(std::make_unique<Subscription::Implementation>(implementation_->connection, std::move(mail), number)));
 }
 
 std::string Link::new_inbox() const {
-  natsInbox* made = nullptr;
-  if (natsInbox_Create(&made) != NATS_OK) throw std::bad_alloc();  // its only failure
-  const std::unique_ptr<natsInbox, Destroyer<natsInbox_Destroy>> inbox(made);
-  const std::string_view text(inbox.get());  // "_INBOX.UNIQUE", whatever the connection's prefix is
-  return implementation_->inbox_prefix + std::string(text.substr(text.find('.')));
+  std::array<unsigned char, 16> bytes{};
+  randombytes_buf(bytes.data(), bytes.size());
+  std::array<char, 2 * bytes.size() + 1> text{};
+  sodium_bin2hex(text.data(), text.size(), bytes.data(), bytes.size());
+  return implementation_->inbox_prefix + "." + text.data();
 }
 
-bool Link::is_connected() const { return natsConnection_Status(implementation_->connection.get()) == NATS_CONN_STATUS_CONNECTED; }
-
-bool Link::is_rejected() const {
-  const std::lock_guard lock(implementation_->reports->mutex);
-  return implementation_->reports->is_closed;
-}
-
-std::uint64_t Link::connections() const { return implementation_->reports->connections; }
-
-std::string Link::problem() const {
-  const std::lock_guard lock(implementation_->reports->mutex);
-  return implementation_->reports->problem;
-}
+bool Link::is_connected() const { return implementation_->connection->is_connected(); }
+bool Link::has_room() const { return implementation_->connection->has_room(); }
+bool Link::is_rejected() const { return implementation_->connection->is_rejected(); }
+std::uint64_t Link::connections() const { return implementation_->connection->connections(); }
+std::string Link::problem() const { return implementation_->connection->problem(); }
 
 }  // namespace dts::fleet::link

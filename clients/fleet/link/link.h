@@ -30,7 +30,7 @@ struct Letter {
 };
 
 /// Letters of a subject, which may have wildcards. They wait here until they are read: at most 4096 or 16 MiB, then the newest are dropped
-/// and counted. Thread: one at a time. It must not outlive its link.
+/// and counted. Thread: one at a time.
 class Subscription {
  public:
   ~Subscription();
@@ -39,8 +39,7 @@ class Subscription {
   Subscription(Subscription&&) = delete;
   Subscription& operator=(Subscription&&) = delete;
 
-  /// Returns nothing if no letter came within `timeout`, and at once if letters were dropped or if a request whose answer should come here
-  /// had no listener.
+  /// Returns nothing if no letter came within `timeout`, and at once if a request whose answer should come here had no listener.
   [[nodiscard]] std::optional<Letter> next(std::chrono::milliseconds timeout);
   [[nodiscard]] std::uint64_t dropped() const;
 
@@ -51,20 +50,23 @@ class Subscription {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// A connection to nats-server. It connects in the background, and connects again for ever after a failure, except if the server rejects
-/// the key twice: see `is_rejected`. What is sent while there is no connection may be lost: every sender repeats until it has an answer. All
-/// functions: any thread.
+/// A connection to nats-server, with a thread of its own. It connects in the background, and connects again for ever after a failure: after
+/// 0.25 s to 4 s, after a rejected key after 1 s to 2 min. A server that is silent for 10 s is a failure, too. What is sent while there is
+/// no connection may be lost: every sender repeats until it has an answer. All functions: any thread; none waits for the line, except
+/// `request` for its answer.
 class Link {
  public:
   /// Fails with InvalidArgument for wrong options; does not wait for the server.
   [[nodiscard]] static core::Result<std::unique_ptr<Link>> open(const LinkOptions& options, const core::Log& log);
+  /// Writes what waits, for at most 0.5 s, and ends within 1 s.
   ~Link();
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
   Link(Link&&) = delete;
   Link& operator=(Link&&) = delete;
 
-  /// Fails with Unreachable while there is no connection, and with LimitExceeded for more than the server's limit of a message.
+  /// Fails with Unreachable while there is no connection, with LimitExceeded for more than the server's limit of a message, and with
+  /// Timeout if more than 8 MiB wait already, because the line is slow.
   [[nodiscard]] core::Status publish(const Letter& letter);
   /// Sends and waits for one answer. Fails like `publish`, with Unreachable if nobody listens, and with Timeout.
   [[nodiscard]] core::Result<std::string> request(const std::string& subject, std::string_view data, std::chrono::milliseconds timeout);
@@ -75,7 +77,9 @@ class Link {
   [[nodiscard]] std::string new_inbox() const;
 
   [[nodiscard]] bool is_connected() const;
-  /// The server rejected the key. This link stays closed: open another one later.
+  /// Less than 256 KiB wait to be written: for those who can send later or not at all.
+  [[nodiscard]] bool has_room() const;
+  /// The server rejected the key twice, and has not accepted it since.
   [[nodiscard]] bool is_rejected() const;
   /// Number of connections so far. It rises with every new one.
   [[nodiscard]] std::uint64_t connections() const;

@@ -119,6 +119,22 @@ core::Result<NKey> nkey_of_seed(std::string_view seed) {
   return key_of(*bytes);
 }
 
+core::Result<std::string> signature(std::string_view seed, std::string_view text) {
+  const auto bytes = decoded(seed, kSeedLetters, kUserSeed);
+  if (!bytes) return core::fail(core::ErrorCode::InvalidArgument, "not the seed of a key");
+  std::array<std::uint8_t, crypto_sign_PUBLICKEYBYTES> public_key{};
+  std::array<std::uint8_t, crypto_sign_SECRETKEYBYTES> secret_key{};
+  std::array<std::uint8_t, crypto_sign_BYTES> signed_bytes{};
+  crypto_sign_seed_keypair(public_key.data(), secret_key.data(), bytes->data());
+  crypto_sign_detached(signed_bytes.data(), nullptr, reinterpret_cast<const unsigned char*>(text.data()), text.size(), secret_key.data());
+  sodium_memzero(secret_key.data(), secret_key.size());
+  constexpr int kVariant = sodium_base64_VARIANT_URLSAFE_NO_PADDING;
+  std::string encoded_text(sodium_base64_ENCODED_LEN(crypto_sign_BYTES, kVariant), '\0');
+  sodium_bin2base64(encoded_text.data(), encoded_text.size(), signed_bytes.data(), signed_bytes.size(), kVariant);
+  encoded_text.pop_back();  // the terminating 0
+  return encoded_text;
+}
+
 bool is_public_nkey(std::string_view text) { return decoded(text, kPublicLetters, std::span(&kUser, 1)).has_value(); }
 
 core::Result<NKey> read_nkey(const std::string& file) {

@@ -18,6 +18,8 @@ struct NKey {
 [[nodiscard]] NKey create_nkey();
 /// Returns the key of a seed. Fails with InvalidArgument if the text is not a user's seed.
 [[nodiscard]] core::Result<NKey> nkey_of_seed(std::string_view seed);
+/// Returns the signature of a text, as the server expects it: base64 for addresses, without padding. Fails like `nkey_of_seed`.
+[[nodiscard]] core::Result<std::string> signature(std::string_view seed, std::string_view text);
 [[nodiscard]] bool is_public_nkey(std::string_view text);
 
 /// Reads the key from a file that only its owner can read. Fails with NotFound, with NotAllowed if others can read the file, and with

@@ -20,6 +20,7 @@ namespace dts::fleet::forward {
 class FakeCentre : public Uplink {
  public:
   bool is_connected() const override { return is_up; }
+  bool has_room() const override { return is_up; }
   std::uint64_t connections() const override { return connection; }
   std::string problem() const override { return is_up ? "" : "the connection is lost"; }
   core::Status publish(const link::Letter& letter) override {
@@ -27,6 +28,7 @@ class FakeCentre : public Uplink {
     const auto subject = wire::parse_subject(letter.subject);
     if (!subject) return core::fail(core::ErrorCode::InvalidArgument, "wrong subject " + letter.subject);
     subjects.push_back(letter.subject);
+    if (reject) DTS_TRY(reject(letter));
     if (lose && lose(*subject)) return {};
     const std::string answer = answer_to(*subject, letter.data);
     if (!answer.empty()) boxes_[letter.reply].push_back({.subject = letter.reply, .data = answer});
@@ -44,12 +46,15 @@ class FakeCentre : public Uplink {
   std::vector<v1::FleetSession> facts;
   std::vector<std::string> erased;
   std::vector<std::string> subjects;
+  std::function<core::Status(const link::Letter&)> reject;          ///< Fails for a letter that cannot be sent.
   std::function<bool(const wire::Subject&)> lose;                   ///< Returns true for a letter that is lost.
   std::function<v1::UploadAnswer(const std::string& sha256)> open;  ///< Answers an offer instead.
-  std::string facts_answer;                                         ///< Answers facts instead.
+  std::string facts_answer;                                         ///< Answers facts instead; see also the next.
+  std::function<std::string(const v1::FleetSession&)> answer_facts;
   std::string erase_answer;
   std::uint64_t received_bytes = 0;
   bool is_up = true;
+  bool damage = false;  ///< Chunks change on their way.
   std::uint64_t connection = 1;
 
  private:
@@ -93,9 +98,10 @@ class FakeCentre : public Uplink {
         return (open ? open(sha256) : state_of(sha256)).SerializeAsString();
       }
       case wire::Matter::Chunk: {
-        const auto chunk = wire::decode_chunk(data).value();
+        auto chunk = wire::decode_chunk(data).value();
         std::string& bytes = staged[wire::hex_of(chunk.sha256())];
         received_bytes += chunk.data().size();
+        if (damage) chunk.mutable_data()->front() = '!';
         if (chunk.offset() == bytes.size()) bytes += chunk.data();
         return state_of(wire::hex_of(chunk.sha256())).SerializeAsString();
       }
@@ -110,6 +116,7 @@ class FakeCentre : public Uplink {
       }
       case wire::Matter::Facts: {
         facts.push_back(wire::decode_session(data).value());
+        if (answer_facts) return answer_facts(facts.back());
         v1::FactsAnswer answer;
         answer.set_revision(facts.back().revision());
         return facts_answer.empty() ? answer.SerializeAsString() : facts_answer;

@@ -268,6 +268,38 @@ TEST_F(OutboxTest, AnotherCentreOrName_GetsEverythingAgain) {
   EXPECT_EQ(store_->backlog().value().last_receipt_utc_ns(), 0);
 }
 
+TEST_F(OutboxTest, OfferAgain_OffersEverythingAndRepeatsErasures) {
+  clinic_.add_part(clinic_.add("a", kS), "/a.xdf", sha('a'), 100);
+  for (const char* gone : {"b", "c"}) clinic_.add_part(clinic_.add(gone, 2 * kS), std::string("/") + gone + ".xdf", sha(*gone), 100);
+  look_at_all();
+  ASSERT_TRUE(store_->set_sent_sha256(*store_->next_file(kNow).value(), hashes('a', 'd'), kNow));
+  send_facts();
+  v1::Receipt receipt;
+  receipt.set_stored_utc_ns(kNow);
+  ASSERT_TRUE(store_->set_stored(*store_->next_file(kNow).value(), receipt));
+  clinic_.sessions.resize(1);
+  enter_erasure(kNow + 30 * kS);
+  look_at_all(kNow + 60 * kS);
+  ASSERT_TRUE(store_->erasure_answered("b"));  // that of c waits
+  ASSERT_TRUE(store_->offer_again());
+  EXPECT_EQ(store_->next_erased({"b"}).value(), "c");
+  EXPECT_EQ(store_->next_erased({"c"}).value(), "b");
+  look_at_all(kNow + 120 * kS);
+  EXPECT_THAT(send_facts(), ElementsAre("a"));
+  const auto file = store_->next_file(kNow + 120 * kS).value();
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->session, "a");
+  EXPECT_EQ(file->receipt_utc_ns, 0);
+  EXPECT_TRUE(file->is_session_sent);
+  EXPECT_EQ(store_->backlog().value().files(), 2U) << "those of a, and of c, whose erasure waits";
+  ASSERT_TRUE(store_->erasure_answered("b"));
+  ASSERT_TRUE(store_->erasure_answered("c"));
+  EXPECT_FALSE(store_->next_erased().value());
+  look_at_all(kNow + 180 * kS);
+  EXPECT_FALSE(store_->next_erased().value());
+  EXPECT_EQ(store_->backlog().value().files(), 1U);
+}
+
 TEST_F(OutboxTest, DeletedSession_IsToldAndNotErased) {
   clinic_.add("a", kS);
   look_at_all();
@@ -291,7 +323,7 @@ TEST_F(OutboxTest, ErasedSession_IsErasedAtTheCentreAndItsFilesAreNotSent) {
   EXPECT_FALSE(store_->is_wanted(file).value());
   EXPECT_FALSE(store_->next_file(kNow).value());
   EXPECT_THAT(send_facts(), ElementsAre("b"));
-  ASSERT_TRUE(store_->forget("a"));
+  ASSERT_TRUE(store_->erasure_answered("a"));
   EXPECT_FALSE(store_->next_erased().value());
   look_at_all(kNow + 120 * kS);
   EXPECT_FALSE(store_->next_erased().value());

@@ -119,6 +119,19 @@ TEST_F(ProgramTest, Status_ShowsBacklogProgressAndTimeToGo) {
   ASSERT_TRUE(store->set_words({{words::kLinkProblem, "the connection is lost"}}));
   ASSERT_EQ(run_with({"status", "--json"}), 0);
   EXPECT_EQ(nlohmann::json::parse(out_.str()).at("problem"), "the connection is lost");
+  EXPECT_FALSE(nlohmann::json::parse(out_.str()).contains("to_go_s")) << "nothing goes";
+}
+
+TEST_F(ProgramTest, OfferAgain_MakesReceiptsInvalid) {
+  EXPECT_EQ(run_with({"offer-again"}), 5);
+  auto store = store_with_file();
+  v1::Receipt receipt;
+  receipt.set_stored_utc_ns(1'000'000'000);
+  ASSERT_TRUE(store->set_stored(*store->next_file(2'000'000'000).value(), receipt));
+  EXPECT_EQ(run_with({"status", sha256_}), 0);
+  EXPECT_EQ(run_with({"offer-again"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("offers all recordings"));
+  EXPECT_EQ(run_with({"status", sha256_}), 6);
 }
 
 TEST_F(ProgramTest, WrongConfiguration_IsReportedWithItsPlace) {

@@ -109,6 +109,36 @@ TEST_F(TransferTest, LostChunk_GoesBackOnce) {
   EXPECT_FALSE(chunks().empty());
 }
 
+TEST_F(TransferTest, ChunksThatArriveTwice_AreNotSentAThirdTime) {
+  open();
+  (void)chunks();
+  std::uint64_t have = 0;
+  for (int answers = 0; answers < 20; ++answers) {
+    transfer_.handle(upload(have += kChunk), now_);
+    (void)chunks();
+  }
+  transfer_.restart();
+  ASSERT_EQ(transfer_.next(now_).kind, Kind::Open);
+  transfer_.handle(upload(have), now_);  // answered before the chunks that are under way
+  std::size_t sent = chunks().size();
+  EXPECT_EQ(sent, 16U);
+  have += 16 * kChunk;  // they arrive: all that are sent now arrive for the second time
+  for (int answers = 0; answers < 16; ++answers) {
+    transfer_.handle(upload(have), now_);
+    sent += chunks().size();
+  }
+  EXPECT_EQ(sent, 32U) << "the next 16, once";
+}
+
+TEST_F(TransferTest, RetryWhileBytesMove_ChangesNothing) {
+  open();
+  EXPECT_THAT(chunks(), testing::ElementsAre(0));
+  transfer_.retry();
+  transfer_.handle(upload(kChunk), now_);
+  EXPECT_THAT(chunks(), testing::ElementsAre(kChunk, 2 * kChunk));
+  EXPECT_EQ(transfer_.tries(), 1U);
+}
+
 TEST_F(TransferTest, HubThatLostWhatItHad_GetsItAgain) {
   open(50 * kChunk);
   (void)chunks();
@@ -194,6 +224,19 @@ TEST_F(TransferTest, CommitOfDamagedBytes_StartsAgainAfterAPause) {
   now_ = step.until;
   open();
   EXPECT_THAT(chunks(), testing::ElementsAre(0));
+}
+
+TEST_F(TransferTest, BytesThatAreDamagedTwice_EndTheUpload) {
+  open(bytes_);
+  ASSERT_EQ(transfer_.next(now_).kind, Kind::Commit);
+  transfer_.handle(upload(0), now_);
+  now_ = transfer_.next(now_).until;
+  open(bytes_);
+  ASSERT_EQ(transfer_.next(now_).kind, Kind::Commit);
+  transfer_.handle(upload(0), now_);
+  ASSERT_TRUE(transfer_.end());
+  EXPECT_TRUE(transfer_.end()->is_damaged);
+  EXPECT_FALSE(transfer_.end()->receipt);
 }
 
 TEST_F(TransferTest, CommitOfALargeFile_GetsTimeForReadingIt) {

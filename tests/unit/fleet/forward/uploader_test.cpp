@@ -160,6 +160,35 @@ TEST_F(UploaderTest, FileThatIsNotWhatDtsdRecorded_IsHeld) {
   EXPECT_THAT(store_->held().value().at(0).why_not, HasSubstr("a.xdf is not what dtsd has recorded"));
 }
 
+TEST_F(UploaderTest, FileThatChangesAfterItWasRead_IsHeldAndNotSentForEver) {
+  const auto closed = record("a", 1, 8);
+  look();
+  ASSERT_TRUE(uploader_.work({}));  // reads
+  std::filesystem::permissions(closed.file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+  {
+    std::fstream file(closed.file, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(closed.bytes / 2));
+    file.put('\x55');
+  }
+  work();
+  EXPECT_THAT(centre_.stored, IsEmpty());
+  EXPECT_EQ(centre_.received_bytes, 2 * closed.bytes);
+  EXPECT_EQ(store_->backlog().value().held_files(), 1U);
+  EXPECT_THAT(store_->held().value().at(0).why_not, HasSubstr("a.xdf is not what dtsd has recorded"));
+}
+
+TEST_F(UploaderTest, FileThatArrivesDamaged_WaitsBeforeItIsSentAgain) {
+  record("a", 1);
+  look();
+  centre_.damage = true;
+  work();
+  const auto waiting = store_->held().value();
+  ASSERT_THAT(waiting, SizeIs(1));
+  EXPECT_EQ(waiting[0].state, FileState::Waiting);
+  EXPECT_THAT(waiting[0].why_not, HasSubstr("not what was sent"));
+  EXPECT_EQ(std::ranges::count(centre_.subjects, "dts.v1.kent.up.hub-1.commit"), 2);
+}
+
 TEST_F(UploaderTest, FileThatIsAway_IsTriedAgainLaterAndDoesNotStopTheOthers) {
   const auto away = record("a", 1);
   record("b", 2);
@@ -259,6 +288,86 @@ TEST_F(UploaderTest, CentreWithoutTime_KeepsTheFactsWaiting) {
   desk.serve(now + std::chrono::seconds(60), {});
   EXPECT_THAT(centre_.facts, SizeIs(2));
   EXPECT_EQ(desk.problem(), "");
+  EXPECT_FALSE(store_->next_facts().value());
+}
+
+TEST_F(UploaderTest, SessionWhoseFactsFail_DoesNotStopTheOthers) {
+  for (const char* session : {"a", "b", "c"}) clinic_.add(session, session[0]);
+  look();
+  centre_.answer_facts = [](const v1::FleetSession& facts) {
+    v1::FactsAnswer answer;
+    if (facts.session_id() == "a") return std::string("not an answer");
+    answer.set_revision(facts.revision());
+    return answer.SerializeAsString();
+  };
+  Desk desk("kent", centre_, *store_, core::Log());
+  const auto now = std::chrono::steady_clock::now();
+  desk.serve(now, {});
+  desk.serve(now + std::chrono::seconds(1), {});
+  EXPECT_EQ(store_->next_facts().value()->session_id(), "a");
+  EXPECT_FALSE(store_->next_facts({"a"}).value()) << "b and c have arrived";
+  EXPECT_THAT(desk.problem(), HasSubstr("session a"));
+  for (int second = 2; second < 600; ++second) desk.serve(now + std::chrono::seconds(second), {});
+  EXPECT_GT(std::ranges::count(centre_.facts, "a", &v1::FleetSession::session_id), 4);
+  EXPECT_LT(std::ranges::count(centre_.facts, "a", &v1::FleetSession::session_id), 16) << "it waits longer each time";
+  centre_.answer_facts = nullptr;
+  desk.retry();
+  desk.serve(now + std::chrono::seconds(600), {});
+  EXPECT_FALSE(store_->next_facts().value());
+  EXPECT_EQ(desk.problem(), "");
+}
+
+TEST_F(UploaderTest, FactsThatAreTooLarge_AreHeldWithTheReason) {
+  clinic_.add("a", 1);
+  clinic_.add("b", 2);
+  look();
+  centre_.reject = [](const link::Letter& letter) -> core::Status {
+    if (letter.data.find('a') == 2) return core::fail(core::ErrorCode::LimitExceeded, "2000000 bytes");
+    return {};
+  };
+  send_facts();
+  EXPECT_THAT(store_->rejected_facts().value(), ElementsAre(testing::Pair("a", HasSubstr("2000000 bytes"))));
+  EXPECT_FALSE(store_->next_facts().value());
+  EXPECT_THAT(centre_.facts, SizeIs(1));
+}
+
+TEST_F(UploaderTest, CentreWithEverLaterRevisions_MakesNoLoop) {
+  clinic_.add("a", 1);
+  look();
+  centre_.answer_facts = [](const v1::FleetSession& facts) {
+    v1::FactsAnswer answer;
+    answer.set_revision(facts.revision() + 1);
+    return answer.SerializeAsString();
+  };
+  Desk desk("kent", centre_, *store_, core::Log());
+  const auto now = std::chrono::steady_clock::now();
+  desk.serve(now, {});
+  EXPECT_THAT(centre_.facts, SizeIs(1));
+  for (int second = 0; second < 600; ++second) desk.serve(now + std::chrono::seconds(second), {});
+  EXPECT_LT(centre_.facts.size(), 16U);
+}
+
+TEST_F(UploaderTest, RevisionThatCannotBeIncreased_HoldsTheFacts) {
+  clinic_.add("a", 1);
+  look();
+  v1::FactsAnswer answer;
+  answer.set_revision(std::uint64_t{9'223'372'036'854'775'807U});
+  centre_.facts_answer = answer.SerializeAsString();
+  send_facts();
+  EXPECT_THAT(store_->rejected_facts().value(), ElementsAre(testing::Pair("a", HasSubstr("impossible revision"))));
+}
+
+TEST_F(UploaderTest, ErasureThatIsRejected_DoesNotStopTheFacts) {
+  clinic_.add("a", 1);
+  clinic_.add("b", 2);
+  look();
+  ASSERT_TRUE(store_->set_erased("a"));
+  v1::EraseAnswer refusal;
+  refusal.mutable_refusal()->set_reason("not allowed");
+  centre_.erase_answer = refusal.SerializeAsString();
+  Desk desk("kent", centre_, *store_, core::Log());
+  desk.serve(std::chrono::steady_clock::now(), {});
+  EXPECT_THAT(desk.problem(), HasSubstr("rejected its erasure"));
   EXPECT_FALSE(store_->next_facts().value());
 }
 

@@ -3,6 +3,7 @@
 #include "fleet/link/link.h"
 
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -143,6 +144,71 @@ TEST_F(LinkTest, ARemovedKeyIsRejected) {
   EXPECT_TRUE(becomes([&] { return link->is_rejected(); }));
   EXPECT_FALSE(link->is_connected());
   EXPECT_NE(link->problem().find("rejects"), std::string::npos) << link->problem();
+}
+
+TEST_F(LinkTest, SilentServer_HoldsUpNoCaller) {
+  test::NatsServer server;
+  const auto link = connect({.name = "kent"}, server.port());
+  ASSERT_TRUE(becomes([&] { return link->is_connected(); }));
+  ::kill(server.pid(), SIGSTOP);  // its TCP acknowledges what its buffers hold; then the line takes nothing more
+  const std::string data(512 * 1024, 'x');
+  core::Status published;
+  for (int letters = 0; published && letters < 1000; ++letters) published = link->publish({.subject = "a.b", .data = data});
+  EXPECT_EQ(published.error().code, core::ErrorCode::Timeout);
+  EXPECT_FALSE(link->has_room());
+  EXPECT_TRUE(becomes([&] { return !link->is_connected(); }));
+  EXPECT_NE(link->problem().find("silent"), std::string::npos) << link->problem();
+  EXPECT_EQ(link->publish({.subject = "a.b"}).error().code, core::ErrorCode::Unreachable);
+  ::kill(server.pid(), SIGCONT);
+  ASSERT_TRUE(becomes([&] { return link->is_connected(); })) << link->problem();
+  EXPECT_TRUE(link->has_room());
+}
+
+TEST_F(LinkTest, SilentServerWithNothingToSend_IsNoticed) {
+  test::NatsServer server;
+  const auto link = connect({.name = "kent"}, server.port());
+  ASSERT_TRUE(becomes([&] { return link->is_connected(); }));
+  ::kill(server.pid(), SIGSTOP);
+  EXPECT_TRUE(becomes([&] { return !link->is_connected(); }));
+  ::kill(server.pid(), SIGCONT);
+  EXPECT_TRUE(becomes([&] { return link->is_connected(); })) << link->problem();
+}
+
+TEST_F(LinkTest, LinkToASilentServer_EndsBeforeItIsConnected) {
+  test::NatsServer server;
+  ::kill(server.pid(), SIGSTOP);  // the kernel accepts the connection; nobody says INFO
+  const auto link = connect({.name = "kent"}, server.port());
+  EXPECT_FALSE(link->is_connected());
+  EXPECT_EQ(link->connections(), 0U);
+}
+
+TEST_F(LinkTest, MessageAboveTheLimitOfTheServer_Fails) {
+  const test::NatsServer server("max_payload: 1000\n");
+  const auto link = connect({.name = "kent"}, server.port());
+  ASSERT_TRUE(becomes([&] { return link->is_connected(); }));
+  EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(1001, 'x')}).error().code, core::ErrorCode::LimitExceeded);
+  EXPECT_TRUE(link->publish({.subject = "a.b", .data = std::string(1000, 'x')}));
+  EXPECT_EQ(link->publish({.subject = "a b"}).error().code, core::ErrorCode::InvalidArgument);
+  EXPECT_EQ(link->publish({.subject = "a", .reply = "x\r\nPING"}).error().code, core::ErrorCode::InvalidArgument);
+  EXPECT_TRUE(link->is_connected());
+}
+
+TEST_F(LinkTest, LettersBeforeTheEnd_Arrive) {
+  const test::NatsServer server;
+  const auto reader = connect({.name = "reader"}, server.port());
+  ASSERT_TRUE(becomes([&] { return reader->is_connected(); }));
+  const auto letters = reader->subscribe("a.b");
+  ASSERT_TRUE(letters);
+  ASSERT_TRUE(becomes([&] { return reader->publish({.subject = "a.b", .data = "there"}) && (*letters)->next(100ms); }));
+  auto writer = connect({.name = "writer"}, server.port());
+  ASSERT_TRUE(becomes([&] { return writer->is_connected(); }));
+  for (int count = 0; count < 20; ++count) ASSERT_TRUE(writer->publish({.subject = "a.b", .data = std::string(100'000, 'x')}));
+  writer.reset();
+  for (int count = 0; count < 20; ++count) {
+    std::optional<Letter> letter;
+    ASSERT_TRUE(becomes([&] { return (letter = (*letters)->next(100ms)).has_value(); })) << count;
+    EXPECT_EQ(letter->data.size(), 100'000U);
+  }
 }
 
 class LinkTlsTest : public LinkTest {

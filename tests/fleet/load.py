@@ -26,6 +26,7 @@ from centre import Centre, sha256_of
 from checks import run_test
 from child import Child, Failure, free_port, wait_until
 from clinic import LARGE_FLOOR, Clinic
+from gateway import admit
 from nats_client import SEED_PREFIX, USER_PREFIX, NKey, connect, with_checksum
 from protobuf import fixed64, message
 
@@ -137,10 +138,11 @@ def live(rigs: int, seconds: float) -> None:
         senders = [connect(centre.nats_port, ca, key) for _, key in clinics]
         names = [[f"dts.v1.{clinic}.live.rig{number}.raw" for number in range(min(RIGS_OF_A_CLINIC, rigs - RIGS_OF_A_CLINIC * index))]
                  for index, (clinic, _) in enumerate(clinics)]
+        viewer_key = NKey.of_file(admit(centre, "viewer"))
         reader, writer = os.pipe()
         viewer = os.fork()
         if viewer == 0:
-            os.write(writer, json.dumps(view(centre, ca)).encode())
+            os.write(writer, json.dumps(view(centre, ca, viewer_key)).encode())
             os._exit(0)
         time.sleep(1)
         usage = Usage(centre.nats)
@@ -173,7 +175,7 @@ def publish(senders: list[ssl.SSLSocket], names: list[list[str]], seconds: float
     return sent, behind_s
 
 
-def view(centre: Centre, ca: Path) -> dict[str, float]:
+def view(centre: Centre, ca: Path, key: NKey) -> dict[str, float]:
     """Receives all live data until SIGTERM."""
     class End(Exception):
         pass
@@ -182,7 +184,7 @@ def view(centre: Centre, ca: Path) -> dict[str, float]:
         raise End
 
     signal.signal(signal.SIGTERM, end)
-    tls = connect(centre.nats_port, ca, NKey.of_file(centre.folder / "hub.nk"))
+    tls = connect(centre.nats_port, ca, key)
     tls.sendall(b"SUB dts.v1.*.live.> 1\r\n")
     ages: list[int] = []
     turns: dict[bytes, int] = {}

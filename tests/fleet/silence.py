@@ -10,6 +10,7 @@ from centre import Centre
 from checks import Checks, run_test
 from child import PATIENCE_S, wait_until
 from clinic import LARGE_FLOOR, Clinic
+from gateway import admit
 from nats_client import NatsClient, NKey
 from protobuf import message
 
@@ -21,12 +22,14 @@ class Viewer:
     """Watches the raw signals of the rig."""
 
     def __init__(self, centre: Centre) -> None:
-        self._client = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(centre.folder / "hub.nk"))
+        key = NKey.of_file(admit(centre, "viewer"))
+        self._inbox = f"_DASHBOARD.{key.public}.silence"
+        self._client = NatsClient(centre.nats_port, centre.folder / "ca.pem", key)
         self._client.subscribe("dts.v1.kent.live.>")
 
     def watches(self) -> bool:
         """Asks for the streams, as a viewer does every few seconds. Returns true if a block has arrived."""
-        self._client.publish("dts.v1.kent.down.live", message({1: "floor/raw", 2: "ann"}), "_HUB.silence")
+        self._client.publish("dts.v1.kent.down.live", message({1: "floor/raw", 2: "ann"}), self._inbox)
         return any(letter.subject.endswith(".raw") for letter in self._letters())
 
     def _letters(self) -> list:

@@ -135,11 +135,11 @@ core::Result<std::uint64_t> Catalogue::put_session(const std::string& clinic, co
     if (quota_ && static_cast<std::uint64_t>(other_rows) + rows_of(session) > quota_->rows) {
       return quota_used_up("parts, trials and results", quota_->rows);
     }
-    return put_session_rows(clinic, session);
+    return put_session_rows(clinic, session, known.is_null(0, 0));
   });
 }
 
-core::Result<std::uint64_t> Catalogue::put_session_rows(const std::string& clinic, const v1::FleetSession& session) {
+core::Result<std::uint64_t> Catalogue::put_session_rows(const std::string& clinic, const v1::FleetSession& session, bool is_new) {
   Column names;
   Column values;
   for (const auto& [name, value] : session.fields()) {
@@ -162,8 +162,8 @@ core::Result<std::uint64_t> Catalogue::put_session_rows(const std::string& clini
        session.planned_trials(), session.is_deleted(), session.has_label() ? std::optional(session.label()) : std::nullopt,
        session.has_notes() ? std::optional(session.notes()) : std::nullopt, names.parameter(), values.parameter(), rows_of(session)}));
   DTS_TRY(put_parts(clinic, session));
-  DTS_TRY(put_trials(clinic, session));
-  DTS_TRY(put_results(clinic, session));
+  DTS_TRY(put_trials(clinic, session, is_new));
+  DTS_TRY(put_results(clinic, session, is_new));
   return session.revision();
 }
 
@@ -208,7 +208,7 @@ core::Status Catalogue::put_parts(const std::string& clinic, const v1::FleetSess
   return {};
 }
 
-core::Status Catalogue::put_trials(const std::string& clinic, const v1::FleetSession& session) {
+core::Status Catalogue::put_trials(const std::string& clinic, const v1::FleetSession& session, bool is_new) {
   Column parts, numbers, attempts, blocks, conditions, outcomes, recorded, faults;
   for (const auto& trial : session.trials()) {
     parts.add(trial.part());
@@ -220,7 +220,7 @@ core::Status Catalogue::put_trials(const std::string& clinic, const v1::FleetSes
     recorded.add(trial.recorded_outcome());
     faults.add(word_of(v1::TrialFault_Name(trial.fault()), "TRIAL_FAULT_"));
   }
-  DTS_TRY(database_->run("DELETE FROM trial WHERE clinic = $1 AND session = $2", {clinic, session.session_id()}));
+  if (!is_new) DTS_TRY(database_->run("DELETE FROM trial WHERE clinic = $1 AND session = $2", {clinic, session.session_id()}));
   if (session.trials().empty()) return {};
   DTS_TRY(
       database_->run("INSERT INTO trial SELECT $1, $2, * FROM unnest($3::bigint[], $4::bigint[], $5::bigint[], $6::bigint[], "
@@ -230,15 +230,17 @@ core::Status Catalogue::put_trials(const std::string& clinic, const v1::FleetSes
   return {};
 }
 
-core::Status Catalogue::put_results(const std::string& clinic, const v1::FleetSession& session) {
+core::Status Catalogue::put_results(const std::string& clinic, const v1::FleetSession& session, bool is_new) {
   Column names, values, units;
   for (const auto& result : session.results()) {
     names.add(result.name());
     values.add(result.value());
     units.add(result.unit());
   }
-  DTS_TRY(database_->run("DELETE FROM result WHERE clinic = $1 AND session = $2 AND analysis = 'clinic' AND name <> ALL ($3::text[])",
-                         {clinic, session.session_id(), names.parameter()}));
+  if (!is_new) {
+    DTS_TRY(database_->run("DELETE FROM result WHERE clinic = $1 AND session = $2 AND analysis = 'clinic' AND name <> ALL ($3::text[])",
+                           {clinic, session.session_id(), names.parameter()}));
+  }
   if (session.results().empty()) return {};
   DTS_TRY(database_->run(
       "INSERT INTO result (clinic, session, name, analysis, value, unit, started, week, protocol) SELECT $1, $2, u.name, 'clinic', "

@@ -97,10 +97,10 @@ class Catalogue {
  private:
   [[nodiscard]] core::Status lock_session(const std::string& clinic, const std::string& session);
   [[nodiscard]] core::Status lock_recording(const RecordingName& name);
-  [[nodiscard]] core::Result<std::uint64_t> put_session_rows(const std::string& clinic, const v1::FleetSession& session);
+  [[nodiscard]] core::Result<std::uint64_t> put_session_rows(const std::string& clinic, const v1::FleetSession& session, bool is_new);
   [[nodiscard]] core::Status put_parts(const std::string& clinic, const v1::FleetSession& session);
-  [[nodiscard]] core::Status put_trials(const std::string& clinic, const v1::FleetSession& session);
-  [[nodiscard]] core::Status put_results(const std::string& clinic, const v1::FleetSession& session);
+  [[nodiscard]] core::Status put_trials(const std::string& clinic, const v1::FleetSession& session, bool is_new);
+  [[nodiscard]] core::Status put_results(const std::string& clinic, const v1::FleetSession& session, bool is_new);
   [[nodiscard]] core::Status put_rigs(const std::string& clinic, const v1::Beat& beat, std::int64_t received_utc_ns);
   [[nodiscard]] core::Result<std::vector<RecordingName>> names(const database::Rows& rows) const;
 

@@ -13,7 +13,8 @@ from centre import Centre, sha256_of
 from checks import Checks, run_test
 from child import program, run, wait_until
 from clinic import LARGE_FLOOR, Clinic
-from viewer import Gateway, Viewer
+from gateway import Gateway
+from viewer import Viewer
 
 MACHINES = 3
 RATE_BYTES_PER_S = 500_000.0  # of the clinic's lines

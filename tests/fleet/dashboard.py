@@ -13,7 +13,7 @@ from centre import Centre
 from checks import SKIPPED, Checks, run_test
 from child import PROGRAMS, REPOSITORY, wait_until
 from clinic import Clinic
-from viewer import WEB_ROOT, Gateway
+from gateway import WEB_ROOT, Gateway
 
 PROTOCOL = """\
 name = "standing"

@@ -16,7 +16,8 @@ from pathlib import Path
 from centre import DATABASE, Centre
 from child import PROGRAMS, REPOSITORY, Failure, postgresql, run, wait_until, what_is_missing
 from clinic import CHAIR, FLOOR, Clinic
-from viewer import WEB_ROOT, Gateway, Viewer
+from gateway import WEB_ROOT, Gateway
+from viewer import Viewer
 
 TITLES = {"kent": "Kent and Canterbury", "essex": "Essex County"}
 RATE_BYTES_PER_S = 1_000_000.0

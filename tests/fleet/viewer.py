@@ -1,35 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A viewer of a remote rig, through the dashboard of the centre: dts-fleet-gateway, and what a browser does to watch."""
+"""A viewer of a remote rig: does what a browser does at the dashboard of the centre."""
 import base64
 import contextlib
 import os
-import re
 import socket
 import struct
 import threading
 import time
 from dataclasses import dataclass
 
-from centre import Centre
-from child import PATIENCE_S, PROGRAMS, Child, Failure, program
+from child import PATIENCE_S, Failure
 from protobuf import decoded, message, text_of
 
-WEB_ROOT = os.environ.get("DTS_WEB_ROOT", str(PROGRAMS.parent / "share/dts-gateway/web"))
 BINARY, CLOSE, PING, PONG = 2, 8, 9, 10  # RFC 6455, 5.2
-
-
-class Gateway(Child):
-    """dts-fleet-gateway on a free port of 127.0.0.1."""
-
-    def __init__(self, centre: Centre, port: int = 0) -> None:
-        words = [program("dts-fleet-gateway"), "serve", "--config", centre.config, "--listen", f"127.0.0.1:{port}", "--web-root", WEB_ROOT]
-        super().__init__("dts-fleet-gateway", words, centre.folder / "gateway.log")
-
-    def address(self) -> str | None:
-        """Returns "http://127.0.0.1:PORT", None while it does not listen yet."""
-        self.expect_alive()
-        found = re.search(r"listening on (http://\S+)/", self.text())
-        return found.group(1) if found else None
 
 
 @dataclass(frozen=True)

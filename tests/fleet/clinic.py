@@ -5,7 +5,6 @@ import json
 import os
 import shutil
 import sqlite3
-from pathlib import Path
 
 from centre import Centre
 from child import PATIENCE_S, REPOSITORY, Child, Failure, program, run, wait_until

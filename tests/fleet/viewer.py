@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A viewer of a remote rig, through the dashboard of the centre: does what a browser does to watch."""
+"""A viewer of a remote rig: does what a browser does at the dashboard of the centre."""
 import base64
 import contextlib
 import os

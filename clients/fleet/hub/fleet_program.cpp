@@ -367,7 +367,7 @@ int erase_session_command(const Arguments& arguments, cli::Console& console) {
     }
     print_content(name, content, console);
     if (!arguments.is_confirmed) DTS_TRY(confirm(name, console));
-    DTS_TRY_ASSIGN(const auto store, open_folder_store(settings.directory));
+    DTS_TRY_ASSIGN(const auto store, open_store(settings));
     Erasures erasures(catalogue, *store, ErasureJournal(settings.directory));
     DTS_TRY_ASSIGN(const std::uint32_t files, erasures.erase(name, local_user(), utc_now_ns()));
     console.out << "erased, with " << files << " recordings\n";

@@ -100,7 +100,7 @@ TEST_F(ErasuresTest, TornLine_IsSkipped_AndTheNextIsWhole) {
 
 TEST_F(ErasuresTest, RecordingThatCannotBeRemoved_DoesNotStopTheOthers) {
   // A folder in the place of the recording cannot be unlinked.
-  std::filesystem::create_directories(folder_.path() + "/" + store_->key({"kent", sum_of("a")}));
+  std::filesystem::create_directories(folder_.path() + "/" + key_of({"kent", sum_of("a")}));
   ASSERT_TRUE(database_->run("INSERT INTO erased_file VALUES ('kent', sha256('a'))"));
   enter("s1");
   ASSERT_TRUE(catalogue_->erase_session({"kent", "s1"}, "clinic:kent", 1));

@@ -90,6 +90,18 @@ TEST_F(SettingsTest, DashboardsHaveAKey_AndPerhapsClinics) {
   EXPECT_NE(problem_of(keyed + "[[dashboard]]\nkey = \"" + one + "\"\n").find("another dashboard"), std::string::npos);
 }
 
+TEST_F(SettingsTest, ABucket_IsATableOfItsOwn) {
+  EXPECT_FALSE(load(kSound).s3);
+  const Settings settings = load(std::string(kSound) +
+                                 "[store.s3]\nendpoint = \"https://s3.example.org\"\nbucket = \"recordings\"\nregion = \"eu-west-2\"\n"
+                                 "credentials = \"s3.keys\"\n");
+  EXPECT_TRUE(problems_.empty());
+  ASSERT_TRUE(settings.s3);
+  EXPECT_EQ(settings.s3->endpoint, "https://s3.example.org");
+  EXPECT_EQ(settings.s3->credentials_file, folder_.path() + "/s3.keys");
+  EXPECT_EQ(settings.directory, folder_.path() + "/store");  // of staged files
+}
+
 TEST_F(SettingsTest, MissingTables_AreNamed) {
   static_cast<void>(load(""));
   EXPECT_EQ(problems_.size(), 4U);  // name, nats, database, store

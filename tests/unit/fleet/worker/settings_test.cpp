@@ -52,6 +52,16 @@ TEST_F(SettingsTest, All_AreRead_AndPathsAreRelativeToTheFile) {
   EXPECT_EQ(options.retry_pause, std::chrono::seconds(0));
 }
 
+TEST_F(SettingsTest, ABucket_ReplacesTheFolder) {
+  const WorkerOptions options = read(
+      "[database]\nconnection = \"dbname=x\"\n[store.s3]\nendpoint = \"https://s3.example.org\"\nbucket = \"recordings\"\n"
+      "region = \"eu-west-2\"\ncredentials = \"s3.keys\"\n");
+  EXPECT_EQ(problems(), "");
+  ASSERT_TRUE(options.s3);
+  EXPECT_EQ(options.s3->bucket, "recordings");
+  EXPECT_EQ(options.s3->credentials_file, folder_.path() + "/s3.keys");
+}
+
 TEST_F(SettingsTest, Example_IsRead) {
   const WorkerOptions options = read_settings(std::string(DTS_SOURCE_DIR) + "/config/worker.toml", problems_);
   EXPECT_EQ(problems(), "");

@@ -116,6 +116,8 @@ class Demo:
         wait_until("the last session is closed", lambda: not clinic.is_recording())
         lost = sum(rig["lost_scans_total"] for rig in json.loads(clinic.dtsctl("status", "--json"))["rigs"])
         note(f"lost scans at {clinic.name}: {lost}")
+        if lost:
+            raise Failure(f"{clinic.name} lost scans while its line was cut")
         wait_until("the recording waits", lambda: len(clinic.undelivered()) == 1)
         self.forward(clinic, "status")
         say("The line is back")
@@ -166,7 +168,10 @@ class Demo:
         note(f"{time.monotonic() - revoked_s:.1f} s later dts-forward of {clinic.name} reports that the centre rejects its key")
         self.examine((clinic, "E003"), (other, "K004"))
         wait_until(f"{other.name} delivers", lambda: not other.undelivered())
-        note(f"{clinic.name} records, and keeps its recordings: {len(clinic.undelivered())} waits; {other.name} delivers as before")
+        waiting = len(clinic.undelivered())
+        note(f"{clinic.name} records, and keeps its recordings: {waiting} waits; {other.name} delivers as before")
+        if waiting != 1:
+            raise Failure(f"of {clinic.name}, whose key is revoked, {waiting} recordings wait instead of 1")
 
     def examine(self, *pairs: tuple[Clinic, str]) -> None:
         """Examines a subject in each of these clinics at the same time, on the floor platform, to the end of the protocol."""

@@ -11,7 +11,7 @@ import time
 
 from centre import Centre
 from checks import Checks, run_test
-from child import PROGRAMS, wait_until
+from child import PROGRAMS, Failure, wait_until
 from clinic import FLOOR, Clinic
 from gateway import Gateway, is_let_in
 from nats_client import NatsClient, NKey

@@ -35,7 +35,7 @@ struct Settings {
 
   std::string connection;  ///< Of PostgreSQL.
 
-  std::string directory;           ///< Of recordings; with `s3`: of staged files only.
+  std::string directory;           ///< Of recordings; with `s3`: of staged files and of the journal of erasures.
   std::optional<s3::Settings> s3;  ///< Where recordings are, if not in the directory.
   double full_at_percent = 95.0;
   QuotaFigures quota;

@@ -17,7 +17,7 @@ from checks import Checks, run_test
 from child import wait_until
 from clinic import FLOOR, Clinic
 from nats_client import NatsClient, NKey
-from protobuf import message
+from viewer import Viewer
 
 PROTOCOL = """\
 name = "short"
@@ -107,16 +107,15 @@ class Places:
         self.centre = centre
         self.clinics = clinics
         self._watch = NatsClient(centre.nats_port, centre.folder / "ca.pem", NKey.of_file(centre.folder / "hub.nk"))
-        for subject in ("up.>", "facts", "erase", "beat", "live.>"):
+        for subject in ("up.>", "facts", "erase", "beat"):
             self._watch.subscribe(f"dts.v1.*.{subject}")
         self._watch.wait_for_server()
+        self._viewer = Viewer(centre)
         self._letters: list[tuple[str, bytes]] = []
 
     def watch(self, clinic: Clinic) -> None:
         """Asks for everything that can be watched at a clinic, for the next 10 s."""
-        topics = [f"floor/{name}" for name in (*STREAMS, *EVENTS)] + ["dtsd/status"]
-        request = b"".join(message({1: topic}) for topic in topics) + message({2: "ann"})
-        self._watch.publish(f"dts.v1.{clinic.name}.down.live", request, "_HUB.privacy")
+        self._viewer.ask(clinic.name, [*(f"floor/{name}" for name in STREAMS + EVENTS), "dtsd/status"])
 
     def can_watch(self, clinic: Clinic) -> bool:
         self.watch(clinic)
@@ -128,6 +127,7 @@ class Places:
         while not self._watch.letters.empty():
             letter = self._watch.letters.get()
             self._letters.append((letter.subject, letter.data))
+        self._letters += [(letter.subject, letter.data) for letter in self._viewer.letters()]
         return self._letters
 
     def seen(self, clinic: Clinic, topic: str) -> bool:

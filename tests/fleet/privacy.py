@@ -16,9 +16,8 @@ from centre import Centre
 from checks import Checks, run_test
 from child import wait_until
 from clinic import FLOOR, Clinic
-from gateway import admit
 from nats_client import NatsClient, NKey
-from protobuf import message
+from watcher import Watcher
 
 PROTOCOL = """\
 name = "short"
@@ -111,18 +110,12 @@ class Places:
         for subject in ("up.>", "facts", "erase", "beat"):
             self._watch.subscribe(f"dts.v1.*.{subject}")
         self._watch.wait_for_server()
-        key = NKey.of_file(admit(centre, "viewer"))
-        self._viewer = NatsClient(centre.nats_port, centre.folder / "ca.pem", key)
-        self._viewer.subscribe("dts.v1.*.live.>")
-        self._viewer.wait_for_server()
-        self._inbox = f"_DASHBOARD.{key.public}.privacy"
+        self._viewer = Watcher(centre)
         self._letters: list[tuple[str, bytes]] = []
 
     def watch(self, clinic: Clinic) -> None:
         """Asks for everything that can be watched at a clinic, for the next 10 s."""
-        topics = [f"floor/{name}" for name in (*STREAMS, *EVENTS)] + ["dtsd/status"]
-        request = b"".join(message({1: topic}) for topic in topics) + message({2: "ann"})
-        self._viewer.publish(f"dts.v1.{clinic.name}.down.live", request, self._inbox)
+        self._viewer.ask(clinic.name, [*(f"floor/{name}" for name in STREAMS + EVENTS), "dtsd/status"])
 
     def can_watch(self, clinic: Clinic) -> bool:
         self.watch(clinic)
@@ -131,10 +124,10 @@ class Places:
 
     def letters(self) -> list[tuple[str, bytes]]:
         """Returns subject and content of all messages so far."""
-        for client in (self._watch, self._viewer):
-            while not client.letters.empty():
-                letter = client.letters.get()
-                self._letters.append((letter.subject, letter.data))
+        while not self._watch.letters.empty():
+            letter = self._watch.letters.get()
+            self._letters.append((letter.subject, letter.data))
+        self._letters += [(letter.subject, letter.data) for letter in self._viewer.letters()]
         return self._letters
 
     def seen(self, clinic: Clinic, topic: str) -> bool:

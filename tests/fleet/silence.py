@@ -10,43 +10,29 @@ from centre import Centre
 from checks import Checks, run_test
 from child import PATIENCE_S, wait_until
 from clinic import LARGE_FLOOR, Clinic
-from gateway import admit
-from nats_client import NatsClient, NKey
-from protobuf import message
+from watcher import Watcher
 
 BYTES_PER_S = 300e3
 SECONDS = 6.0
 LONGEST_END_S = 5.0  # systemd waits longer; a clinic that shuts down does not
 
 
-class Viewer:
-    """Watches the raw signals of the rig."""
-
-    def __init__(self, centre: Centre) -> None:
-        key = NKey.of_file(admit(centre, "viewer"))
-        self._inbox = f"_DASHBOARD.{key.public}.silence"
-        self._client = NatsClient(centre.nats_port, centre.folder / "ca.pem", key)
-        self._client.subscribe("dts.v1.kent.live.>")
-
-    def watches(self) -> bool:
-        """Asks for the streams, as a viewer does every few seconds. Returns true if a block has arrived."""
-        self._client.publish("dts.v1.kent.down.live", message({1: "floor/raw", 2: "ann"}), self._inbox)
-        return any(letter.subject.endswith(".raw") for letter in self._letters())
-
-    def _letters(self) -> list:
-        time.sleep(0.5)
-        return [self._client.letters.get() for _ in range(self._client.letters.qsize())]
+def watches(viewer: Watcher) -> bool:
+    """Asks for the raw signals, as a viewer does every few seconds. Returns true if a block has arrived."""
+    viewer.ask("kent", ["floor/raw"])
+    time.sleep(0.5)
+    return any(letter.subject.endswith(".raw") for letter in viewer.letters())
 
 
 def status(clinic: Clinic) -> dict:
     return json.loads(clinic.forward("status", "--json"))
 
 
-def silent(checks: Checks, clinic: Clinic, viewer: Viewer, up: bool, down: bool) -> None:
+def silent(checks: Checks, clinic: Clinic, viewer: Watcher, up: bool, down: bool) -> None:
     name = f"silent {'in both directions' if up and down else 'towards the centre' if up else 'towards the clinic'}"
     clinic.record(SECONDS)
     wait_until("the session has ended", lambda: not clinic.is_recording(), SECONDS + PATIENCE_S)
-    wait_until("the rig is watched", viewer.watches)
+    wait_until("the rig is watched", lambda: watches(viewer))
     wait_until("a part of the recording has arrived", lambda: status(clinic).get("sending", {}).get("have", 0) > 0)
     clinic.line.silence(up, down)
     begun_s = time.monotonic()
@@ -67,7 +53,7 @@ def silent(checks: Checks, clinic: Clinic, viewer: Viewer, up: bool, down: bool)
     checks.expect(f"  a beat is answered {time.monotonic() - begun_s:.1f} s after the line lives again", True)
     wait_until("the recording has a receipt", lambda: not clinic.undelivered(), 120)
     checks.expect(f"  the recording has a receipt after {time.monotonic() - begun_s:.1f} s", True)
-    wait_until("the rig is watched again", viewer.watches)
+    wait_until("the rig is watched again", lambda: watches(viewer))
 
 
 def short(checks: Checks, clinic: Clinic) -> None:
@@ -91,10 +77,11 @@ def silence(checks: Checks) -> None:
         centre.start()
         clinic.start()
         wait_until("the centre knows the clinic", lambda: centre.query("SELECT count(*) FROM beat") == "1")
-        viewer = Viewer(centre)
+        viewer = Watcher(centre)
         short(checks, clinic)
         for up, down in ((True, True), (True, False), (False, True)):
             silent(checks, clinic, viewer, up, down)
+        checks.expect("what is watched has a connection of its own", "kent live: connected" in clinic.forwarder.text())
     finally:
         clinic.close()
         centre.close()

@@ -86,6 +86,7 @@ core::Status Keeper::follow_clinics() {
     if (!clinic.is_revoked) active.insert(clinic.id);
   }
   clinics_.set(std::move(active));
+  report(check_keys(hub_public_key_, settings_.dashboards, clinics), key_problem_);
   DTS_TRY_ASSIGN(const bool is_written, write_users(settings_, hub_public_key_, clinics));
   if (is_written) {
     is_reload_due_ = true;

@@ -49,6 +49,7 @@ class Keeper {
   bool is_reconciled_ = false;  ///< The journal of erasures and the database.
   bool is_reload_due_ = true;   ///< Also at the start: an earlier process may have ended before its SIGHUP.
   std::string database_problem_{};
+  std::string key_problem_{};
   std::string reload_problem_{};
   std::string clean_problem_{};
   std::jthread thread_{};  ///< Must be the last member: it uses the others.

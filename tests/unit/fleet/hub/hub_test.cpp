@@ -255,6 +255,17 @@ TEST_F(HubTest, ClinicThatFloods_IsAskedToWait_AndOthersAreServed) {
   EXPECT_NE(log_text().find("clinic kent sends more messages"), std::string::npos) << log_text();
 }
 
+TEST_F(HubTest, AClinicWithTheKeyOfADashboard_DoesNotStopTheOthers) {
+  const auto dashboard = wire::create_nkey().public_key;
+  std::ofstream(config_, std::ios::app) << "[[dashboard]]\nkey = \"" << dashboard << "\"\n";
+  start_hub();
+  ASSERT_TRUE(comes_true([&] { return metrics().find("\ndts_hub_database_up 1\n") != std::string::npos; }));
+  ASSERT_TRUE(catalogue_->add_clinic({.id = "leeds", .title = "", .nkey = dashboard}, "local:anna", 1));  // by way of an older dts-fleet
+  const auto kent = add_clinic("kent");
+  EXPECT_TRUE(upload(*kent, "kent", "recording", "s1").has_stored());
+  EXPECT_NE(log_text().find("clinic 'leeds' has the key of a [[dashboard]]"), std::string::npos) << log_text();
+}
+
 TEST_F(HubTest, OlderDatabase_DoesNotBringBackAnErasedSession) {
   start_hub();
   const auto kent = add_clinic("kent");

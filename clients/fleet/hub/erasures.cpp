@@ -81,6 +81,7 @@ core::Result<std::uint32_t> Erasures::remove_left(const std::string& clinic) {
   std::optional<core::Error> first;
   for (const RecordingName& name : left) {
     const auto is_removed = catalogue_.remove_left(name, store_);
+    if (!is_removed && is_removed.error().code == core::ErrorCode::Unreachable) return tl::make_unexpected(is_removed.error());
     if (!is_removed && !first) first = is_removed.error();
     removed += is_removed && *is_removed ? 1U : 0U;
   }

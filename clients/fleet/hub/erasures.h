@@ -40,7 +40,8 @@ class Erasures {
   /// Erases what only the journal knows, and appends to the journal what only the database knows. Returns how many sessions were erased.
   [[nodiscard]] core::Result<std::uint64_t> reconcile(std::int64_t utc_ns);
   /// Removes the recordings that erasures have left in the store: of a clinic, or of all if `clinic` is empty. Returns how many. One that
-  /// cannot be removed does not stop the others; the first such failure is returned at the end.
+  /// cannot be removed does not stop the others; the first such failure is returned at the end. Stops with Unreachable if the store or the
+  /// database does not answer: each further recording would wait for it again.
   [[nodiscard]] core::Result<std::uint32_t> remove_left(const std::string& clinic);
 
  private:

@@ -21,6 +21,7 @@
 #include "fleet/wire/nkey.h"
 #include "fleet/wire/subjects.h"
 #include "support/nats_server.h"
+#include "support/s3_server.h"
 #include "unit/fleet/hub/hub_fixture.h"
 
 namespace dts::fleet::hub {
@@ -279,6 +280,38 @@ TEST_F(HubTest, OlderDatabase_DoesNotBringBackAnErasedSession) {
   start_hub();
   EXPECT_TRUE(comes_true([&] { return value("SELECT count(*) FROM session") == "0"; }));
   EXPECT_EQ(value("SELECT count(*) FROM erased"), "1");
+}
+
+TEST_F(HubTest, OlderDatabase_UnderARunningHub_DoesNotBringBackAnErasedSession) {
+  start_hub();
+  const auto kent = add_clinic("kent");
+  v1::EraseSession erase;
+  erase.set_session_id("s1");
+  ASSERT_FALSE(ask<v1::EraseAnswer>(*kent, {.clinic = "kent", .matter = Matter::Erase}, erase).has_refusal());
+  ASSERT_TRUE(database_->run("DELETE FROM erased"));
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
+  // All connections end before a database can be replaced.
+  ASSERT_TRUE(
+      database_->run("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE application_name LIKE 'dts-hub%' "
+                     "AND datname = current_database()"));
+  EXPECT_TRUE(comes_true([&] { return value("SELECT count(*) FROM session") == "0"; }));
+  EXPECT_EQ(value("SELECT count(*) FROM erased"), "1");
+}
+
+TEST_F(HubTest, SilentS3_DoesNotDelayARevocation) {
+  const test::S3Server s3;
+  const auto settings = s3.settings();
+  s3.set_fault("* silence");
+  std::ofstream(config_, std::ios::app) << "[store.s3]\nendpoint = \"" << settings.endpoint << "\"\nbucket = \"" << settings.bucket
+                                        << "\"\nregion = \"" << settings.region << "\"\ncredentials = \"" << settings.credentials_file
+                                        << "\"\n";
+  ASSERT_TRUE(database_->run("INSERT INTO erased_file VALUES ('kent', sha256('a'))"));
+  start_hub();
+  const auto kent = add_clinic("kent");
+  ASSERT_TRUE(comes_true([&] { return s3.requests().find(wire::hex_of(sum_of("a"))) != std::string::npos; }));
+  EXPECT_EQ(fleet({"clinic", "revoke", "kent"}), 0);
+  EXPECT_TRUE(comes_true([&] { return !kent->is_connected(); }));
+  EXPECT_EQ(log_text().find("HEAD "), std::string::npos) << log_text();  // the hub still waits for S3
 }
 
 TEST_F(HubTest, Servers_MayStartLater_AndEndInBetween) {

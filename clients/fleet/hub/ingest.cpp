@@ -224,7 +224,7 @@ v1::UploadAnswer Ingest::commit(const std::string& clinic, const v1::UploadCommi
   return answer;
 }
 
-/// Returns whether the file is what was offered.
+/// Returns whether the file is what was offered. An error says nothing about the file in the store: the disk may be full, or its copy lost.
 core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& upload, const std::stop_token& stop) {
   std::string file = staging_->file(name);
   std::optional<LocalFile> kept;
@@ -238,17 +238,17 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
   DTS_TRY(synchronise(file));
   options_.reached("synchronised");
   std::error_code error;
-  if (std::filesystem::file_size(file, error) != upload.offer.bytes() || error) return false;
-  auto sum = sha256_from_disk(file, stop);
-  if (!sum && sum.error().code == core::ErrorCode::NotFound) return false;
-  DTS_TRY(sum);
-  return *sum == name.sha256;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) return core::fail(core::ErrorCode::Failed, "cannot read '" + file + "': " + error.message(), "check the disk");
+  if (bytes != upload.offer.bytes()) return false;
+  DTS_TRY_ASSIGN(const std::string sum, sha256_from_disk(file, stop));
+  return sum == name.sha256;
 }
 
 v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& upload, Catalogue& catalogue, const std::stop_token& stop) {
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
-  if (!is_sound && is_sound.error().code == core::ErrorCode::Unreachable) return store_failed(is_sound.error());
+  if (!is_sound && upload.is_in_store) return store_failed(is_sound.error());  // the next commit verifies it again
   if (!is_sound || !*is_sound) {
     log_.warning(described(name) +
                  (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));

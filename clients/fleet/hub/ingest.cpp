@@ -49,16 +49,19 @@ core::Result<std::unique_ptr<Ingest>> Ingest::create(IngestOptions options, std:
                                                      const core::Clock& clock, const core::Log& log) {
   std::unique_ptr<Ingest> ingest(new Ingest(std::move(options), std::move(staging), store, clock, log));
   DTS_TRY_ASSIGN(auto found, ingest->staging_->load());
-  for (auto& upload : found) DTS_TRY(ingest->adopt(std::move(upload)));
+  bool is_store_away = false;
+  for (auto& upload : found) DTS_TRY(ingest->adopt(std::move(upload), is_store_away));
   return ingest;
 }
 
-core::Status Ingest::adopt(Staging::Upload found) {
+core::Status Ingest::adopt(Staging::Upload found, bool& is_store_away) {
   Upload upload{.offer = std::move(found.offer), .have = found.have, .changed_utc_ns = found.changed_utc_ns};
   if (upload.have == 0) {
+    // If the store does not answer now, the offer is repeated: the next one looks again. Each question may take long.
+    if (is_store_away) return {};
     const auto is_stored = store_.has(found.name);
-    // If the store does not answer now, the offer is repeated: the next one looks again.
-    if (!is_stored && is_stored.error().code == core::ErrorCode::Unreachable) return {};
+    is_store_away = !is_stored && is_stored.error().code == core::ErrorCode::Unreachable;
+    if (is_store_away) return {};
     DTS_TRY(is_stored);
     upload.is_in_store = *is_stored;
     if (*is_stored) upload.have = upload.offer.bytes();

@@ -188,6 +188,22 @@ TEST_F(S3StoreTest, WhileS3IsAway_TheHubStarts) {
   EXPECT_TRUE(commit("abc").has_stored());
 }
 
+TEST_F(S3StoreTest, WhileS3IsAway_TheStartAsksOnce) {
+  for (const std::string bytes : {"a", "b", "c"}) {
+    send(bytes, "s-" + bytes);
+    fs::remove(staging() + "/kent/" + wire::hex_of(sum_of(bytes)) + ".part");
+  }
+  server_.set_fault("* 500");
+  const std::size_t before = server_.requests().size();
+  restart();
+  EXPECT_EQ(std::ranges::count(server_.requests().substr(before), '\n'), 1);
+  server_.set_fault("");
+  for (const std::string bytes : {"a", "b", "c"}) {
+    send(bytes, "s-" + bytes);
+    EXPECT_TRUE(commit(bytes).has_stored());
+  }
+}
+
 TEST_F(S3StoreTest, KilledAtAnyStep_NoReceiptWithoutItsObject) {
   for (const std::string last : {"synchronised", "verified", "stored", "entered"}) {
     const std::string session = "session-" + last;

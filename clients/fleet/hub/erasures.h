@@ -18,12 +18,16 @@ class ErasureJournal {
  public:
   explicit ErasureJournal(const std::string& folder) : file_(folder + "/erased") {}
 
+  /// Creates the file if there is none, so that a backup finds it.
+  [[nodiscard]] core::Status create() const;
   /// Appends one line; it is on the disk when this returns.
   [[nodiscard]] core::Status add(const SessionName& name) const;
   /// Skips lines that a power failure has torn.
   [[nodiscard]] core::Result<std::set<SessionName>> read() const;
 
  private:
+  [[nodiscard]] core::Status append(const std::string& line) const;
+
   std::string file_;
 };
 

@@ -76,6 +76,7 @@ class Hub {
 
   [[nodiscard]] core::Status start() {
     DTS_TRY_ASSIGN(store_, open_store(settings_));
+    DTS_TRY(ErasureJournal(settings_.directory).create());
     DTS_TRY_ASSIGN(auto staging, Staging::open(settings_.directory + "/staging/" + settings_.name));
     DTS_TRY_ASSIGN(ingest_, Ingest::create({.hub = settings_.name,
                                             .full_at_percent = settings_.full_at_percent,

@@ -84,7 +84,9 @@ TEST_F(ErasuresTest, Journal_IsWrittenBeforeTheRowsAreRemoved) {
 TEST_F(ErasuresTest, WithoutTheJournal_NothingIsErased) {
   enter("s1");
   std::filesystem::create_directory(folder_.path() + "/erased");
-  EXPECT_FALSE(erasures_->erase({"kent", "s1"}, "clinic:kent", 1));
+  const auto erased = erasures_->erase({"kent", "s1"}, "clinic:kent", 1);
+  ASSERT_FALSE(erased);
+  EXPECT_NE(erased.error().what.find("Is a directory"), std::string::npos) << erased.error().what;
   EXPECT_TRUE(has_file("s1"));
   EXPECT_EQ(value("SELECT count(*) FROM session"), "1");
 }
@@ -106,6 +108,15 @@ TEST_F(ErasuresTest, Reconcile_CompletesALostJournal) {
   std::filesystem::remove(folder_.path() + "/erased");
   EXPECT_EQ(erasures_->reconcile(1), 0U);
   EXPECT_EQ(journal_.read().value(), (std::set<SessionName>{{"kent", "s1"}}));
+}
+
+TEST_F(ErasuresTest, Create_MakesAnEmptyJournal_AndKeepsAnOldOne) {
+  ASSERT_TRUE(journal_.create());
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() + "/erased"));
+  EXPECT_EQ(journal_text(), "");
+  ASSERT_TRUE(journal_.add({"kent", "s1"}));
+  ASSERT_TRUE(journal_.create());
+  EXPECT_EQ(journal_text(), "\nkent s1 erased\n");
 }
 
 TEST_F(ErasuresTest, TornLine_IsSkipped_AndTheNextIsWhole) {

@@ -175,6 +175,7 @@ class HubTest : public DatabaseTest {
 TEST_F(HubTest, ServesAClinic_FromItsEnrolmentToItsRevocation) {
   start_hub();
   const auto kent = add_clinic("kent");
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() + "/store/erased"));  // before the first erasure
   EXPECT_NE(content_of(folder_.path() + "/kent.toml").find("clinic = 'kent'"), std::string::npos)
       << content_of(folder_.path() + "/kent.toml");
 

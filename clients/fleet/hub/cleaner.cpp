@@ -11,8 +11,8 @@
 namespace dts::fleet::hub {
 namespace {
 
-constexpr auto kTurn = std::chrono::milliseconds(200);  // until a stop or the end of a connection is noticed
-constexpr auto kPause = std::chrono::minutes(10);
+constexpr auto kCleanTurn = std::chrono::milliseconds(200);  // until a stop or the end of a connection is noticed
+constexpr auto kCleanPause = std::chrono::minutes(10);
 
 }  // namespace
 
@@ -34,13 +34,13 @@ void Cleaner::serve(const std::stop_token& stop) {
   std::uint64_t cleaned_connection = 0;
   while (!stop.stop_requested()) {
     try {
-      if (!database_.wait_notification(kTurn)) {  // the keeper logs it
-        std::this_thread::sleep_for(kTurn);
+      if (!database_.wait_notification(kCleanTurn)) {  // the keeper logs it
+        std::this_thread::sleep_for(kCleanTurn);
         continue;
       }
       const auto now = std::chrono::steady_clock::now();
       if (now < next_clean && cleaned_connection == database_.connections()) continue;
-      next_clean = now + kPause;
+      next_clean = now + kCleanPause;
       cleaned_connection = database_.connections();
       problem_.report(clean());
     } catch (const std::exception& exception) {  // no memory left

@@ -169,7 +169,7 @@ TEST_F(S3StoreTest, AProblemOfTheDisk_RemovesNoObject) {
 
 TEST_F(S3StoreTest, CopiesOfKilledProcesses_AreRemoved) {
   const std::string fetched = folder_.path() + "/fetched/";
-  for (const std::string process : {std::to_string(::getpid()), std::to_string(::getppid()), std::string("99999999")})
+  for (const std::string& process : {std::to_string(::getpid()), std::to_string(::getppid()), std::string("99999999")})
     std::ofstream(fetched + process + "-1") << "abc";
   const auto store = new_store();
   EXPECT_FALSE(fs::exists(fetched + std::to_string(::getpid()) + "-1"));

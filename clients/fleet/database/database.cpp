@@ -133,6 +133,7 @@ core::Status Database::connect() {
   PQsetNoticeProcessor(
       opened->get(), [](void* /*unused*/, const char* /*text*/) {}, nullptr);
   connection_ = std::move(opened);
+  ++connections_;
   if (!channel_.empty()) {
     may_have_missed_ = true;
     return run_script("LISTEN " + channel_);

@@ -119,6 +119,9 @@ class Database {
     }
   }
 
+  /// Returns how many connections were opened so far. After a new one, the database may be another one: for example an older backup.
+  [[nodiscard]] std::uint64_t connections() const noexcept { return connections_; }
+
   /// Receives notifications of `channel` (LISTEN) from now on, also after a new connection.
   void listen(const std::string& channel);
   /// Waits for a notification, at most `timeout`. Returns true if there was one, or if there is a new connection, so that one may have
@@ -136,6 +139,7 @@ class Database {
 
   DatabaseOptions options_;
   std::string channel_{};
+  std::uint64_t connections_ = 0;
   bool may_have_missed_ = false;
   bool is_in_transaction_ = false;
   std::chrono::steady_clock::time_point next_try_{};

@@ -23,12 +23,18 @@ constexpr const char* kEndOfLine = "erased";  // a line without it is torn
 
 }  // namespace
 
+core::Status ErasureJournal::create() const { return append(""); }
+
 core::Status ErasureJournal::add(const SessionName& name) const {
-  const core::Descriptor file(::open(file_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kJournalMode));
   // In one write, so that lines of several processes do not mix. The first line feed ends a line that is torn.
-  const std::string line = "\n" + name.clinic + " " + name.id + " " + kEndOfLine + "\n";
+  return append("\n" + name.clinic + " " + name.id + " " + kEndOfLine + "\n");
+}
+
+core::Status ErasureJournal::append(const std::string& line) const {
+  const core::Descriptor file(::open(file_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kJournalMode));
+  if (file.get() < 0) return core::fail_errno(errno, "cannot open '" + file_ + "'", "check that the file is writable for the hub");
   errno = 0;
-  if (file.get() < 0 || ::write(file.get(), line.data(), line.size()) != static_cast<ssize_t>(line.size()) || ::fsync(file.get()) != 0) {
+  if (::write(file.get(), line.data(), line.size()) != static_cast<ssize_t>(line.size()) || ::fsync(file.get()) != 0) {
     return core::fail_errno(errno == 0 ? ENOSPC : errno, "cannot append to '" + file_ + "'", "make room on the disk, or check it");
   }
   return synchronise(std::filesystem::path(file_).parent_path().string());
@@ -81,6 +87,7 @@ core::Result<std::uint32_t> Erasures::remove_left(const std::string& clinic) {
   std::optional<core::Error> first;
   for (const RecordingName& name : left) {
     const auto is_removed = catalogue_.remove_left(name, store_);
+    if (!is_removed && is_removed.error().code == core::ErrorCode::Unreachable) return tl::make_unexpected(is_removed.error());
     if (!is_removed && !first) first = is_removed.error();
     removed += is_removed && *is_removed ? 1U : 0U;
   }

@@ -18,12 +18,16 @@ class ErasureJournal {
  public:
   explicit ErasureJournal(const std::string& folder) : file_(folder + "/erased") {}
 
+  /// Creates the file if there is none, so that a backup finds it.
+  [[nodiscard]] core::Status create() const;
   /// Appends one line; it is on the disk when this returns.
   [[nodiscard]] core::Status add(const SessionName& name) const;
   /// Skips lines that a power failure has torn.
   [[nodiscard]] core::Result<std::set<SessionName>> read() const;
 
  private:
+  [[nodiscard]] core::Status append(const std::string& line) const;
+
   std::string file_;
 };
 
@@ -40,7 +44,8 @@ class Erasures {
   /// Erases what only the journal knows, and appends to the journal what only the database knows. Returns how many sessions were erased.
   [[nodiscard]] core::Result<std::uint64_t> reconcile(std::int64_t utc_ns);
   /// Removes the recordings that erasures have left in the store: of a clinic, or of all if `clinic` is empty. Returns how many. One that
-  /// cannot be removed does not stop the others; the first such failure is returned at the end.
+  /// cannot be removed does not stop the others; the first such failure is returned at the end. Stops with Unreachable if the store or the
+  /// database does not answer: each further recording would wait for it again.
   [[nodiscard]] core::Result<std::uint32_t> remove_left(const std::string& clinic);
 
  private:

@@ -287,7 +287,7 @@ int retry_jobs_command(const Arguments& arguments, cli::Console& console) {
   });
 }
 
-core::Status check_new_clinic(const Clinic& clinic) {
+core::Status check_new_clinic(const Clinic& clinic, const Settings& settings) {
   if (!wire::is_clinic_name(clinic.id)) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + clinic.id + "' is not a name of a clinic",
                       "use 1 to 32 of the characters a-z, 0-9 and -");
@@ -296,12 +296,14 @@ core::Status check_new_clinic(const Clinic& clinic) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + clinic.nkey + "' is not a public key",
                       "run this at the clinic, and use what it prints: dts-forward key");
   }
-  return {};
+  const auto hub = wire::read_nkey(settings.key_file);
+  if (!hub && hub.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(hub.error());
+  return check_keys(hub ? hub->public_key : "", settings.dashboards, {clinic});
 }
 
 core::Status add_clinic(const Arguments& arguments, const Settings& settings, Database& database) {
   const Clinic& clinic = arguments.added;
-  DTS_TRY(check_new_clinic(clinic));
+  DTS_TRY(check_new_clinic(clinic, settings));
   if (std::filesystem::exists(arguments.out)) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + arguments.out + "' exists already", "name another file in --out");
   }
@@ -325,6 +327,7 @@ int write_users_command(const Arguments& arguments, cli::Console& console) {
     }
     DTS_TRY_ASSIGN(const auto key, wire::read_or_create_nkey(settings.key_file));
     DTS_TRY_ASSIGN(const auto clinics, Catalogue(database).clinics());
+    DTS_TRY(check_keys(key.public_key, settings.dashboards, clinics));
     DTS_TRY_ASSIGN(const bool is_written, write_users(settings, key.public_key, clinics));
     console.out << settings.users_file << (is_written ? ": written\n" : ": unchanged\n");
     if (settings.pid_file.empty()) return {};

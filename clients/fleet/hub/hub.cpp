@@ -14,6 +14,7 @@
 
 #include "core/token_bucket.h"
 #include "fleet/hub/catalogue.h"
+#include "fleet/hub/cleaner.h"
 #include "fleet/hub/desk.h"
 #include "fleet/hub/erasures.h"
 #include "fleet/hub/ingest.h"
@@ -75,6 +76,7 @@ class Hub {
 
   [[nodiscard]] core::Status start() {
     DTS_TRY_ASSIGN(store_, open_store(settings_));
+    DTS_TRY(ErasureJournal(settings_.directory).create());
     DTS_TRY_ASSIGN(auto staging, Staging::open(settings_.directory + "/staging/" + settings_.name));
     DTS_TRY_ASSIGN(ingest_, Ingest::create({.hub = settings_.name,
                                             .full_at_percent = settings_.full_at_percent,
@@ -88,7 +90,8 @@ class Hub {
             return metrics_text({ingest_->counts(), counts_, quota_.slowed(), *store_, settings_.quota, is_connected_}, seat->database);
           }));
     }
-    keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, *ingest_, *store_, clock_, log_);
+    keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, log_);
+    cleaner_ = std::make_unique<Cleaner>(settings_, *ingest_, *store_, clock_, log_);
     const auto connected = connect();
     // nats-server may close the first connection while it reads the users file: `serve` opens another one.
     return connected.has_value() || connected.error().code != core::ErrorCode::InvalidArgument ? core::Status() : connected;
@@ -113,6 +116,7 @@ class Hub {
   void request_stop() {
     for (const auto& desk : desks_) desk->request_stop();
     keeper_->request_stop();
+    cleaner_->request_stop();
   }
 
  private:
@@ -262,6 +266,7 @@ class Hub {
   std::unique_ptr<Ingest> ingest_{};
   std::unique_ptr<MetricsListener> metrics_{};
   std::unique_ptr<Keeper> keeper_{};
+  std::unique_ptr<Cleaner> cleaner_{};
   std::unique_ptr<link::Link> link_{};
   std::vector<std::unique_ptr<Desk>> desks_{};  ///< Must be the last member: they use the others.
 };

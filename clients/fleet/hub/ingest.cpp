@@ -49,16 +49,19 @@ core::Result<std::unique_ptr<Ingest>> Ingest::create(IngestOptions options, std:
                                                      const core::Clock& clock, const core::Log& log) {
   std::unique_ptr<Ingest> ingest(new Ingest(std::move(options), std::move(staging), store, clock, log));
   DTS_TRY_ASSIGN(auto found, ingest->staging_->load());
-  for (auto& upload : found) DTS_TRY(ingest->adopt(std::move(upload)));
+  bool is_store_away = false;
+  for (auto& upload : found) DTS_TRY(ingest->adopt(std::move(upload), is_store_away));
   return ingest;
 }
 
-core::Status Ingest::adopt(Staging::Upload found) {
+core::Status Ingest::adopt(Staging::Upload found, bool& is_store_away) {
   Upload upload{.offer = std::move(found.offer), .have = found.have, .changed_utc_ns = found.changed_utc_ns};
   if (upload.have == 0) {
+    // If the store does not answer now, the offer is repeated: the next one looks again. Each question may take long.
+    if (is_store_away) return {};
     const auto is_stored = store_.has(found.name);
-    // If the store does not answer now, the offer is repeated: the next one looks again.
-    if (!is_stored && is_stored.error().code == core::ErrorCode::Unreachable) return {};
+    is_store_away = !is_stored && is_stored.error().code == core::ErrorCode::Unreachable;
+    if (is_store_away) return {};
     DTS_TRY(is_stored);
     upload.is_in_store = *is_stored;
     if (*is_stored) upload.have = upload.offer.bytes();
@@ -224,7 +227,7 @@ v1::UploadAnswer Ingest::commit(const std::string& clinic, const v1::UploadCommi
   return answer;
 }
 
-/// Returns whether the file is what was offered.
+/// Returns whether the file is what was offered. An error says nothing about the file in the store: the disk may be full, or its copy lost.
 core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& upload, const std::stop_token& stop) {
   std::string file = staging_->file(name);
   std::optional<LocalFile> kept;
@@ -238,17 +241,17 @@ core::Result<bool> Ingest::verify(const RecordingName& name, const Upload& uploa
   DTS_TRY(synchronise(file));
   options_.reached("synchronised");
   std::error_code error;
-  if (std::filesystem::file_size(file, error) != upload.offer.bytes() || error) return false;
-  auto sum = sha256_from_disk(file, stop);
-  if (!sum && sum.error().code == core::ErrorCode::NotFound) return false;
-  DTS_TRY(sum);
-  return *sum == name.sha256;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) return core::fail(core::ErrorCode::Failed, "cannot read '" + file + "': " + error.message(), "check the disk");
+  if (bytes != upload.offer.bytes()) return false;
+  DTS_TRY_ASSIGN(const std::string sum, sha256_from_disk(file, stop));
+  return sum == name.sha256;
 }
 
 v1::UploadAnswer Ingest::commit_whole(const RecordingName& name, const Upload& upload, Catalogue& catalogue, const std::stop_token& stop) {
   const auto is_sound = verify(name, upload, stop);
   if (!is_sound && is_sound.error().code == core::ErrorCode::Timeout) return later("the hub ends", 1);
-  if (!is_sound && is_sound.error().code == core::ErrorCode::Unreachable) return store_failed(is_sound.error());
+  if (!is_sound && upload.is_in_store) return store_failed(is_sound.error());  // the next commit verifies it again
   if (!is_sound || !*is_sound) {
     log_.warning(described(name) +
                  (is_sound ? ": the SHA-256 differs, the clinic sends it again" : ": " + core::to_string(is_sound.error())));

@@ -86,7 +86,8 @@ class Ingest {
   Ingest(IngestOptions options, std::unique_ptr<Staging> staging, Store& store, const core::Clock& clock, const core::Log& log)
       : options_(std::move(options)), staging_(std::move(staging)), store_(store), clock_(clock), log_(log) {}
   [[nodiscard]] std::int64_t utc_ns() const noexcept { return clock_.now_ns() + clock_.utc_minus_monotonic_ns(); }
-  [[nodiscard]] core::Status adopt(Staging::Upload found);
+  /// Continues an upload. `is_store_away`: then it does not ask the store; it also sets it.
+  [[nodiscard]] core::Status adopt(Staging::Upload found, bool& is_store_away);
   [[nodiscard]] v1::UploadAnswer begin(const RecordingName& name, const v1::UploadOffer& offer);
   [[nodiscard]] v1::UploadAnswer commit_whole(const RecordingName& name, const Upload& upload, Catalogue& catalogue,
                                               const std::stop_token& stop);

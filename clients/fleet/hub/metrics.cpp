@@ -56,8 +56,8 @@ constexpr std::array<ClinicFamily, 7> kClinicFamilies{
      {"dts_hub_clinic_held_files", "Files of the clinic that are not what was recorded", 4},
      {"dts_hub_clinic_clock_offset_seconds", "Clock of the clinic minus the clock of the hub", 5},
      {"dts_hub_clinic_has_daemon", "1 if dtsd of the clinic answers", 6},
-     {"dts_hub_clinic_quota_ratio", "Largest used part of the limits of sessions, recordings, rows and erasures; at 1 the hub rejects more",
-      7}}};
+     {"dts_hub_clinic_quota_ratio",
+      "Largest used part of the limits of sessions, recordings, rows and erasures; near 1 the hub rejects some", 7}}};
 
 }  // namespace
 

@@ -28,11 +28,17 @@ core::Result<Rebuilt> rebuild(Store& store, Catalogue& catalogue, const std::str
       ++rebuilt.known;
       continue;
     }
-    DTS_TRY_ASSIGN(const auto file, store.file(name));
-    if (!file) continue;
-    const auto facts = facts_in(name, file->path());
+    const auto found = store.file(name);
+    if (!found && found.error().code == core::ErrorCode::Unreachable) return tl::make_unexpected(found.error());
+    if (!found) {  // for example without room for its copy
+      rebuilt.left.push_back(key_of(name) + ": " + core::to_string(found.error()));
+      continue;
+    }
+    if (!*found) continue;
+    const std::string& file = (*found)->path();
+    const auto facts = facts_in(name, file);
     std::error_code error;
-    const auto bytes = std::filesystem::file_size(file->path(), error);
+    const auto bytes = std::filesystem::file_size(file, error);
     if (!facts || error) {
       rebuilt.left.push_back(key_of(name) + ": " + (facts ? error.message() : facts.error().what));
       continue;

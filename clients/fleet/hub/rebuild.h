@@ -22,7 +22,7 @@ struct Rebuilt {
 
 /// Enters the recordings of the store that have no receipt, after a loss of the database: part, receipt, and what the header of the file
 /// holds of the session, with revision 0: the clinic's facts replace it. Reads and checks every such file. Removes those of erased
-/// sessions: reconcile the erasures first. Fails if the database does.
+/// sessions: reconcile the erasures first. Fails if the database does, and with Unreachable if the store does not answer.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Store& store, Catalogue& catalogue, const std::string& hub, std::int64_t utc_ns);
 
 }  // namespace dts::fleet::hub

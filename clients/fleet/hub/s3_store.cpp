@@ -52,13 +52,15 @@ class S3Store final : public Store {
     return names;
   }
 
-  /// Removes copies that a hub has left that was killed.
+  /// Removes copies that a killed process has left. It may have had the number of this one: in a container, all have number 1.
   [[nodiscard]] core::Status prepare() const {
     DTS_TRY(create_folder(fetched_folder()));
     std::error_code error;
     for (const auto& entry : std::filesystem::directory_iterator(fetched_folder(), error)) {
       const std::string file = entry.path().filename().string();
-      if (!std::filesystem::exists("/proc/" + file.substr(0, file.find('-')), error)) std::filesystem::remove(entry.path(), error);
+      const std::string process = file.substr(0, file.find('-'));
+      const bool is_own = process == std::to_string(::getpid());
+      if (is_own || !std::filesystem::exists("/proc/" + process, error)) std::filesystem::remove(entry.path(), error);
     }
     return {};
   }

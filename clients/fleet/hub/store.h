@@ -82,7 +82,8 @@ class Store {
 
 /// Keeps recordings in FOLDER/objects/CLINIC/SHA256.
 [[nodiscard]] core::Result<std::unique_ptr<Store>> open_folder_store(const std::string& folder);
-/// Keeps recordings in a bucket, and copies that are needed for a moment in FOLDER/fetched.
+/// Keeps recordings in a bucket, and copies that are needed for a moment in FOLDER/fetched. One store of a folder in each process: it
+/// removes what earlier processes have left there.
 [[nodiscard]] core::Result<std::unique_ptr<Store>> open_s3_store(const std::string& folder, const s3::Settings& settings);
 
 }  // namespace dts::fleet::hub

@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <charconv>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "files/toml_text.h"
 #include "files/whole_file.h"
@@ -25,26 +27,55 @@ std::string quoted_list(const std::vector<std::string>& texts) {
   return "[" + list + "]";
 }
 
-std::string user_line(const std::string& public_key, const wire::Permissions& permissions) {
-  return "  {nkey: " + public_key + ", permissions: {publish: {allow: " + quoted_list(permissions.publish) +
-         "}, subscribe: {allow: " + quoted_list(permissions.subscribe) + "}" +
-         (permissions.may_answer ? ", allow_responses: {max: 1, ttl: \"30s\"}" : "") + "}}\n";
+struct User {
+  std::string name;  // for people
+  std::string key;
+  wire::Permissions permissions;
+};
+
+std::vector<User> users_of(const std::string& hub_public_key, const std::vector<DashboardKey>& dashboards,
+                           const std::vector<Clinic>& clinics) {
+  std::vector<User> users = {{.name = "the hub", .key = hub_public_key, .permissions = wire::hub_permissions()}};
+  for (const DashboardKey& dashboard : dashboards) {
+    users.push_back({.name = "a [[dashboard]]",
+                     .key = dashboard.public_key,
+                     .permissions = wire::dashboard_permissions(dashboard.public_key, dashboard.clinics)});
+  }
+  for (const Clinic& clinic : clinics) {
+    // A line of the database that is not a name and a key must not become configuration.
+    if (clinic.is_revoked || !wire::is_clinic_name(clinic.id) || !wire::is_public_nkey(clinic.nkey)) continue;
+    users.push_back({.name = "clinic '" + clinic.id + "'", .key = clinic.nkey, .permissions = wire::clinic_permissions(clinic.id)});
+  }
+  return users;
+}
+
+std::string user_line(const User& user) {
+  return "  {nkey: " + user.key + ", permissions: {publish: {allow: " + quoted_list(user.permissions.publish) +
+         "}, subscribe: {allow: " + quoted_list(user.permissions.subscribe) + "}" +
+         (user.permissions.may_answer ? ", allow_responses: {max: 1, ttl: \"30s\"}" : "") + "}}\n";
 }
 
 }  // namespace
+
+core::Status check_keys(const std::string& hub_public_key, const std::vector<DashboardKey>& dashboards,
+                        const std::vector<Clinic>& clinics) {
+  std::map<std::string, std::string> owners;
+  std::string problems;
+  for (const User& user : users_of(hub_public_key, dashboards, clinics)) {
+    const auto [owner, is_new] = owners.emplace(user.key, user.name);
+    if (!is_new) problems += (problems.empty() ? "" : "; ") + user.name + " has the key of " + owner->second + " and cannot connect";
+  }
+  if (problems.empty()) return {};
+  return core::fail(core::ErrorCode::WrongState, problems, "give each of them a key of its own");
+}
 
 std::string users_text(const std::string& hub_public_key, const std::vector<DashboardKey>& dashboards, const std::vector<Clinic>& clinics) {
   std::string text =
       "# Written by dts-hub from the table clinic and hub.toml. Change it with dts-fleet clinic add and revoke, or in [[dashboard]].\n"
       "authorization {\n users = [\n";
-  text += user_line(hub_public_key, wire::hub_permissions());
-  for (const DashboardKey& dashboard : dashboards) {
-    text += user_line(dashboard.public_key, wire::dashboard_permissions(dashboard.public_key, dashboard.clinics));
-  }
-  for (const Clinic& clinic : clinics) {
-    // A line of the database that is not a name and a key must not become configuration.
-    if (clinic.is_revoked || !wire::is_clinic_name(clinic.id) || !wire::is_public_nkey(clinic.nkey)) continue;
-    text += user_line(clinic.nkey, wire::clinic_permissions(clinic.id));
+  std::set<std::string> keys;
+  for (const User& user : users_of(hub_public_key, dashboards, clinics)) {
+    if (keys.insert(user.key).second) text += user_line(user);
   }
   return text + " ]\n}\n";
 }

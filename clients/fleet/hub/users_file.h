@@ -10,8 +10,13 @@
 
 namespace dts::fleet::hub {
 
+/// Fails with WrongState if two users have one key: the hub, a dashboard, a clinic that is not revoked. The message names all of them.
+[[nodiscard]] core::Status check_keys(const std::string& hub_public_key, const std::vector<DashboardKey>& dashboards,
+                                      const std::vector<Clinic>& clinics);
+
 /// Returns the part of nats-server's configuration with its users: the hub, the dashboards, and the clinics that are not revoked, each with
-/// what it may publish and receive.
+/// what it may publish and receive. Has a key once, for the first of its users in this order: nats-server rejects a file with the same key
+/// twice.
 [[nodiscard]] std::string users_text(const std::string& hub_public_key, const std::vector<DashboardKey>& dashboards,
                                      const std::vector<Clinic>& clinics);
 

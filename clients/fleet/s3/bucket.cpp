@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <pugixml.hpp>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "core/descriptor.h"
@@ -285,7 +286,9 @@ core::Status Bucket::get(const std::string& key, const std::string& file, const 
   if (!is_key(key)) return core::fail(core::ErrorCode::DataDamaged, "'" + core::printable(key) + "' is not the key of a recording");
   const core::Descriptor opened(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kPrivateMode));
   struct statvfs disk {};
-  if (opened.get() < 0 || ::fstatvfs(opened.get(), &disk) != 0) return core::fail_errno(errno, "cannot create '" + file + "'", kMakeRoom);
+  if (opened.get() < 0 || ::fstatvfs(opened.get(), &disk) != 0) {  // Failed, also without the folder: NotFound is for objects
+    return core::fail(core::ErrorCode::Failed, "cannot create '" + file + "': " + std::system_category().message(errno), "check the disk");
+  }
   const std::uint64_t free = std::uint64_t{disk.f_bavail} * disk.f_frsize;
   const std::uint64_t most = free > kSpareBytes ? free - kSpareBytes : 0;
   std::uint64_t received = 0;

@@ -47,7 +47,7 @@ class Bucket {
   [[nodiscard]] core::Result<std::optional<std::uint64_t>> size(const std::string& key);
   /// Writes an object to a new file with mode 0600, without filling its disk. Removes the file if this fails. `keeps_on` is called for each
   /// piece; false ends it with WrongState. Fails with NotFound if there is no object, DataDamaged if the key is none, LimitExceeded if the
-  /// object does not fit, and as the disk does.
+  /// object does not fit, and Failed if the file cannot be written.
   [[nodiscard]] core::Status get(const std::string& key, const std::string& file, const std::function<bool()>& keeps_on);
   /// Returns false if there was no object.
   [[nodiscard]] core::Result<bool> remove(const std::string& key);

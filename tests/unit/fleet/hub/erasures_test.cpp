@@ -9,6 +9,25 @@
 namespace dts::fleet::hub {
 namespace {
 
+/// A bucket whose server does not answer.
+class AwayStore final : public Store {
+ public:
+  AwayStore() : Store("") {}
+  [[nodiscard]] core::Status put(const RecordingName& /*name*/, const std::string& /*file*/) override { return away(); }
+  [[nodiscard]] core::Result<bool> has(const RecordingName& /*name*/) const override { return away(); }
+  [[nodiscard]] core::Result<std::optional<LocalFile>> file(const RecordingName& /*name*/) const override { return away(); }
+  [[nodiscard]] core::Result<bool> remove(const RecordingName& /*name*/) override {
+    ++asked;
+    return away();
+  }
+  [[nodiscard]] core::Result<std::vector<RecordingName>> list() const override { return away(); }
+
+  int asked = 0;
+
+ private:
+  static tl::unexpected<core::Error> away() { return core::fail(core::ErrorCode::Unreachable, "away"); }
+};
+
 class ErasuresTest : public DatabaseTest {
  protected:
   void SetUp() override {
@@ -65,7 +84,9 @@ TEST_F(ErasuresTest, Journal_IsWrittenBeforeTheRowsAreRemoved) {
 TEST_F(ErasuresTest, WithoutTheJournal_NothingIsErased) {
   enter("s1");
   std::filesystem::create_directory(folder_.path() + "/erased");
-  EXPECT_FALSE(erasures_->erase({"kent", "s1"}, "clinic:kent", 1));
+  const auto erased = erasures_->erase({"kent", "s1"}, "clinic:kent", 1);
+  ASSERT_FALSE(erased);
+  EXPECT_NE(erased.error().what.find("Is a directory"), std::string::npos) << erased.error().what;
   EXPECT_TRUE(has_file("s1"));
   EXPECT_EQ(value("SELECT count(*) FROM session"), "1");
 }
@@ -89,6 +110,15 @@ TEST_F(ErasuresTest, Reconcile_CompletesALostJournal) {
   EXPECT_EQ(journal_.read().value(), (std::set<SessionName>{{"kent", "s1"}}));
 }
 
+TEST_F(ErasuresTest, Create_MakesAnEmptyJournal_AndKeepsAnOldOne) {
+  ASSERT_TRUE(journal_.create());
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() + "/erased"));
+  EXPECT_EQ(journal_text(), "");
+  ASSERT_TRUE(journal_.add({"kent", "s1"}));
+  ASSERT_TRUE(journal_.create());
+  EXPECT_EQ(journal_text(), "\nkent s1 erased\n");
+}
+
 TEST_F(ErasuresTest, TornLine_IsSkipped_AndTheNextIsWhole) {
   EXPECT_EQ(journal_.read()->size(), 0U);
   ASSERT_TRUE(journal_.add({"kent", "s1"}));
@@ -107,6 +137,17 @@ TEST_F(ErasuresTest, RecordingThatCannotBeRemoved_DoesNotStopTheOthers) {
   EXPECT_FALSE(erasures_->remove_left(""));
   EXPECT_FALSE(has_file("s1"));
   EXPECT_EQ(value("SELECT count(*) FROM erased_file"), "1");
+}
+
+TEST_F(ErasuresTest, StoreThatIsAway_IsAskedOnce) {
+  for (const std::string session : {"s1", "s2", "s3"}) {
+    enter(session);
+    ASSERT_TRUE(catalogue_->erase_session({"kent", session}, "clinic:kent", 1));
+  }
+  AwayStore away;
+  EXPECT_EQ(Erasures(*catalogue_, away, journal_).remove_left("").error().code, core::ErrorCode::Unreachable);
+  EXPECT_EQ(away.asked, 1);
+  EXPECT_EQ(erasures_->remove_left(""), 3U);
 }
 
 TEST_F(ErasuresTest, QuotaOfErasures_RejectsNewOnes_ButNoRepetition) {

@@ -21,6 +21,7 @@
 #include "fleet/wire/nkey.h"
 #include "fleet/wire/subjects.h"
 #include "support/nats_server.h"
+#include "support/s3_server.h"
 #include "unit/fleet/hub/hub_fixture.h"
 
 namespace dts::fleet::hub {
@@ -174,6 +175,7 @@ class HubTest : public DatabaseTest {
 TEST_F(HubTest, ServesAClinic_FromItsEnrolmentToItsRevocation) {
   start_hub();
   const auto kent = add_clinic("kent");
+  EXPECT_TRUE(std::filesystem::exists(folder_.path() + "/store/erased"));  // before the first erasure
   EXPECT_NE(content_of(folder_.path() + "/kent.toml").find("clinic = 'kent'"), std::string::npos)
       << content_of(folder_.path() + "/kent.toml");
 
@@ -255,6 +257,17 @@ TEST_F(HubTest, ClinicThatFloods_IsAskedToWait_AndOthersAreServed) {
   EXPECT_NE(log_text().find("clinic kent sends more messages"), std::string::npos) << log_text();
 }
 
+TEST_F(HubTest, AClinicWithTheKeyOfADashboard_DoesNotStopTheOthers) {
+  const auto dashboard = wire::create_nkey().public_key;
+  std::ofstream(config_, std::ios::app) << "[[dashboard]]\nkey = \"" << dashboard << "\"\n";
+  start_hub();
+  ASSERT_TRUE(comes_true([&] { return metrics().find("\ndts_hub_database_up 1\n") != std::string::npos; }));
+  ASSERT_TRUE(catalogue_->add_clinic({.id = "leeds", .title = "", .nkey = dashboard}, "local:anna", 1));  // by way of an older dts-fleet
+  const auto kent = add_clinic("kent");
+  EXPECT_TRUE(upload(*kent, "kent", "recording", "s1").has_stored());
+  EXPECT_NE(log_text().find("clinic 'leeds' has the key of a [[dashboard]]"), std::string::npos) << log_text();
+}
+
 TEST_F(HubTest, OlderDatabase_DoesNotBringBackAnErasedSession) {
   start_hub();
   const auto kent = add_clinic("kent");
@@ -268,6 +281,38 @@ TEST_F(HubTest, OlderDatabase_DoesNotBringBackAnErasedSession) {
   start_hub();
   EXPECT_TRUE(comes_true([&] { return value("SELECT count(*) FROM session") == "0"; }));
   EXPECT_EQ(value("SELECT count(*) FROM erased"), "1");
+}
+
+TEST_F(HubTest, OlderDatabase_UnderARunningHub_DoesNotBringBackAnErasedSession) {
+  start_hub();
+  const auto kent = add_clinic("kent");
+  v1::EraseSession erase;
+  erase.set_session_id("s1");
+  ASSERT_FALSE(ask<v1::EraseAnswer>(*kent, {.clinic = "kent", .matter = Matter::Erase}, erase).has_refusal());
+  ASSERT_TRUE(database_->run("DELETE FROM erased"));
+  ASSERT_TRUE(catalogue_->put_session("kent", session_of("s1", 1)));
+  // All connections end before a database can be replaced.
+  ASSERT_TRUE(
+      database_->run("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE application_name LIKE 'dts-hub%' "
+                     "AND datname = current_database()"));
+  EXPECT_TRUE(comes_true([&] { return value("SELECT count(*) FROM session") == "0"; }));
+  EXPECT_EQ(value("SELECT count(*) FROM erased"), "1");
+}
+
+TEST_F(HubTest, SilentS3_DoesNotDelayARevocation) {
+  const test::S3Server s3;
+  const auto settings = s3.settings();
+  s3.set_fault("* silence");
+  std::ofstream(config_, std::ios::app) << "[store.s3]\nendpoint = \"" << settings.endpoint << "\"\nbucket = \"" << settings.bucket
+                                        << "\"\nregion = \"" << settings.region << "\"\ncredentials = \"" << settings.credentials_file
+                                        << "\"\n";
+  ASSERT_TRUE(database_->run("INSERT INTO erased_file VALUES ('kent', sha256('a'))"));
+  start_hub();
+  const auto kent = add_clinic("kent");
+  ASSERT_TRUE(comes_true([&] { return s3.requests().find(wire::hex_of(sum_of("a"))) != std::string::npos; }));
+  EXPECT_EQ(fleet({"clinic", "revoke", "kent"}), 0);
+  EXPECT_TRUE(comes_true([&] { return !kent->is_connected(); }));
+  EXPECT_EQ(log_text().find("HEAD "), std::string::npos) << log_text();  // the hub still waits for S3
 }
 
 TEST_F(HubTest, Servers_MayStartLater_AndEndInBetween) {

@@ -115,6 +115,24 @@ TEST_F(FleetProgramTest, Users_AreWrittenWithoutANatsServer) {
   EXPECT_THAT(out_.str(), HasSubstr("unchanged"));
 }
 
+TEST_F(FleetProgramTest, AKeyWithTwoUsers_IsRejected) {
+  const auto hub = wire::read_or_create_nkey(folder_.path() + "/hub.nk").value().public_key;
+  const auto kent = wire::create_nkey().public_key;
+  const auto dashboard = wire::create_nkey().public_key;
+  ASSERT_EQ(add("kent", kent, "kent.toml"), 0) << talk_.str();
+  std::ofstream(config_, std::ios::app) << "[[dashboard]]\nkey = \"" << dashboard << "\"\n";
+  EXPECT_EQ(add("leeds", hub, "leeds.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("clinic 'leeds' has the key of the hub"));
+  EXPECT_EQ(add("leeds", dashboard, "leeds.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("clinic 'leeds' has the key of a [[dashboard]]"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/leeds.toml"));
+  EXPECT_EQ(value("SELECT count(*) FROM clinic"), "1");
+  EXPECT_EQ(fleet({"users"}), 0);
+  std::ofstream(config_, std::ios::app) << "[[dashboard]]\nkey = \"" << kent << "\"\n";
+  EXPECT_EQ(fleet({"users"}), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("clinic 'kent' has the key of a [[dashboard]]"));
+}
+
 TEST_F(FleetProgramTest, Lists_AsTablesAndAsJsonLines) {
   const auto key = wire::create_nkey().public_key;
   ASSERT_EQ(add("kent", key, "kent.toml"), 0);

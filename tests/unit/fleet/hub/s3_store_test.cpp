@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "fleet/hub/rebuild.h"
 #include "fleet/wire/messages.h"
 #include "support/s3_server.h"
 #include "unit/fleet/hub/hub_fixture.h"
@@ -143,6 +144,39 @@ TEST_F(S3StoreTest, AnObjectWithoutRow_IsReadAndChecked) {
   EXPECT_EQ(content_of(object("abc")), "abc");
 }
 
+TEST_F(S3StoreTest, AProblemOfTheDisk_RemovesNoObject) {
+  send("abc", "s1");
+  ASSERT_TRUE(store_->put(name("abc"), staging() + "/kent/" + wire::hex_of(sum_of("abc")) + ".part"));
+  restart();  // the object has no row: it is received and checked
+  fs::remove(folder_.path() + "/fetched");
+  for (const bool is_file : {false, true}) {
+    if (is_file) std::ofstream(folder_.path() + "/fetched") << "";
+    const auto answer = commit("abc");
+    EXPECT_TRUE(answer.has_later()) << answer.ShortDebugString();
+    EXPECT_EQ(content_of(object("abc")), "abc");
+    const auto rebuilt = rebuild(*store_, *catalogue_, "hub-1", 1);
+    ASSERT_TRUE(rebuilt) << core::to_string(rebuilt.error());
+    ASSERT_EQ(rebuilt->left.size(), 1U);
+    EXPECT_NE(rebuilt->left.front().find(key_of(name("abc")) + ": cannot create"), std::string::npos) << rebuilt->left.front();
+  }
+  fs::remove(folder_.path() + "/fetched");
+  fs::create_directory(folder_.path() + "/fetched");
+  EXPECT_TRUE(commit("abc").has_stored());
+  server_.set_fault("GET 500");
+  fs::copy_file(object("abc"), server_.object(key_of(name("other"))));
+  EXPECT_EQ(rebuild(*store_, *catalogue_, "hub-1", 1).error().code, core::ErrorCode::Unreachable);
+}
+
+TEST_F(S3StoreTest, CopiesOfKilledProcesses_AreRemoved) {
+  const std::string fetched = folder_.path() + "/fetched/";
+  for (const std::string& process : {std::to_string(::getpid()), std::to_string(::getppid()), std::string("99999999")})
+    std::ofstream(fetched + process + "-1") << "abc";
+  const auto store = new_store();
+  EXPECT_FALSE(fs::exists(fetched + std::to_string(::getpid()) + "-1"));
+  EXPECT_TRUE(fs::exists(fetched + std::to_string(::getppid()) + "-1"));  // it runs
+  EXPECT_FALSE(fs::exists(fetched + "99999999-1"));
+}
+
 TEST_F(S3StoreTest, WhileS3IsAway_TheHubStarts) {
   send("abc", "s1");
   fs::remove(staging() + "/kent/" + wire::hex_of(sum_of("abc")) + ".part");
@@ -152,6 +186,22 @@ TEST_F(S3StoreTest, WhileS3IsAway_TheHubStarts) {
   server_.set_fault("");
   send("abc", "s1");
   EXPECT_TRUE(commit("abc").has_stored());
+}
+
+TEST_F(S3StoreTest, WhileS3IsAway_TheStartAsksOnce) {
+  for (const std::string bytes : {"a", "b", "c"}) {
+    send(bytes, "s-" + bytes);
+    fs::remove(staging() + "/kent/" + wire::hex_of(sum_of(bytes)) + ".part");
+  }
+  server_.set_fault("* 500");
+  const std::size_t before = server_.requests().size();
+  restart();
+  EXPECT_EQ(std::ranges::count(server_.requests().substr(before), '\n'), 1);
+  server_.set_fault("");
+  for (const std::string bytes : {"a", "b", "c"}) {
+    send(bytes, "s-" + bytes);
+    EXPECT_TRUE(commit(bytes).has_stored());
+  }
 }
 
 TEST_F(S3StoreTest, KilledAtAnyStep_NoReceiptWithoutItsObject) {

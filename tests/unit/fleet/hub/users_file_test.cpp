@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdlib>
 #include <fstream>
 
 #include "files/toml_reader.h"
 #include "fleet/wire/nkey.h"
+#include "support/nats_server.h"
 #include "support/temporary_folder.h"
 #include "unit/fleet/hub/hub_fixture.h"
 
@@ -43,6 +45,31 @@ TEST(UsersFile, RowsThatAreNoNameAndKey_AreLeftOut) {
   const std::string text = users_text(key, {}, {{.id = "x\"}]}", .title = "", .nkey = key}, {.id = "kent", .title = "", .nkey = "U\"}"}});
   EXPECT_EQ(text.find("x\"}"), std::string::npos);
   EXPECT_EQ(text.find("kent"), std::string::npos);
+}
+
+TEST(UsersFile, AKeyWithTwoUsers_IsWrittenOnce_SoThatNatsServerReadsTheFile) {
+  const auto hub = wire::create_nkey().public_key;
+  const auto dashboard = wire::create_nkey().public_key;
+  const std::vector<DashboardKey> dashboards = {{.public_key = dashboard, .clinics = {}}, {.public_key = hub, .clinics = {}}};
+  const std::vector<Clinic> clinics = {{.id = "kent", .title = "", .nkey = dashboard},
+                                       {.id = "leeds", .title = "", .nkey = hub},
+                                       {.id = "york", .title = "", .nkey = wire::create_nkey().public_key}};
+  const std::string text = users_text(hub, dashboards, clinics);
+  EXPECT_EQ(text.find("kent"), std::string::npos) << text;
+  EXPECT_EQ(text.find("leeds"), std::string::npos) << text;
+  EXPECT_NE(text.find("york"), std::string::npos) << text;
+  const auto checked = check_keys(hub, dashboards, clinics);
+  ASSERT_FALSE(checked);
+  for (const std::string problem : {"a [[dashboard]] has the key of the hub", "clinic 'kent' has the key of a [[dashboard]]",
+                                    "clinic 'leeds' has the key of the hub"}) {
+    EXPECT_NE(checked.error().what.find(problem), std::string::npos) << checked.error().what;
+  }
+  EXPECT_TRUE(check_keys(hub, {dashboards.front()}, {clinics.back(), {.id = "kent", .title = "", .nkey = hub, .is_revoked = true}}));
+  if (!test::NatsServer::program()) GTEST_SKIP() << "nats-server is not installed";
+  const test::TemporaryFolder folder;
+  std::ofstream(folder.path() + "/users.conf") << text;
+  const std::string test = *test::NatsServer::program() + " -t -c " + folder.path() + "/users.conf > " + folder.path() + "/log 2>&1";
+  EXPECT_EQ(std::system(test.c_str()), 0) << content_of(folder.path() + "/log");
 }
 
 TEST(UsersFile, IsWrittenOnlyIfItDiffers) {

@@ -159,6 +159,9 @@ TEST_F(BucketTest, Get_KeepsNoHalfFile) {
   server_->set_fault("");
   EXPECT_EQ(bucket_->get(kKey, copy, [] { return false; }).error().code, core::ErrorCode::WrongState);
   EXPECT_FALSE(fs::exists(copy));
+  for (const std::string& file : {folder_.path(), folder_.path() + "/none/copy"}) {
+    EXPECT_EQ(bucket_->get(kKey, file, kOn).error().code, core::ErrorCode::Failed) << file;
+  }
   for (const char* const key : {"", "../etc/passwd", "objects/kent/0123?x=1", "objects/%2e"}) {
     EXPECT_EQ(bucket_->get(key, copy, kOn).error().code, core::ErrorCode::DataDamaged) << key;
   }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <pugixml.hpp>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,7 @@ constexpr std::size_t kMostKeys = 1000;
 constexpr mode_t kPrivateMode = 0600;
 constexpr std::uint64_t kSpareBytes = 64 * 1024 * 1024;  // a copy leaves so much of the disk free
 constexpr const char* kMakeRoom = "make room on the disk";
+constexpr std::chrono::seconds kLongestCompletion{300};  // S3 puts the parts together before it answers
 constexpr const char* kCheckKeys = "check the keys and what they may do: put, get, list, delete";
 constexpr const char* kTryLater = "the hub tries again; check the server of S3";
 
@@ -261,7 +263,8 @@ core::Result<std::string> Bucket::complete(Connection& connection, const Upload&
                                                           .path = path_of(upload.key),
                                                           .query = "uploadId=" + encoded(id),
                                                           .payload_sha256 = sha256_of_text(list),
-                                                          .body = &body}));
+                                                          .body = &body,
+                                                          .longest_silence = kLongestCompletion}));
   pugi::xml_document document;
   const std::string etag = root_of(document, answer.body, "CompleteMultipartUploadResult").child_value("ETag");
   if (answer.status != 200 || !is_etag(etag)) return unexpected("complete " + upload.key, answer);

@@ -2,12 +2,25 @@
 // With a small S3 that checks signatures, and that answers wrongly if it is told to.
 #include "fleet/s3/bucket.h"
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "fleet/s3/sha256.h"
 #include "support/s3_server.h"
+
+namespace {
+/// The folder of the system's authorities, if a test has another one.
+const char* system_authorities = nullptr;
+}  // namespace
+
+/// Replaces the function of OpenSSL, through which libcurl reads the folder of authorities.
+extern "C" __attribute__((visibility("default"))) int X509_STORE_load_path(void* store, const char* folder) {
+  static const auto real = reinterpret_cast<int (*)(void*, const char*)>(::dlsym(RTLD_NEXT, "X509_STORE_load_path"));
+  return real(store, system_authorities == nullptr ? folder : system_authorities);
+}
 
 namespace dts::fleet::s3 {
 namespace {
@@ -188,6 +201,38 @@ TEST_F(BucketTest, List_ThatIsWrong_Fails) {
     server_->set_fault(fault);
     EXPECT_EQ(bucket_->list("", "").error().code, core::ErrorCode::Unreachable) << fault;
   }
+}
+
+/// Makes FOLDER/NAME.pem and FOLDER/NAME.key, a certificate of 127.0.0.1 that has signed itself. Returns the first.
+std::string certify(const std::string& folder, const std::string& name) {
+  const std::string file = folder + "/" + name;
+  const std::string command = "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -noenc -days 2 -subj /CN=" + name +
+                              " -addext subjectAltName=IP:127.0.0.1 -keyout " + file + ".key -out " + file + ".pem 2>/dev/null";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  return file + ".pem";
+}
+
+TEST(AuthorityTest, OfAFile_ExcludesTheAuthoritiesOfTheSystem) {
+  const test::TemporaryFolder folder;
+  const std::string known = certify(folder.path(), "known");
+  const std::string other = certify(folder.path(), "other");
+  const std::string authorities = folder.path() + "/authorities";
+  fs::create_directory(authorities);
+  fs::copy_file(known, authorities + "/known.pem");
+  ASSERT_EQ(std::system(("openssl rehash " + authorities).c_str()), 0);
+  system_authorities = authorities.c_str();
+  const test::S3Server server(known, folder.path() + "/known.key");
+  const auto size_with = [&](const std::string& ca) {
+    Settings settings = server.settings();
+    settings.ca_file = ca;
+    return Bucket::open(settings).value()->size(kKey);
+  };
+  EXPECT_TRUE(size_with("")) << "the folder of the system is not read";
+  EXPECT_TRUE(size_with(known));
+  const auto stranger = size_with(other);
+  EXPECT_FALSE(stranger);
+  EXPECT_TRUE(stranger || stranger.error().what.find("certificate") != std::string::npos) << core::to_string(stranger.error());
+  system_authorities = nullptr;
 }
 
 /// Another implementation: DTS_S3="ENDPOINT BUCKET REGION CREDENTIALS", for example that of s3rver. See tests/fleet/s3.py.

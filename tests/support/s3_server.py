@@ -144,7 +144,12 @@ class Handler(BaseHTTPRequestHandler):
             self.store(stored, b"".join(part.read_bytes() for part in sorted(upload.iterdir())))
             Path(f"{stored}.etag").write_text(etag)
             shutil.rmtree(upload)
-            self.answer(200, f"<CompleteMultipartUploadResult><ETag>{escape(etag)}</ETag></CompleteMultipartUploadResult>".encode())
+            if self.fault == "unanswered":
+                self.close_connection = True
+                return
+            blanks = " \r\n \r\n"  # S3 sends them while it puts the parts together
+            self.answer(200, f"""{blanks}<?xml version="1.0" encoding="UTF-8"?>
+<CompleteMultipartUploadResult><ETag>{escape(etag)}</ETag></CompleteMultipartUploadResult>""".encode())
 
     def list(self) -> None:
         keys = sorted(file.name.replace("%", "/") for file in OBJECTS.iterdir() if file.suffix not in (".etag", ".new"))

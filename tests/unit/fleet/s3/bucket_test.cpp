@@ -161,6 +161,20 @@ TEST_F(BucketTest, ALargeFile_ThatFails_LeavesNothing) {
   EXPECT_FALSE(fs::exists(server_->object(kKey)));
 }
 
+TEST_F(BucketTest, PartsThatArePutTogether_WithoutAnAnswer_AreFound) {
+  const std::string bytes = large();
+  server_->set_fault("POST unanswered");
+  const auto stored = put(bytes);
+  EXPECT_TRUE(stored) << core::to_string(stored.error());
+  EXPECT_TRUE(content_of(server_->object(kKey)) == bytes);
+}
+
+TEST_F(BucketTest, AnOlderObjectOfTheSameSize_IsNotTakenForTheNewOne) {
+  const std::string bytes = large();
+  ASSERT_TRUE(put(std::string(bytes.size(), 'y')));
+  EXPECT_EQ(put_error("POST late-error", bytes).code, core::ErrorCode::Unreachable);
+}
+
 TEST_F(BucketTest, Get_KeepsNoHalfFile) {
   ASSERT_TRUE(put("abc"));
   const std::string copy = folder_.path() + "/copy";

@@ -113,6 +113,8 @@ class Handler(BaseHTTPRequestHandler):
             case "HEAD" | "GET":
                 if not stored.exists():
                     self.fail(404, "NoSuchKey", "there is no such object")
+            case "HEAD" if not key:
+                self.answer(200)
                     return
                 data = stored.read_bytes()
                 if self.fault == "size":

@@ -175,6 +175,31 @@ TEST_F(BucketTest, AnOlderObjectOfTheSameSize_IsNotTakenForTheNewOne) {
   EXPECT_EQ(put_error("POST late-error", bytes).code, core::ErrorCode::Unreachable);
 }
 
+TEST_F(BucketTest, ABucketThatDoesNotExist_IsAnError) {
+  Settings settings = server_->settings();
+  settings.bucket = "recordingz";
+  const auto opened = Bucket::open(settings);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, core::ErrorCode::NotFound);
+  EXPECT_THAT(opened.error().what, HasSubstr("no bucket 'recordingz'"));
+
+  server_->set_fault("HEAD 500");  // then it is not known at the start
+  const auto missing = Bucket::open(settings).value();
+  for (const char* const fault : {"", "HEAD 500"}) {
+    server_->set_fault(fault);
+    EXPECT_EQ(missing->size(kKey).error().code, core::ErrorCode::Unreachable);
+    EXPECT_EQ(missing->remove(kKey).error().code, core::ErrorCode::Unreachable);
+    EXPECT_EQ(missing->get(kKey, folder_.path() + "/none", kOn).error().code, core::ErrorCode::Unreachable);
+  }
+}
+
+TEST_F(BucketTest, ABucketThatTheKeyMayNotAskFor_IsOpened) {
+  for (const char* const fault : {"HEAD 403", "HEAD 500"}) {
+    server_->set_fault(fault);
+    EXPECT_TRUE(Bucket::open(server_->settings())) << fault;
+  }
+}
+
 TEST_F(BucketTest, Get_KeepsNoHalfFile) {
   ASSERT_TRUE(put("abc"));
   const std::string copy = folder_.path() + "/copy";

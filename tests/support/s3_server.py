@@ -54,8 +54,7 @@ class Handler(BaseHTTPRequestHandler):
         method, _, fault = (FOLDER / "fault").read_text().strip().partition(" ") if (FOLDER / "fault").exists() else ("", "", "")
         self.fault = fault if method in ("*", self.command) else ""
         if self.fault == "silence":
-            time.sleep(SILENCE_S)
-            self.close_connection = True
+            self.say_nothing()
         elif self.fault.isdecimal():
             self.fail(int(self.fault), "Told", "the test wants this status")
         elif self.fault == "oversized":
@@ -77,6 +76,10 @@ class Handler(BaseHTTPRequestHandler):
                 self.fail(404, "NoSuchBucket", "there is no such bucket")
             else:
                 self.serve(key)
+
+    def say_nothing(self) -> None:
+        time.sleep(SILENCE_S)
+        self.close_connection = True
 
     def is_signed(self, path: str, query: str) -> bool:
         words = dict(word.partition("=")[::2] for word in self.headers.get("Authorization", "").removeprefix("AWS4-HMAC-SHA256 ").split(", "))
@@ -110,11 +113,14 @@ class Handler(BaseHTTPRequestHandler):
                 if self.fault != "lost":
                     self.store(stored, self.body)
                 self.answer(200, b"", '"0123"' if self.fault == "etag" else None if self.fault == "no-etag" else etag_of(self.body))
+            case "HEAD" if not key:
+                self.answer(200)
             case "HEAD" | "GET":
                 if not stored.exists():
                     self.fail(404, "NoSuchKey", "there is no such object")
-            case "HEAD" if not key:
-                self.answer(200)
+                    return
+                if self.fault == "stored-silence":  # not when a hub asks before it sends
+                    self.say_nothing()
                     return
                 data = stored.read_bytes()
                 if self.fault == "size":

@@ -349,6 +349,10 @@ TEST_F(WorkerTest, WrongConfiguration_EndsTheWorker) {
   EXPECT_EQ(WEXITSTATUS(Process(file).wait()), 2);
   std::filesystem::remove(folder_.path() + "/dtslab");
   EXPECT_EQ(WEXITSTATUS(Process(file).wait()), 5);
+  const test::S3Server s3;
+  s3::Settings bucket = s3.settings();
+  bucket.bucket = "recordingz";
+  EXPECT_EQ(WEXITSTATUS(Process(configuration("time_s = 60", bucket)).wait()), 5);
   std::ofstream(file) << "[database]\n";
   EXPECT_EQ(WEXITSTATUS(Process(file).wait()), 2);
 }

@@ -1,19 +1,17 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A centre whose store is a bucket, over TLS: with a small S3 that answers wrongly, and with s3rver (npm) if it is installed.
+"""A centre whose store is a bucket, over TLS, in a small S3 that answers wrongly if it is told to.
 
-    s3.py [--keep]    s3rver is looked for in the path; unit_fleet_s3 does what is tried with it"""
+    s3.py [--keep]"""
 import os
-import shutil
 import sys
 
 from centre import Centre, sha256_of
 from checks import Checks, run_test
-from child import PROGRAMS, REPOSITORY, Child, Failure, free_port, program, run, wait_until
+from child import REPOSITORY, Child, Failure, free_port, program, run, wait_until
 from clinic import FLOOR, Clinic
 
 SERVER = REPOSITORY / "tests/support/s3_server.py"
-UNIT_TEST = PROGRAMS.parent / "tests/unit_fleet_s3"
 
 
 class S3:
@@ -41,6 +39,9 @@ ca = "ca.pem"
     def set_fault(self, fault: str) -> None:
         (self.folder / "fault.new").write_text(fault)
         (self.folder / "fault.new").rename(self.folder / "fault")
+
+    def requests(self) -> str:
+        return (self.folder / "requests").read_text()
 
     def objects(self) -> dict[str, str]:
         """Returns the SHA-256 of the content for each recording, by the SHA-256 in its key."""
@@ -79,11 +80,11 @@ def faults(checks: Checks, s3: S3, clinic: Clinic) -> None:
 
 def kills(checks: Checks, s3: S3, clinic: Clinic, number: int) -> None:
     """The hub is killed while it waits for S3."""
-    for method in ("PUT", "HEAD"):
-        s3.set_fault(f"{method} silence")
-        begin = len((s3.folder / "requests").read_text())
+    for method, fault, words in (("PUT", "PUT silence", ("PUT /",)), ("HEAD", "HEAD stored-silence", ("PUT /", "HEAD /"))):
+        s3.set_fault(fault)
+        begin = len(s3.requests())
         record(clinic, f"K{number:03}")
-        wait_until(f"the hub has asked S3 for {method}", lambda word=method, at=begin: f"{word} /" in (s3.folder / "requests").read_text()[at:])
+        wait_until(f"the hub has asked S3 for {method}", lambda wanted=words, at=begin: has_in_order(s3.requests()[at:], wanted))
         s3.centre.hub.kill()
         expect_sound(checks, s3, f"killed during {method}", number)
         s3.set_fault("")
@@ -91,6 +92,15 @@ def kills(checks: Checks, s3: S3, clinic: Clinic, number: int) -> None:
         wait_until("the recording has a receipt", lambda: not clinic.undelivered())
         number += 1
         expect_sound(checks, s3, "started again", number)
+
+
+def has_in_order(text: str, words: tuple[str, ...]) -> bool:
+    """Returns whether the text has all words, each behind the one before."""
+    for word in words:
+        found, text = text.partition(word)[1:]
+        if not found:
+            return False
+    return True
 
 
 def worker(checks: Checks, s3: S3) -> None:
@@ -124,13 +134,13 @@ def other_authority(checks: Checks, s3: S3) -> None:
     """Nothing is sent to a server whose certificate another authority has signed."""
     config = s3.centre.folder / "hub-without-ca.toml"
     config.write_text(s3.centre.config.read_text().rpartition("ca = ")[0])
-    begin = len((s3.folder / "requests").read_text())
+    begin = len(s3.requests())
     try:
         reason = run(program("dts-hub"), "rebuild", "--config", config)
     except Failure as failure:
         reason = str(failure)
     checks.expect("a server with a certificate of another authority gets no request",
-                  "certificate" in reason and len((s3.folder / "requests").read_text()) == begin, reason)
+                  "certificate" in reason and len(s3.requests()) == begin, reason)
 
 
 def with_s3(checks: Checks, keep: bool) -> None:
@@ -151,37 +161,5 @@ def with_s3(checks: Checks, keep: bool) -> None:
         s3.centre.close(keep or checks.failed > 0)
 
 
-def with_s3rver(checks: Checks) -> None:
-    """Another implementation of S3."""
-    found = shutil.which("s3rver")
-    if found is None or not UNIT_TEST.exists():
-        print("skipped: s3rver is not installed (npm install s3rver)")
-        return
-    centre = Centre()
-    port = free_port()
-    keys = centre.folder / "s3.keys"
-    keys.touch(0o600)
-    keys.write_text("S3RVER\nS3RVER\n")
-    server = Child("s3rver", [found, "--directory", centre.folder / "s3rver", "--address", "127.0.0.1", "--port", str(port), "--configure-bucket",
-                              "recordings"], centre.folder / "s3rver.log")
-    try:
-        server.start()
-        wait_until("s3rver listens", lambda: server.expect_alive() and "listening" in server.text())
-        test = [UNIT_TEST, "--gtest_filter=OtherServerTest.*"]
-        try:
-            done = run(*test, env=os.environ | {"DTS_S3": f"http://127.0.0.1:{port} recordings us-east-1 {keys}"})
-        except Failure as failure:
-            done = str(failure)
-        checks.expect("s3rver: put, in parts too, look, read, list, remove", "[  PASSED  ] 1 test" in done and "SKIPPED" not in done, done)
-    finally:
-        server.stop()
-        centre.close()
-
-
-def s3(checks: Checks) -> None:
-    with_s3(checks, "--keep" in sys.argv)
-    with_s3rver(checks)
-
-
 if __name__ == "__main__":
-    run_test(s3)
+    run_test(lambda checks: with_s3(checks, "--keep" in sys.argv))

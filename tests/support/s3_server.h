@@ -22,13 +22,15 @@ namespace dts::test {
 /// tests/support/s3_server.py. It ends with this object or with the test.
 class S3Server {
  public:
-  S3Server() {
+  /// `certificate`, `key`: files for TLS; empty: without.
+  explicit S3Server(const std::string& certificate = "", const std::string& key = "") : scheme_(key.empty() ? "http" : "https") {
     std::ofstream(credentials()) << "tester\na-secret+of/tests\n";
     std::filesystem::permissions(credentials(), std::filesystem::perms(0600));
     pid_ = ::fork();
     if (pid_ == 0) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      ::execl("/usr/bin/python3", "python3", "-B", DTS_S3_SERVER, folder_.path().c_str(), nullptr);
+      ::execl("/usr/bin/python3", "python3", "-B", DTS_S3_SERVER, folder_.path().c_str(), key.empty() ? nullptr : certificate.c_str(),
+              key.c_str(), nullptr);
       ::_exit(127);
     }
     for (int tries = 0; tries < 6000; ++tries) {
@@ -48,7 +50,7 @@ class S3Server {
   S3Server& operator=(const S3Server&) = delete;
 
   [[nodiscard]] fleet::s3::Settings settings() const {
-    return {.endpoint = "http://127.0.0.1:" + std::to_string(port_),
+    return {.endpoint = scheme_ + "://127.0.0.1:" + std::to_string(port_),
             .bucket = "recordings",
             .region = "eu-test-1",
             .credentials_file = credentials(),
@@ -78,6 +80,7 @@ class S3Server {
   [[nodiscard]] std::string credentials() const { return folder_.path() + "/credentials"; }
 
   TemporaryFolder folder_{};
+  std::string scheme_;
   int port_ = 0;
   pid_t pid_ = 0;
 };

@@ -54,8 +54,7 @@ class Handler(BaseHTTPRequestHandler):
         method, _, fault = (FOLDER / "fault").read_text().strip().partition(" ") if (FOLDER / "fault").exists() else ("", "", "")
         self.fault = fault if method in ("*", self.command) else ""
         if self.fault == "silence":
-            time.sleep(SILENCE_S)
-            self.close_connection = True
+            self.say_nothing()
         elif self.fault.isdecimal():
             self.fail(int(self.fault), "Told", "the test wants this status")
         elif self.fault == "oversized":
@@ -77,6 +76,10 @@ class Handler(BaseHTTPRequestHandler):
                 self.fail(404, "NoSuchBucket", "there is no such bucket")
             else:
                 self.serve(key)
+
+    def say_nothing(self) -> None:
+        time.sleep(SILENCE_S)
+        self.close_connection = True
 
     def is_signed(self, path: str, query: str) -> bool:
         words = dict(word.partition("=")[::2] for word in self.headers.get("Authorization", "").removeprefix("AWS4-HMAC-SHA256 ").split(", "))
@@ -110,9 +113,14 @@ class Handler(BaseHTTPRequestHandler):
                 if self.fault != "lost":
                     self.store(stored, self.body)
                 self.answer(200, b"", '"0123"' if self.fault == "etag" else None if self.fault == "no-etag" else etag_of(self.body))
+            case "HEAD" if not key:
+                self.answer(200)
             case "HEAD" | "GET":
                 if not stored.exists():
                     self.fail(404, "NoSuchKey", "there is no such object")
+                    return
+                if self.fault == "stored-silence":  # not when a hub asks before it sends
+                    self.say_nothing()
                     return
                 data = stored.read_bytes()
                 if self.fault == "size":
@@ -144,7 +152,12 @@ class Handler(BaseHTTPRequestHandler):
             self.store(stored, b"".join(part.read_bytes() for part in sorted(upload.iterdir())))
             Path(f"{stored}.etag").write_text(etag)
             shutil.rmtree(upload)
-            self.answer(200, f"<CompleteMultipartUploadResult><ETag>{escape(etag)}</ETag></CompleteMultipartUploadResult>".encode())
+            if self.fault == "unanswered":
+                self.close_connection = True
+                return
+            blanks = " \r\n \r\n"  # S3 sends them while it puts the parts together
+            self.answer(200, f"""{blanks}<?xml version="1.0" encoding="UTF-8"?>
+<CompleteMultipartUploadResult><ETag>{escape(etag)}</ETag></CompleteMultipartUploadResult>""".encode())
 
     def list(self) -> None:
         keys = sorted(file.name.replace("%", "/") for file in OBJECTS.iterdir() if file.suffix not in (".etag", ".new"))

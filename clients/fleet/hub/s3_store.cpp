@@ -1,17 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/random.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <cerrno>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "fleet/hub/durable_file.h"
 #include "fleet/hub/store.h"
 #include "fleet/s3/bucket.h"
+#include "fleet/s3/sha256.h"
 
 namespace dts::fleet::hub {
 namespace {
+
+constexpr std::size_t kRandomBytes = 8;
+
+/// What the names of this machine's copies begin with until it is started again.
+std::string boot_id() {
+  std::string id;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
+  return id;
+}
+
+/// Returns the beginning of the names of this process's copies: "BOOT.PID.". dts-hub rebuild may run beside dts-hub.
+std::string own_prefix() { return boot_id() + "." + std::to_string(::getpid()) + "."; }
 
 class S3Store final : public Store {
  public:
@@ -29,8 +45,9 @@ class S3Store final : public Store {
   }
 
   [[nodiscard]] core::Result<std::optional<LocalFile>> file(const RecordingName& name) const override {
-    // The process's number: dts-hub rebuild may run beside dts-hub.
-    const std::string path = fetched_folder() + "/" + std::to_string(::getpid()) + "-" + std::to_string(++copies_);
+    std::string random(kRandomBytes, '\0');
+    if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) return core::fail_errno(errno, "getrandom");
+    const std::string path = fetched_folder() + "/" + own_prefix() + s3::hexadecimal(random);
     const auto got = bucket_->get(key_of(name), path, [] { return true; });
     if (got) return std::optional(LocalFile::copy(path));
     if (got.error().code == core::ErrorCode::NotFound) return std::nullopt;
@@ -52,15 +69,18 @@ class S3Store final : public Store {
     return names;
   }
 
-  /// Removes copies that a killed process has left. It may have had the number of this one: in a container, all have number 1.
+  /// Removes copies that a hub has left that was killed: of another boot, of a process that is gone, and of one that had our number.
   [[nodiscard]] core::Status prepare() const {
     DTS_TRY(create_folder(fetched_folder()));
+    const std::string boot = boot_id() + ".";
+    const std::string own = own_prefix();
     std::error_code error;
     for (const auto& entry : std::filesystem::directory_iterator(fetched_folder(), error)) {
       const std::string file = entry.path().filename().string();
-      const std::string process = file.substr(0, file.find('-'));
-      const bool is_own = process == std::to_string(::getpid());
-      if (is_own || !std::filesystem::exists("/proc/" + process, error)) std::filesystem::remove(entry.path(), error);
+      const bool is_of_boot = file.starts_with(boot);
+      const std::string process = is_of_boot ? file.substr(boot.size(), file.find('.', boot.size()) - boot.size()) : "";
+      const bool is_used = is_of_boot && !file.starts_with(own) && std::filesystem::exists("/proc/" + process, error);
+      if (!is_used) std::filesystem::remove(entry.path(), error);
     }
     return {};
   }
@@ -69,7 +89,6 @@ class S3Store final : public Store {
   [[nodiscard]] std::string fetched_folder() const { return folder() + "/fetched"; }
 
   std::unique_ptr<s3::Bucket> bucket_;
-  mutable std::atomic<std::uint64_t> copies_ = 0;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <pugixml.hpp>
 #include <string_view>
 #include <system_error>
@@ -30,8 +31,10 @@ constexpr std::size_t kMostKeys = 1000;
 constexpr mode_t kPrivateMode = 0600;
 constexpr std::uint64_t kSpareBytes = 64 * 1024 * 1024;  // a copy leaves so much of the disk free
 constexpr const char* kMakeRoom = "make room on the disk";
+constexpr std::chrono::seconds kLongestCompletion{300};  // S3 puts the parts together before it answers
 constexpr const char* kCheckKeys = "check the keys and what they may do: put, get, list, delete";
-constexpr const char* kTryLater = "the hub tries again; check the server of S3";
+constexpr const char* kNoBucket = "NoSuchBucket";
+constexpr const char* kTryLater = "it is tried again; check the server of S3";
 
 const std::string& sha256_of_nothing() {
   static const std::string sum = hexadecimal(Sha256().finish());
@@ -99,6 +102,11 @@ pugi::xml_node root_of(pugi::xml_document& document, const std::string& text, co
   if (!document.load_buffer(text.data(), text.size())) return {};
   const pugi::xml_node root = document.document_element();
   return std::string_view(root.name()) == name ? root : pugi::xml_node();
+}
+
+std::string code_of(const Answer& answer) {
+  pugi::xml_document document;
+  return root_of(document, answer.body, "Error").child_value("Code");
 }
 
 /// Returns the error of an answer that is not the expected one. S3 may also answer 200 with an error in the body.
@@ -183,7 +191,19 @@ core::Result<std::unique_ptr<Bucket>> Bucket::open(Settings settings) {
     const auto ca = files::read_whole_file(settings.ca_file, kMostCaBytes);
     if (!ca) return core::fail(ca.error().code, "cannot read '" + settings.ca_file + "': " + ca.error().what, "check [store.s3] ca");
   }
-  return std::unique_ptr<Bucket>(new Bucket(std::move(settings), std::move(credentials)));
+  std::unique_ptr<Bucket> bucket(new Bucket(std::move(settings), std::move(credentials)));
+  const auto looked = bucket->look(Lent(*bucket).get());
+  if (!looked && looked.error().code == core::ErrorCode::NotFound) return tl::make_unexpected(looked.error());
+  return bucket;
+}
+
+core::Status Bucket::look(Connection& connection) const {
+  DTS_TRY_ASSIGN(const Answer answer,
+                 connection.perform({.method = "HEAD", .path = "/" + settings_.bucket, .payload_sha256 = sha256_of_nothing()}));
+  if (answer.status == 404)
+    return core::fail(core::ErrorCode::NotFound, "S3 has no bucket '" + settings_.bucket + "'", "check bucket and endpoint in [store.s3]");
+  // 403: there is one, but the key may not ask for it.
+  return answer.status == 200 || answer.status == 403 ? core::Status() : unexpected("look for the bucket", answer);
 }
 
 core::Status Bucket::put(const std::string& key, const std::string& file, const std::string& sha256) {
@@ -248,7 +268,14 @@ core::Result<std::string> Bucket::send_parts(Connection& connection, const Uploa
   }
   // Before this, there is no object.
   if (whole.finish() != upload.sha256) return upload.damaged();
-  return complete(connection, upload, id, etags);
+  DTS_TRY_ASSIGN(const auto before, find(connection, upload.key));
+  const auto etag = complete(connection, upload, id, etags);
+  if (etag) return etag;
+  // S3 may have put the parts together, and only its answer is lost.
+  const auto now = find(connection, upload.key);
+  const bool is_here = now && *now && (*now)->bytes == upload.bytes && is_etag((*now)->etag);
+  if (is_here && (!before || before->etag != (*now)->etag)) return (*now)->etag;
+  return etag;
 }
 
 core::Result<std::string> Bucket::complete(Connection& connection, const Upload& upload, const std::string& id,
@@ -262,7 +289,8 @@ core::Result<std::string> Bucket::complete(Connection& connection, const Upload&
                                                           .path = path_of(upload.key),
                                                           .query = "uploadId=" + encoded(id),
                                                           .payload_sha256 = sha256_of_text(list),
-                                                          .body = &body}));
+                                                          .body = &body,
+                                                          .longest_silence = kLongestCompletion}));
   pugi::xml_document document;
   const std::string etag = root_of(document, answer.body, "CompleteMultipartUploadResult").child_value("ETag");
   if (answer.status != 200 || !is_etag(etag)) return unexpected("complete " + upload.key, answer);
@@ -271,7 +299,11 @@ core::Result<std::string> Bucket::complete(Connection& connection, const Upload&
 
 core::Result<std::optional<Bucket::Stored>> Bucket::find(Connection& connection, const std::string& key) const {
   DTS_TRY_ASSIGN(const Answer answer, connection.perform({.method = "HEAD", .path = path_of(key), .payload_sha256 = sha256_of_nothing()}));
-  if (answer.status == 404) return std::optional<Stored>();
+  if (answer.status == 404) {
+    const auto looked = look(connection);  // without the bucket nothing is known of the object
+    if (!looked) return core::fail(core::ErrorCode::Unreachable, "look for " + key + ": " + looked.error().what, looked.error().hint);
+    return std::optional<Stored>();
+  }
   if (answer.status != 200 || answer.bytes < 0) return unexpected("look for " + key, answer);
   return std::optional(Stored{.bytes = static_cast<std::uint64_t>(answer.bytes), .etag = answer.etag});
 }
@@ -306,7 +338,7 @@ core::Status Bucket::get(const std::string& key, const std::string& file, const 
   if (is_stopped) return core::fail(core::ErrorCode::WrongState, "reading " + key + " was stopped");
   if (received > most) return core::fail(core::ErrorCode::LimitExceeded, key + " is too large for the disk of '" + file + "'", kMakeRoom);
   DTS_TRY(answer);
-  if (answer->status == 404) return core::fail(core::ErrorCode::NotFound, "S3 has no object " + key);
+  if (answer->status == 404 && code_of(*answer) != kNoBucket) return core::fail(core::ErrorCode::NotFound, "S3 has no object " + key);
   return unexpected("get " + key, *answer);
 }
 
@@ -316,7 +348,8 @@ core::Result<bool> Bucket::remove(const std::string& key) {
   if (!found) return false;
   DTS_TRY_ASSIGN(const Answer answer,
                  connection.get().perform({.method = "DELETE", .path = path_of(key), .payload_sha256 = sha256_of_nothing()}));
-  if (answer.status != 204 && answer.status != 200 && answer.status != 404) return unexpected("remove " + key, answer);
+  const bool is_gone = answer.status == 204 || answer.status == 200 || (answer.status == 404 && code_of(answer) != kNoBucket);
+  if (!is_gone) return unexpected("remove " + key, answer);
   return true;
 }
 

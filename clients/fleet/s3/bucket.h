@@ -31,7 +31,8 @@ class Bucket {
   static constexpr std::uint64_t kLeastPart = 16ULL * 1024 * 1024;
   static constexpr std::uint64_t kMostParts = 10'000;  ///< S3 accepts no more.
 
-  /// Reads the credentials. Fails as `read_credentials` does, and with InvalidArgument if `settings.ca_file` cannot be read.
+  /// Reads the credentials, and asks for the bucket. Fails as `read_credentials` does, with InvalidArgument if `settings.ca_file` cannot be
+  /// read, and with NotFound if there is no such bucket. A server that does not answer is no failure.
   [[nodiscard]] static core::Result<std::unique_ptr<Bucket>> open(Settings settings);
   ~Bucket();
   Bucket(const Bucket&) = delete;
@@ -49,7 +50,7 @@ class Bucket {
   /// piece; false ends it with WrongState. Fails with NotFound if there is no object, DataDamaged if the key is none, LimitExceeded if the
   /// object does not fit, and Failed if the file cannot be written.
   [[nodiscard]] core::Status get(const std::string& key, const std::string& file, const std::function<bool()>& keeps_on);
-  /// Returns false if there was no object.
+  /// Returns false if there was no object in the bucket.
   [[nodiscard]] core::Result<bool> remove(const std::string& key);
   /// Returns at most 1000 keys that begin with `prefix`. `next`: of the page before, empty for the first.
   [[nodiscard]] core::Result<Page> list(const std::string& prefix, const std::string& next);
@@ -64,6 +65,8 @@ class Bucket {
 
   Bucket(Settings settings, Credentials credentials);
   [[nodiscard]] std::string path_of(const std::string& key) const { return "/" + settings_.bucket + "/" + key; }
+  /// Fails with NotFound if there is no such bucket.
+  [[nodiscard]] core::Status look(Connection& connection) const;
   [[nodiscard]] core::Result<std::optional<Stored>> find(Connection& connection, const std::string& key) const;
   [[nodiscard]] core::Result<std::string> put_whole(Connection& connection, const Upload& upload) const;
   [[nodiscard]] core::Result<std::string> put_parts(Connection& connection, const Upload& upload) const;

@@ -11,7 +11,6 @@ namespace dts::fleet::s3 {
 namespace {
 
 constexpr long kConnectS = 10;
-constexpr long kSilenceS = 30;  // after so long with less than kSlowBytes a second, the request ends
 constexpr long kSlowBytes = 1000;
 constexpr std::size_t kMostHeaderText = 200;
 
@@ -107,11 +106,14 @@ core::Result<Answer> Connection::perform(const Request& request) {
   curl_easy_setopt(handle, CURLOPT_HTTPHEADER, headers.get());
   curl_easy_setopt(handle, CURLOPT_ERRORBUFFER, problem.data());
   curl_easy_setopt(handle, CURLOPT_CONNECTTIMEOUT, kConnectS);
-  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, kSilenceS);
+  curl_easy_setopt(handle, CURLOPT_LOW_SPEED_TIME, static_cast<long>(request.longest_silence.count()));
   curl_easy_setopt(handle, CURLOPT_LOW_SPEED_LIMIT, kSlowBytes);
   curl_easy_setopt(handle, CURLOPT_WRITEFUNCTION, &take_answer);
   curl_easy_setopt(handle, CURLOPT_WRITEDATA, &exchange);
-  if (!settings_.ca_file.empty()) curl_easy_setopt(handle, CURLOPT_CAINFO, settings_.ca_file.c_str());
+  if (!settings_.ca_file.empty()) {
+    curl_easy_setopt(handle, CURLOPT_CAINFO, settings_.ca_file.c_str());
+    curl_easy_setopt(handle, CURLOPT_CAPATH, nullptr);  // else the folder of the system's authorities counts too
+  }
   if (request.body != nullptr) {
     curl_easy_setopt(handle, CURLOPT_UPLOAD, 1L);
     curl_easy_setopt(handle, CURLOPT_INFILESIZE_LARGE, static_cast<curl_off_t>(request.body->size()));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -24,11 +25,12 @@ class Body {
 };
 
 struct Request {
-  std::string method;          ///< GET, HEAD, PUT, POST or DELETE.
-  std::string path;            ///< "/BUCKET/KEY", of characters that need no encoding.
-  std::string query{};         ///< "partNumber=1&uploadId=x": sorted, encoded, each name with "=".
-  std::string payload_sha256;  ///< Of the body, hexadecimal.
-  Body* body = nullptr;        ///< nullptr: none.
+  std::string method;                        ///< GET, HEAD, PUT, POST or DELETE.
+  std::string path;                          ///< "/BUCKET/KEY", of characters that need no encoding.
+  std::string query{};                       ///< "partNumber=1&uploadId=x": sorted, encoded, each name with "=".
+  std::string payload_sha256;                ///< Of the body, hexadecimal.
+  Body* body = nullptr;                      ///< nullptr: none.
+  std::chrono::seconds longest_silence{30};  ///< After so long with less than 1 kB/s, the request ends.
   /// Receives the body of an answer 200, piece by piece; false: it cannot. Absent: it is in `Answer::body`.
   std::function<bool(std::string_view)> receive{};
 };
@@ -54,8 +56,8 @@ class Connection {
   Connection(Connection&&) = delete;
   Connection& operator=(Connection&&) = delete;
 
-  /// Returns the answer, whatever its status. Fails with Unreachable if there is none, or no whole one; a request may wait for 30 s without
-  /// a byte.
+  /// Returns the answer, whatever its status. Fails with Unreachable if there is none, or no whole one; see
+  /// `Request::longest_silence`.
   [[nodiscard]] core::Result<Answer> perform(const Request& request);
 
  private:

@@ -14,7 +14,7 @@ struct Settings {
   std::string bucket;
   std::string region;            ///< As the signature has it: "eu-west-2"; many servers of one's own accept any.
   std::string credentials_file;  ///< See `read_credentials`.
-  std::string ca_file;           ///< Certificates of the authority that signed the server's; empty: those of the system.
+  std::string ca_file;           ///< Certificates of the authority that signed the server's: no other counts. Empty: those of the system.
 };
 
 struct Credentials {

@@ -83,8 +83,8 @@ constexpr std::array kRejected{
 #ifdef SYS_fork
     SYS_fork, SYS_vfork,
 #endif
-    SYS_socket, SYS_io_uring_setup, SYS_ptrace, SYS_process_vm_readv, SYS_process_vm_writev, SYS_pidfd_getfd, SYS_unshare, SYS_bpf,
-    SYS_userfaultfd, SYS_keyctl, SYS_mq_open, SYS_mq_unlink, SYS_shmget, SYS_msgget, SYS_semget,
+    SYS_socket, SYS_socketpair, SYS_io_uring_setup, SYS_ptrace, SYS_process_vm_readv, SYS_process_vm_writev, SYS_pidfd_getfd, SYS_unshare,
+    SYS_bpf, SYS_userfaultfd, SYS_keyctl, SYS_mq_open, SYS_mq_unlink, SYS_shmget, SYS_msgget, SYS_semget,
     // Other processes.
     SYS_tkill, SYS_rt_sigqueueinfo, SYS_rt_tgsigqueueinfo, SYS_pidfd_open, SYS_pidfd_send_signal, SYS_process_madvise, SYS_setpriority,
     SYS_ioprio_set, SYS_sched_setaffinity, SYS_sched_setscheduler, SYS_sched_setparam, SYS_sched_setattr, SYS_migrate_pages, SYS_move_pages,

@@ -97,6 +97,14 @@ core::Result<bool> JobQueue::fail(const TakenJob& job, const std::string& messag
   return rows.changed() == 1;
 }
 
+core::Result<bool> JobQueue::postpone(const TakenJob& job, const std::string& message) {
+  DTS_TRY_ASSIGN(const Rows rows, database_.run(std::string("UPDATE job SET state = 'waiting', tries = tries - 1, worker = NULL, "
+                                                            "lease_until = now() + $4::bigint * interval '1 second', message = $5") +
+                                                    kIsMine,
+                                                {job.id, options_.worker, job.tries, kMostTries * options_.retry_pause.count(), message}));
+  return rows.changed() == 1;
+}
+
 core::Result<bool> JobQueue::give_back(const TakenJob& job) {
   DTS_TRY_ASSIGN(
       const Rows rows,

@@ -32,8 +32,8 @@ struct TakenJob {
 };
 
 /// The worker's side of table `job`. A job that was taken by another worker meanwhile is not changed, and its results are not written:
-/// `renew`, `finish`, `fail` and `give_back` then return false. They also do after the clinic has erased the session. All fail as
-/// `Database` does, and may then be repeated. Thread: that of the database.
+/// `renew`, `finish`, `fail`, `postpone` and `give_back` then return false. They also do after the clinic has erased the session. All fail
+/// as `Database` does, and may then be repeated. Thread: that of the database.
 class JobQueue {
  public:
   static constexpr int kMostTries = 5;
@@ -48,6 +48,9 @@ class JobQueue {
   [[nodiscard]] core::Result<bool> finish(const TakenJob& job, const std::vector<Figure>& figures, const std::string& message);
   /// Ends this try. The job is tried again later, unless `is_final` or this was the last try.
   [[nodiscard]] core::Result<bool> fail(const TakenJob& job, const std::string& message, bool is_final);
+  /// Ends this try as if it had not been one: the reason is not the recording. Then others have their turn, for as long as all tries of a
+  /// job need pauses: a job for which this always happens does not hold up the others.
+  [[nodiscard]] core::Result<bool> postpone(const TakenJob& job, const std::string& message);
   /// Gives the job to other workers, as if it had not been taken.
   [[nodiscard]] core::Result<bool> give_back(const TakenJob& job);
 

@@ -165,6 +165,7 @@ class Worker {
     if (const auto file = program_file(options_.dtslab); !file || *file != file_) {
       return give_back(job);  // which version has computed it is not certain
     }
+    if (!figures && figures.error().code == core::ErrorCode::Unreachable) return postpone(job, figures.error());
     const auto problem = figures ? figures->rejection : std::optional(figures.error());
     if (problem) return fail(job, *problem, figures.has_value());
     const std::string message = figures->skipped > 0 ? std::to_string(figures->skipped) + " results of dtslab were not usable" : "";
@@ -174,6 +175,14 @@ class Worker {
 
   void give_back(const TakenJob& job) {
     static_cast<void>(end_job(job, [&] { return queue_->give_back(job); }));
+  }
+
+  /// The store does not answer. No job can do better for now.
+  void postpone(const TakenJob& job, const core::Error& problem) {
+    const std::string message = core::to_string(problem);
+    if (!std::exchange(is_store_away_, true)) log_.warning(title(job) + ": " + message + "; this job and others wait for the store");
+    static_cast<void>(end_job(job, [&] { return queue_->postpone(job, message); }));
+    wait();
   }
 
   void fail(const TakenJob& job, const core::Error& problem, bool is_rejected) {
@@ -188,6 +197,7 @@ class Worker {
   [[nodiscard]] core::Result<RecordingName> recording_of(const TakenJob& job, const std::function<bool()>& keeps_on) {
     if (bucket_) {
       DTS_TRY_ASSIGN(RecordingName name, RecordingName::fetch(*bucket_, job.store_key, keeps_on));
+      if (std::exchange(is_store_away_, false)) log_.info("the store answers again");
       DTS_TRY(check_sha256(name.path(), job.sha256, keeps_on));
       return name;
     }
@@ -262,6 +272,7 @@ class Worker {
   std::optional<JobQueue> queue_{};
   Clock::time_point renewed_{};
   bool has_lost_ = false;
+  bool is_store_away_ = false;
   std::string database_problem_{};
 };
 

@@ -2,10 +2,13 @@
 // With a real PostgreSQL, and a small S3 that checks signatures.
 #include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <thread>
 
 #include "fleet/hub/rebuild.h"
@@ -58,13 +61,12 @@ class S3StoreTest : public DatabaseTest {
   [[nodiscard]] static RecordingName name(const std::string& bytes) { return {.clinic = "kent", .sha256 = sum_of(bytes)}; }
   [[nodiscard]] bool has_receipt(const std::string& bytes) { return catalogue_->find_receipt(name(bytes)).value().has_value(); }
   /// Commits in another process, which ends itself after this step.
-  void commit_and_end(const std::string& bytes, std::string_view last) {
+  void commit_and_end(Store& store, const std::string& bytes, std::string_view last) {
     IngestOptions options{.hub = "hub-1"};
     options.reached = [last](std::string_view step) {
       if (step == last) ::_exit(9);
     };
-    const auto store = new_store();
-    const auto ingest = Ingest::create(options, Staging::open(staging()).value(), *store, clock_, log_);
+    const auto ingest = Ingest::create(options, Staging::open(staging()).value(), store, clock_, log_);
     const auto database = open_database();
     Catalogue catalogue(*database);
     static_cast<void>(commit_with(**ingest, catalogue, bytes));
@@ -181,6 +183,7 @@ TEST_F(S3StoreTest, WhileS3IsAway_TheHubStarts) {
   send("abc", "s1");
   fs::remove(staging() + "/kent/" + wire::hex_of(sum_of("abc")) + ".part");
   server_.set_fault("* 500");
+  store_ = new_store();
   restart();
   EXPECT_TRUE(send("abc", "s1").has_later());
   server_.set_fault("");
@@ -204,6 +207,36 @@ TEST_F(S3StoreTest, WhileS3IsAway_TheStartAsksOnce) {
   }
 }
 
+TEST_F(S3StoreTest, ABucketThatDoesNotExist_EndsTheStart) {
+  auto settings = server_.settings();
+  settings.bucket = "recordingz";
+  const auto store = open_s3_store(folder_.path(), settings);
+  ASSERT_FALSE(store);
+  EXPECT_EQ(store.error().code, core::ErrorCode::NotFound);
+}
+
+TEST_F(S3StoreTest, Start_RemovesCopiesThatNobodyReads) {
+  send("abc", "s1");
+  ASSERT_TRUE(commit("abc").has_stored());
+  std::string boot;
+  std::ifstream("/proc/sys/kernel/random/boot_id") >> boot;
+  const std::string folder = folder_.path() + "/fetched/";
+  const std::string own = boot + "." + std::to_string(::getpid()) + ".";
+  const std::string of_others = folder + boot + "." + std::to_string(::getppid()) + ".0";
+  const std::string gone = std::to_string(std::numeric_limits<std::int32_t>::max());
+  for (const std::string& name : {"another-boot." + std::to_string(::getppid()) + ".0", boot + "." + gone + ".0", own + "0"})
+    std::ofstream(folder + name) << "left";
+  std::ofstream(of_others) << "read";
+  const auto store = new_store();
+  EXPECT_TRUE(fs::exists(of_others));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
+  const auto one = store->file(name("abc")).value();
+  const auto two = store->file(name("abc")).value();
+  ASSERT_TRUE(one && two);
+  EXPECT_TRUE(one->path().starts_with(folder + own)) << one->path();
+  EXPECT_NE(one->path(), two->path());
+}
+
 TEST_F(S3StoreTest, KilledAtAnyStep_NoReceiptWithoutItsObject) {
   for (const std::string last : {"synchronised", "verified", "stored", "entered"}) {
     const std::string session = "session-" + last;
@@ -211,7 +244,7 @@ TEST_F(S3StoreTest, KilledAtAnyStep_NoReceiptWithoutItsObject) {
     ingest_.reset();
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
-    if (child == 0) commit_and_end(last, last);
+    if (child == 0) commit_and_end(*new_store(), last, last);
     int status = 0;
     ASSERT_EQ(::waitpid(child, &status, 0), child);
     EXPECT_EQ(WEXITSTATUS(status), 9) << last;
@@ -224,21 +257,23 @@ TEST_F(S3StoreTest, KilledAtAnyStep_NoReceiptWithoutItsObject) {
 }
 
 TEST_F(S3StoreTest, KilledWhileS3HasNotAnswered_NoReceipt) {
-  for (const std::string method : {"PUT", "HEAD"}) {
+  // The put is silent; or the question after it, not one that asks before whether there is an object.
+  for (const std::string fault : {"PUT silence", "HEAD stored-silence"}) {
+    const std::string method = fault.substr(0, fault.find(' '));
     send(method, "session-" + method);
     ingest_.reset();
-    const auto requests = [&] {
+    const auto store = new_store();
+    const std::size_t begin = server_.requests().size();
+    const auto is_asked = [&] {
       const std::string text = server_.requests();
-      std::size_t count = 0;
-      for (std::size_t at = text.find(method + " /"); at != std::string::npos; at = text.find(method + " /", at + 1)) ++count;
-      return count;
+      const std::size_t put = text.find("PUT /", begin);
+      return put != std::string::npos && text.find(method + " /", put) != std::string::npos;
     };
-    const std::size_t before = requests();
-    server_.set_fault(method + " silence");
+    server_.set_fault(fault);
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
-    if (child == 0) commit_and_end(method, "none");
-    while (requests() == before) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (child == 0) commit_and_end(*store, method, "none");
+    while (!is_asked()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
     ::kill(child, SIGKILL);
     ASSERT_EQ(::waitpid(child, nullptr, 0), child);
     EXPECT_FALSE(has_receipt(method));

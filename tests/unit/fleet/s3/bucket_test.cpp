@@ -2,12 +2,25 @@
 // With a small S3 that checks signatures, and that answers wrongly if it is told to.
 #include "fleet/s3/bucket.h"
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "fleet/s3/sha256.h"
 #include "support/s3_server.h"
+
+namespace {
+/// The folder of the system's authorities, if a test has another one.
+const char* system_authorities = nullptr;
+}  // namespace
+
+/// Replaces the function of OpenSSL, through which libcurl reads the folder of authorities.
+extern "C" __attribute__((visibility("default"))) int X509_STORE_load_path(void* store, const char* folder) {
+  static const auto real = reinterpret_cast<int (*)(void*, const char*)>(::dlsym(RTLD_NEXT, "X509_STORE_load_path"));
+  return real(store, system_authorities == nullptr ? folder : system_authorities);
+}
 
 namespace dts::fleet::s3 {
 namespace {
@@ -148,6 +161,45 @@ TEST_F(BucketTest, ALargeFile_ThatFails_LeavesNothing) {
   EXPECT_FALSE(fs::exists(server_->object(kKey)));
 }
 
+TEST_F(BucketTest, PartsThatArePutTogether_WithoutAnAnswer_AreFound) {
+  const std::string bytes = large();
+  server_->set_fault("POST unanswered");
+  const auto stored = put(bytes);
+  EXPECT_TRUE(stored) << core::to_string(stored.error());
+  EXPECT_TRUE(content_of(server_->object(kKey)) == bytes);
+}
+
+TEST_F(BucketTest, AnOlderObjectOfTheSameSize_IsNotTakenForTheNewOne) {
+  const std::string bytes = large();
+  ASSERT_TRUE(put(std::string(bytes.size(), 'y')));
+  EXPECT_EQ(put_error("POST late-error", bytes).code, core::ErrorCode::Unreachable);
+}
+
+TEST_F(BucketTest, ABucketThatDoesNotExist_IsAnError) {
+  Settings settings = server_->settings();
+  settings.bucket = "recordingz";
+  const auto opened = Bucket::open(settings);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, core::ErrorCode::NotFound);
+  EXPECT_THAT(opened.error().what, HasSubstr("no bucket 'recordingz'"));
+
+  server_->set_fault("HEAD 500");  // then it is not known at the start
+  const auto missing = Bucket::open(settings).value();
+  for (const char* const fault : {"", "HEAD 500"}) {
+    server_->set_fault(fault);
+    EXPECT_EQ(missing->size(kKey).error().code, core::ErrorCode::Unreachable);
+    EXPECT_EQ(missing->remove(kKey).error().code, core::ErrorCode::Unreachable);
+    EXPECT_EQ(missing->get(kKey, folder_.path() + "/none", kOn).error().code, core::ErrorCode::Unreachable);
+  }
+}
+
+TEST_F(BucketTest, ABucketThatTheKeyMayNotAskFor_IsOpened) {
+  for (const char* const fault : {"HEAD 403", "HEAD 500"}) {
+    server_->set_fault(fault);
+    EXPECT_TRUE(Bucket::open(server_->settings())) << fault;
+  }
+}
+
 TEST_F(BucketTest, Get_KeepsNoHalfFile) {
   ASSERT_TRUE(put("abc"));
   const std::string copy = folder_.path() + "/copy";
@@ -191,6 +243,38 @@ TEST_F(BucketTest, List_ThatIsWrong_Fails) {
     server_->set_fault(fault);
     EXPECT_EQ(bucket_->list("", "").error().code, core::ErrorCode::Unreachable) << fault;
   }
+}
+
+/// Makes FOLDER/NAME.pem and FOLDER/NAME.key, a certificate of 127.0.0.1 that has signed itself. Returns the first.
+std::string certify(const std::string& folder, const std::string& name) {
+  const std::string file = folder + "/" + name;
+  const std::string command = "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -noenc -days 2 -subj /CN=" + name +
+                              " -addext subjectAltName=IP:127.0.0.1 -keyout " + file + ".key -out " + file + ".pem 2>/dev/null";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  return file + ".pem";
+}
+
+TEST(AuthorityTest, OfAFile_ExcludesTheAuthoritiesOfTheSystem) {
+  const test::TemporaryFolder folder;
+  const std::string known = certify(folder.path(), "known");
+  const std::string other = certify(folder.path(), "other");
+  const std::string authorities = folder.path() + "/authorities";
+  fs::create_directory(authorities);
+  fs::copy_file(known, authorities + "/known.pem");
+  ASSERT_EQ(std::system(("openssl rehash " + authorities).c_str()), 0);
+  system_authorities = authorities.c_str();
+  const test::S3Server server(known, folder.path() + "/known.key");
+  const auto size_with = [&](const std::string& ca) {
+    Settings settings = server.settings();
+    settings.ca_file = ca;
+    return Bucket::open(settings).value()->size(kKey);
+  };
+  EXPECT_TRUE(size_with("")) << "the folder of the system is not read";
+  EXPECT_TRUE(size_with(known));
+  const auto stranger = size_with(other);
+  EXPECT_FALSE(stranger);
+  EXPECT_TRUE(stranger || stranger.error().what.find("certificate") != std::string::npos) << core::to_string(stranger.error());
+  system_authorities = nullptr;
 }
 
 /// Another implementation: DTS_S3="ENDPOINT BUCKET REGION CREDENTIALS", for example that of s3rver. See tests/fleet/s3.py.

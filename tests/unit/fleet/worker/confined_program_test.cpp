@@ -123,7 +123,8 @@ attempt('pidfd', lambda: os.pidfd_open(parent))
 attempt('prlimit', lambda: resource.prlimit(parent, resource.RLIMIT_CPU))
 attempt('priority', lambda: os.setpriority(os.PRIO_PROCESS, parent, 19))
 attempt('affinity', lambda: os.sched_setaffinity(parent, {0}))
-import fcntl
+import fcntl, socket
+attempt('socketpair', socket.socketpair)  # its owner may be another process: FIOSETOWN, O_ASYNC
 attempt('owner', lambda: fcntl.fcntl(0, fcntl.F_SETOWN, parent))
 attempt('signal', lambda: fcntl.fcntl(0, fcntl.F_SETSIG, signal.SIGKILL))
 os.kill(os.getpid(), 0)

@@ -97,6 +97,7 @@ TEST_F(JobQueueTest, JobThatWasNotRenewed_IsTakenAgain_AndTheFirstWorkerWritesNo
   EXPECT_FALSE(first_->renew(mine).value());
   EXPECT_FALSE(first_->finish(mine, figures_, "").value());
   EXPECT_FALSE(first_->fail(mine, "x", true).value());
+  EXPECT_FALSE(first_->postpone(mine, "x").value());
   EXPECT_FALSE(first_->give_back(mine).value());
   EXPECT_EQ(results_of_ours(), 0);
   EXPECT_EQ(state(mine), "running");
@@ -182,6 +183,22 @@ TEST_F(JobQueueTest, JobThatIsGivenBack_IsAsNew) {
   const TakenJob job = take(*second_);
   EXPECT_EQ(job.session, "s1");
   EXPECT_EQ(job.tries, 1);
+}
+
+TEST_F(JobQueueTest, Postpone_IsNoTry_AndLetsOthersTakeATurn) {
+  JobQueue queue(database(), {.worker = "patient", .version = "0.1.0", .retry_pause = std::chrono::seconds(100)});
+  for (int times = 0; times <= JobQueue::kMostTries; ++times) {
+    const TakenJob job = take(queue);
+    EXPECT_EQ(job.session, "s1");
+    EXPECT_EQ(job.tries, 1);
+    EXPECT_TRUE(queue.postpone(job, "the store is away").value());
+    EXPECT_EQ(text("SELECT state || tries || message FROM job WHERE session = 's1'"), "waiting0the store is away");
+    EXPECT_EQ(number("SELECT count(*) FROM job WHERE lease_until > now() + interval '400 seconds'"), 1);
+    const TakenJob next = take(queue);
+    EXPECT_EQ(next.session, "s2");
+    EXPECT_TRUE(queue.give_back(next).value());
+    sql("UPDATE job SET lease_until = now() - interval '1 second' WHERE session = 's1'");
+  }
 }
 
 TEST_F(JobQueueTest, RecordingThatTheCatalogueLost_HasNoKey) {

@@ -8,13 +8,16 @@
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <random>
 #include <thread>
 #include <vector>
 
 #include "files/whole_file.h"
 #include "fleet/database/jobs.h"
+#include "fleet/worker/job_queue.h"
 #include "record/sha256.h"
+#include "support/s3_server.h"
 #include "support/sanitized.h"
 #include "unit/fleet/database/catalogue_fixture.h"
 #include "unit/fleet/worker/script_fixture.h"
@@ -78,7 +81,7 @@ class WorkerTest : public database::CatalogueTest {
     ASSERT_TRUE(added) << added.error().what;
   }
   /// The first line of a recording is a command for the script.
-  std::string configuration(const std::string& limits = "time_s = 60") {
+  std::string configuration(const std::string& limits = "time_s = 60", const std::optional<s3::Settings>& bucket = std::nullopt) {
     write_script(folder_.path() + "/dtslab",
                  "[ \"$1\" = --version ] && echo 'dtslab 9.9' && exit\n"
                  "result() { echo '{\"summary\": [{\"name\": \"eyes-open/MVELO\", \"value\": 8.5, \"unit\": \"mm/s\"}]}'; }\n"
@@ -98,6 +101,11 @@ class WorkerTest : public database::CatalogueTest {
     std::ofstream(file) << "dtslab = \"dtslab\"\n[database]\nconnection = \"" << connection() << "\"\n[store]\ndirectory = \".\"\n"
                         << "[limits]\n"
                         << limits << "\n[jobs]\nlease_s = 2\nretry_pause_s = 0\n";
+    if (bucket) {
+      std::ofstream(file, std::ios::app) << "[store.s3]\nendpoint = \"" << bucket->endpoint << "\"\nbucket = \"" << bucket->bucket
+                                         << "\"\nregion = \"" << bucket->region << "\"\ncredentials = \"" << bucket->credentials_file
+                                         << "\"\n";
+    }
     return file;
   }
   /// Waits until the statement's number is at least this one; not after a minute without progress.
@@ -254,6 +262,36 @@ TEST_F(WorkerTest, DatabaseThatEndsMeanwhile_HasTheResultAfterwards) {
   EXPECT_EQ(results("long"), 1);
 }
 
+TEST_F(WorkerTest, StoreThatDoesNotAnswer_CostsNoTry) {
+  const test::S3Server s3;
+  store("patient", "result");
+  const std::string key = "objects/kent/" + record::sha256_of("result");
+  std::filesystem::copy_file(folder_.path() + "/" + key, s3.object(key));
+  add_jobs();
+  s3.set_fault("GET 503");
+  const std::string file = configuration("time_s = 60", s3.settings());
+  Process worker(file);
+  const auto gets = [&] {
+    const std::string text = s3.requests();
+    int count = 0;
+    for (std::size_t at = text.find("GET /"); at != std::string::npos; at = text.find("GET /", at + 1)) ++count;
+    return count;
+  };
+  for (int before = 0; before <= JobQueue::kMostTries; before = gets()) {
+    ASSERT_EQ(text("SELECT state FROM job WHERE state <> 'running' UNION ALL SELECT 'waiting' LIMIT 1"), "waiting") << before;
+    sql("NOTIFY job");  // else it looks 10 s later
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  wait_for("SELECT count(*) FROM job WHERE message LIKE '%S3 answers 503%'", 1);
+  EXPECT_EQ(number("SELECT count(*) FROM job WHERE state = 'failed' OR tries > 1"), 0);
+  s3.set_fault("");
+  for (int looks = 0; looks < 6000 && results("patient") == 0; ++looks) {
+    sql("NOTIFY job");
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(results("patient"), 1);
+}
+
 TEST_F(WorkerTest, OtherKinds_HaveTheirOwnResults) {
   store("part", "{\"is_identical\": true}");
   const std::string file = configuration();
@@ -311,6 +349,10 @@ TEST_F(WorkerTest, WrongConfiguration_EndsTheWorker) {
   EXPECT_EQ(WEXITSTATUS(Process(file).wait()), 2);
   std::filesystem::remove(folder_.path() + "/dtslab");
   EXPECT_EQ(WEXITSTATUS(Process(file).wait()), 5);
+  const test::S3Server s3;
+  s3::Settings bucket = s3.settings();
+  bucket.bucket = "recordingz";
+  EXPECT_EQ(WEXITSTATUS(Process(configuration("time_s = 60", bucket)).wait()), 5);
   std::ofstream(file) << "[database]\n";
   EXPECT_EQ(WEXITSTATUS(Process(file).wait()), 2);
 }

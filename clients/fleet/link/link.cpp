@@ -45,6 +45,7 @@ constexpr int kRejections = 2;              // nats-server also rejects a key th
 constexpr std::size_t kMostWaiting = 4096;  // letters of a subscription
 constexpr std::size_t kMostWaitingBytes = 16 * 1024 * 1024;
 constexpr std::size_t kRoomBytes = 256 * 1024;
+constexpr std::size_t kLeastPayload = 512 * 1024;  // a chunk of a recording and what is around it
 constexpr std::size_t kMostOutgoingBytes = 8 * 1024 * 1024;
 constexpr int kReadsInATurn = 16;
 constexpr std::size_t kReadBytes = 32 * 1024;
@@ -399,6 +400,11 @@ core::Status Connection::greet(const Address& address, Channel& channel, Present
   const Time deadline = std::chrono::steady_clock::now() + kConnectTimeout;
   DTS_TRY_ASSIGN(const Operation hello, wait_for(Operation::Kind::Info, channel, present, deadline));
   DTS_TRY_ASSIGN(const ServerInfo info, info_of_json(hello.text));
+  if (info.max_payload < kLeastPayload) {  // INFO comes before TLS: anybody on the way can have written it
+    return core::fail(core::ErrorCode::Unreachable, "the server accepts only messages of " + std::to_string(info.max_payload) +
+                                                        " bytes: max_payload of nats-server must be at least " +
+                                                        std::to_string(kLeastPayload));
+  }
   if (address.is_tls) {
     DTS_TRY(channel.begin_tls(tls_.get(), address.host));
     while (true) {

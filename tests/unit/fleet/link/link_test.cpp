@@ -183,14 +183,23 @@ TEST_F(LinkTest, LinkToASilentServer_EndsBeforeItIsConnected) {
 }
 
 TEST_F(LinkTest, MessageAboveTheLimitOfTheServer_Fails) {
-  const test::NatsServer server("max_payload: 1000\n");
+  constexpr std::size_t kLimit = 600'000;
+  const test::NatsServer server("max_payload: " + std::to_string(kLimit) + "\n");
   const auto link = connect({.name = "kent"}, server.port());
   ASSERT_TRUE(becomes([&] { return link->is_connected(); }));
-  EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(1001, 'x')}).error().code, core::ErrorCode::LimitExceeded);
-  EXPECT_TRUE(link->publish({.subject = "a.b", .data = std::string(1000, 'x')}));
+  EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(kLimit + 1, 'x')}).error().code, core::ErrorCode::LimitExceeded);
+  EXPECT_TRUE(link->publish({.subject = "a.b", .data = std::string(kLimit, 'x')}));
   EXPECT_EQ(link->publish({.subject = "a b"}).error().code, core::ErrorCode::InvalidArgument);
   EXPECT_EQ(link->publish({.subject = "a", .reply = "x\r\nPING"}).error().code, core::ErrorCode::InvalidArgument);
   EXPECT_TRUE(link->is_connected());
+}
+
+TEST_F(LinkTest, ServerWithALimitBelowAChunk_IsNoConnection) {
+  const test::NatsServer server("max_payload: 500000\n");
+  const auto link = connect({.name = "kent"}, server.port());
+  EXPECT_TRUE(becomes([&] { return link->problem().find("max_payload") != std::string::npos; })) << link->problem();
+  EXPECT_EQ(link->connections(), 0U);
+  EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(500'001, 'x')}).error().code, core::ErrorCode::Unreachable);
 }
 
 TEST_F(LinkTest, LettersBeforeTheEnd_Arrive) {

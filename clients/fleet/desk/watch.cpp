@@ -221,6 +221,7 @@ void Watch::Loop::ask_if_due() {
 
 void Watch::Loop::read_answers() {
   while (const auto letter = answers_->next(milliseconds(0))) {
+    if (letter->has_no_listener) continue;
     const auto answer = wire::decode_live_answer(letter->data);
     if (!answer || letter->subject != inbox_ + "." + std::to_string(round_)) continue;
     const std::int64_t half_ns = std::chrono::nanoseconds(Clock::now() - asked_at_).count() / 2;

@@ -84,7 +84,6 @@ struct Mail {
   std::deque<Letter> letters{};
   std::size_t bytes = 0;
   std::uint64_t dropped = 0;
-  bool has_no_listener = false;
 
   void add(Letter letter) {
     const std::lock_guard lock(mutex);
@@ -96,18 +95,9 @@ struct Mail {
     letters.push_back(std::move(letter));
     changed.notify_one();
   }
-  void note_no_listener() {
-    const std::lock_guard lock(mutex);
-    has_no_listener = true;
-    changed.notify_one();
-  }
   std::optional<Letter> next(milliseconds timeout) {
     std::unique_lock lock(mutex);
-    changed.wait_for(lock, timeout, [this] { return !letters.empty() || has_no_listener; });
-    if (letters.empty()) {
-      has_no_listener = false;
-      return std::nullopt;
-    }
+    if (!changed.wait_for(lock, timeout, [this] { return !letters.empty(); })) return std::nullopt;
     Letter letter = std::move(letters.front());
     letters.pop_front();
     bytes -= letter.data.size();
@@ -494,18 +484,12 @@ core::Result<bool> Connection::receive(Channel& channel, Present& present) {
 
 core::Status Connection::handle(Operation operation, Present& present) {
   switch (operation.kind) {
-    case Operation::Kind::Message:
-    case Operation::Kind::NoListener: {
+    case Operation::Kind::Message: {
       const auto mail = get([this, &operation] {
         const auto found = wanted_.find(operation.subscription);
         return found == wanted_.end() ? nullptr : found->second.mail;
       });
-      if (mail == nullptr) return {};  // it has ended meanwhile
-      if (operation.kind == Operation::Kind::Message) {
-        mail->add(std::move(operation.letter));
-      } else {
-        mail->note_no_listener();
-      }
+      if (mail != nullptr) mail->add(std::move(operation.letter));  // otherwise it has ended meanwhile
       return {};
     }
     case Operation::Kind::Ping: {
@@ -608,11 +592,10 @@ core::Result<std::string> Link::request(const std::string& subject, std::string_
   const std::string inbox = new_inbox();
   DTS_TRY_ASSIGN(const auto answers, subscribe(inbox));
   DTS_TRY(publish({.subject = subject, .reply = inbox, .data = std::string(data)}));
-  const Time deadline = std::chrono::steady_clock::now() + timeout;
-  if (auto letter = answers->next(timeout)) return std::move(letter->data);
-  const bool is_late = std::chrono::steady_clock::now() >= deadline;
-  return core::fail(is_late ? core::ErrorCode::Timeout : core::ErrorCode::Unreachable,
-                    "no answer to " + subject + (is_late ? "" : ": nobody listens"));
+  auto letter = answers->next(timeout);
+  if (!letter) return core::fail(core::ErrorCode::Timeout, "no answer to " + subject);
+  if (letter->has_no_listener) return core::fail(core::ErrorCode::Unreachable, "no answer to " + subject + ": nobody listens");
+  return std::move(letter->data);
 }
 
 core::Result<std::unique_ptr<Subscription>> Link::subscribe(const std::string& subject, const std::string& queue) {

@@ -202,6 +202,20 @@ TEST_F(LinkTest, ServerWithALimitBelowAChunk_IsNoConnection) {
   EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(500'001, 'x')}).error().code, core::ErrorCode::Unreachable);
 }
 
+TEST_F(LinkTest, RequestWithoutAListener_FailsAtOnce) {
+  const test::NatsServer server;
+  const auto link = connect({.name = "kent"}, server.port());
+  ASSERT_TRUE(becomes([&] { return link->is_connected(); }));
+  const auto answer = link->request("a.b", "x", 1h);
+  EXPECT_EQ(answer.error().code, core::ErrorCode::Unreachable);
+  const auto answers = link->subscribe("inbox.1");
+  ASSERT_TRUE(answers);
+  ASSERT_TRUE(link->publish({.subject = "a.b", .reply = "inbox.1", .data = "x"}));
+  const auto letter = (*answers)->next(1h);
+  ASSERT_TRUE(letter);
+  EXPECT_TRUE(letter->has_no_listener);
+}
+
 TEST_F(LinkTest, LettersBeforeTheEnd_Arrive) {
   const test::NatsServer server;
   const auto reader = connect({.name = "reader"}, server.port());

@@ -173,6 +173,7 @@ class Connection {
   [[nodiscard]] core::Result<Operation> wait_for(Operation::Kind kind, Channel& channel, Present& present, Time deadline);
   [[nodiscard]] core::Status write_all(std::string_view bytes, Channel& channel, Time deadline);
   [[nodiscard]] core::Status poll(Channel& channel, int events, milliseconds timeout);
+  [[nodiscard]] core::Result<milliseconds> left(Time deadline) const;
   [[nodiscard]] core::Status wait(Channel& channel, int events, Time deadline);
   [[nodiscard]] core::Status exchange(Channel& channel, Present& present);
   [[nodiscard]] core::Status write(Channel& channel, Present& present, Time now);
@@ -330,12 +331,18 @@ core::Status Connection::poll(Channel& channel, int events, milliseconds timeout
   return {};
 }
 
-/// The same before a connection is established. Fails at the deadline, and if the end is requested.
-core::Status Connection::wait(Channel& channel, int events, Time deadline) {
-  const auto left = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
-  if (left <= milliseconds(0)) return core::fail(core::ErrorCode::Timeout, "the server does not answer");
+/// Returns how long the server may still take to establish a connection. Fails at the deadline, and if the end is requested.
+core::Result<milliseconds> Connection::left(Time deadline) const {
+  const auto rest = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
+  if (rest <= milliseconds(0)) return core::fail(core::ErrorCode::Timeout, "the server does not answer");
   if (is_ending()) return core::fail(core::ErrorCode::Failed, "stopped");
-  return poll(channel, events, std::min(left, kTurn));
+  return rest;
+}
+
+/// The same as `poll` before a connection is established. Fails like `left`.
+core::Status Connection::wait(Channel& channel, int events, Time deadline) {
+  DTS_TRY_ASSIGN(const milliseconds most, left(deadline));
+  return poll(channel, events, std::min(most, kTurn));
 }
 
 core::Result<std::unique_ptr<Channel>> Connection::connect(const Address& address) {
@@ -369,6 +376,7 @@ core::Status Connection::write_all(std::string_view bytes, Channel& channel, Tim
 
 core::Result<Operation> Connection::wait_for(Operation::Kind kind, Channel& channel, Present& present, Time deadline) {
   while (true) {
+    DTS_TRY(left(deadline));  // also while the server sends without an end
     DTS_TRY_ASSIGN(auto operation, present.parser.next());
     if (!operation) {
       // One byte at a time before TLS: what comes after the line belongs to TLS.
@@ -379,6 +387,7 @@ core::Result<Operation> Connection::wait_for(Operation::Kind kind, Channel& chan
       continue;
     }
     if (operation->kind == kind) return std::move(*operation);
+    if (kind == Operation::Kind::Info) return core::fail(core::ErrorCode::DataDamaged, "the server does not begin with INFO");
     if (operation->kind == Operation::Kind::Error) {
       return core::fail(is_rejection(operation->text) ? core::ErrorCode::NotAllowed : core::ErrorCode::Unreachable, operation->text);
     }

@@ -3,13 +3,17 @@
 #include "fleet/link/link.h"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
 #include <signal.h>
+#include <sys/socket.h>
 
 #include <chrono>
 #include <cstdlib>
 #include <functional>
 #include <thread>
 
+#include "core/descriptor.h"
 #include "fleet/wire/nkey.h"
 #include "fleet/wire/subjects.h"
 #include "support/nats_server.h"
@@ -232,6 +236,60 @@ TEST_F(LinkTest, LettersBeforeTheEnd_Arrive) {
     ASSERT_TRUE(becomes([&] { return (letter = (*letters)->next(100ms)).has_value(); })) << count;
     EXPECT_EQ(letter->data.size(), 100'000U);
   }
+}
+
+/// Not nats-server: sends `greeting`, waits for the client's first bytes, and then sends `endless` again and again.
+class StrangeServer {
+ public:
+  StrangeServer(std::string greeting, std::string endless) : greeting_(std::move(greeting)), endless_(std::move(endless)) {
+    sockaddr_in address{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {.s_addr = htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
+    socklen_t length = sizeof(address);
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), length), 0);
+    EXPECT_EQ(::listen(listener_.get(), 8), 0);
+    EXPECT_EQ(::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &length), 0);
+    port_ = ntohs(address.sin_port);
+    thread_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
+  }
+  [[nodiscard]] LinkOptions options() const { return {.servers = {"nats://127.0.0.1:" + std::to_string(port_)}, .name = "kent"}; }
+
+ private:
+  static bool is_ready(int descriptor) {
+    pollfd polled{.fd = descriptor, .events = POLLIN, .revents = 0};
+    return ::poll(&polled, 1, 10) > 0;
+  }
+  void serve(const std::stop_token& stop) const {
+    while (!stop.stop_requested()) {
+      if (!is_ready(listener_.get())) continue;
+      const core::Descriptor client(::accept(listener_.get(), nullptr, nullptr));
+      (void)::send(client.get(), greeting_.data(), greeting_.size(), MSG_NOSIGNAL);
+      while (!stop.stop_requested() && !is_ready(client.get())) continue;
+      while (!stop.stop_requested()) {
+        const auto sent = ::send(client.get(), endless_.data(), endless_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (sent < 0 && errno != EAGAIN) break;
+      }
+    }
+  }
+
+  std::string greeting_;
+  std::string endless_;
+  core::Descriptor listener_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  int port_ = 0;
+  std::jthread thread_{};
+};
+
+constexpr const char* kInfo = "INFO {\"max_payload\":1048576}\r\n";
+
+TEST(LinkToAStrangeServer, ThatSendsWithoutAnEnd_DoesNotWaitForEver) {
+  const StrangeServer server(kInfo, "+OK\r\n");
+  const auto link = Link::open(server.options(), core::Log()).value();
+  EXPECT_TRUE(becomes([&] { return link->problem().find("does not answer") != std::string::npos; })) << link->problem();
+}
+
+TEST(LinkToAStrangeServer, ThatDoesNotBeginWithInfo_IsNoConnection) {
+  const StrangeServer server(std::string("+OK\r\n") + kInfo, "PONG\r\n");
+  const auto link = Link::open(server.options(), core::Log()).value();
+  EXPECT_TRUE(becomes([&] { return link->problem().find("INFO") != std::string::npos; })) << link->problem();
+  EXPECT_EQ(link->connections(), 0U);
 }
 
 class LinkTlsTest : public LinkTest {

@@ -21,6 +21,7 @@
 #include "core/token_bucket.h"
 #include "fleet/link/channel.h"
 #include "fleet/link/protocol.h"
+#include "fleet/link/turns.h"
 #include "fleet/wire/nkey.h"
 
 namespace dts::fleet::link {
@@ -32,7 +33,6 @@ using Time = std::chrono::steady_clock::time_point;
 constexpr milliseconds kConnectTimeout{5000};  // for TCP; and again for TLS and the first answers
 constexpr milliseconds kPingInterval{5000};
 constexpr milliseconds kLongestSilence{10'000};
-constexpr milliseconds kSteady{20'000};   // a connection that lasts longer was a success
 constexpr milliseconds kFirstPause{250};  // before the next try; up to twice as long at random
 constexpr milliseconds kLastPause{2000};
 constexpr milliseconds kFirstPauseRejected{1000};
@@ -183,7 +183,7 @@ class Connection {
   void set_connected(const ServerInfo& info);
   void set_ended(const core::Error& why);
   void send_line(std::string line);  // behind the mutex
-  void pause(std::size_t tries);
+  void pause(std::size_t failures);
 
   const std::string name_;
   const std::string seed_;
@@ -192,6 +192,7 @@ class Connection {
   const core::Log log_;
   core::Doorbell doorbell_{};  ///< Something can be written, or the end is requested.
   core::TokenBucket complaints_{0.1, 5.0};
+  Turns turns_{addresses_.size()};  ///< Thread: of the link.
 
   mutable std::mutex mutex_{};
   std::condition_variable changed_{};
@@ -216,16 +217,14 @@ void Connection::run() {
   sigaddset(&broken_pipe, SIGPIPE);
   ::pthread_sigmask(SIG_BLOCK, &broken_pipe, nullptr);  // OpenSSL writes without MSG_NOSIGNAL
   (void)core::configure_this_thread("link", {});
-  for (std::size_t tries = 0; !is_ending(); ++tries) {
-    const Time begun_at = std::chrono::steady_clock::now();
+  while (!is_ending()) {
     try {
-      const auto ended = serve(addresses_[tries % addresses_.size()]);
+      const auto ended = serve(addresses_[turns_.server()]);
       if (!ended) set_ended(ended.error());
     } catch (const std::exception& error) {
       set_ended({.code = core::ErrorCode::Failed, .what = error.what(), .hint = {}});
     }
-    if (std::chrono::steady_clock::now() - begun_at > kSteady) tries = 0;
-    pause(tries);
+    pause(turns_.ended(std::chrono::steady_clock::now()));
   }
   const std::lock_guard lock(mutex_);
   is_over_ = true;
@@ -240,9 +239,10 @@ bool Connection::end() {
   return changed_.wait_for(lock, kLongestEnd, [this] { return is_over_; });
 }
 
-void Connection::pause(std::size_t tries) {
+/// Waits before the next try. `failures`: how often all servers have failed before.
+void Connection::pause(std::size_t failures) {
   std::unique_lock lock(mutex_);
-  const std::size_t rounds = std::min<std::size_t>(tries / addresses_.size(), 16);
+  const std::size_t rounds = std::min<std::size_t>(failures, 16);
   const bool is_rejected = rejections_ >= kRejections;
   const milliseconds longest = is_rejected ? kLastPauseRejected : kLastPause;
   const milliseconds whole = std::min((is_rejected ? kFirstPauseRejected : kFirstPause) * (1 << rounds), longest);
@@ -416,6 +416,7 @@ core::Status Connection::greet(const Address& address, Channel& channel, Present
   DTS_TRY(write_all(line + std::string(kPing), channel, deadline));
   DTS_TRY(wait_for(Operation::Kind::Pong, channel, present, deadline));
   set_connected(info);
+  turns_.connected(std::chrono::steady_clock::now());
   return {};
 }
 

@@ -137,7 +137,7 @@ TEST_F(LinkTest, AKeyOpensItsSubjectsOnly) {
       << "the refusal is in the server's log";
 }
 
-TEST_F(LinkTest, ARemovedKeyIsRejected) {
+TEST_F(LinkTest, ARemovedKeyIsRejectedUntilItIsThereAgain) {
   const wire::NKey kent = wire::create_nkey();
   const wire::NKey other = wire::create_nkey();
   test::NatsServer server(users(user(kent.public_key, wire::clinic_permissions("kent")) + user(other.public_key, wire::hub_permissions())));
@@ -148,6 +148,9 @@ TEST_F(LinkTest, ARemovedKeyIsRejected) {
   EXPECT_TRUE(becomes([&] { return link->is_rejected(); }));
   EXPECT_FALSE(link->is_connected());
   EXPECT_NE(link->problem().find("rejects"), std::string::npos) << link->problem();
+  server.reload(users(user(kent.public_key, wire::clinic_permissions("kent")) + user(other.public_key, wire::hub_permissions())));
+  EXPECT_TRUE(becomes([&] { return link->is_connected(); })) << "it tries again by itself";
+  EXPECT_FALSE(link->is_rejected());
 }
 
 TEST_F(LinkTest, SilentServer_HoldsUpNoCaller) {

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """A line that is silent: no byte arrives, and nothing ends the connection. While a recording is sent and a rig is watched, the line becomes
-silent in both directions, then in one only. dts-forward must notice it, must end on request, and must deliver when the line lives again."""
+silent in both directions, then in one only. dts-forward must notice it, must end on request, and must deliver when the line lives again.
+What is promised in seconds may take three times as long: a busy machine must not fail the test."""
 import json
 import signal
 import time
@@ -14,7 +15,11 @@ from watcher import Watcher
 
 BYTES_PER_S = 300e3
 SECONDS = 6.0
-LONGEST_END_S = 5.0  # systemd waits longer; a clinic that shuts down does not
+SLOW = 3.0
+LONGEST_NOTICE_S = SLOW * 15  # docs/fleet.md: after 10 to 15 s the connection counts as lost
+LONGEST_RETURN_S = SLOW * 9  # up to 4 s until the link connects again, then a beat: every 2 s, each waits 3 s for its answer
+LONGEST_END_S = 10.0  # TimeoutStopSec of the unit
+NOTICED = "recordings: the connection is lost: the server is silent"
 
 
 def watches(viewer: Watcher) -> bool:
@@ -28,28 +33,34 @@ def status(clinic: Clinic) -> dict:
     return json.loads(clinic.forward("status", "--json"))
 
 
+def check_end(checks: Checks, clinic: Clinic, when: str) -> None:
+    begun_s = time.monotonic()
+    clinic.forwarder.send(signal.SIGTERM)
+    wait_until(f"dts-forward ends on SIGTERM {when}", lambda: not clinic.forwarder.is_alive(), LONGEST_END_S)
+    checks.expect(f"  dts-forward ends on SIGTERM {when}, after {time.monotonic() - begun_s:.1f} s", True)
+    clinic.forwarder.start()
+
+
 def silent(checks: Checks, clinic: Clinic, viewer: Watcher, up: bool, down: bool) -> None:
     name = f"silent {'in both directions' if up and down else 'towards the centre' if up else 'towards the clinic'}"
     clinic.record(SECONDS)
     wait_until("the session has ended", lambda: not clinic.is_recording(), SECONDS + PATIENCE_S)
     wait_until("the rig is watched", lambda: watches(viewer))
     wait_until("a part of the recording has arrived", lambda: status(clinic).get("sending", {}).get("have", 0) > 0)
+    known = clinic.forwarder.text().count(NOTICED)
     clinic.line.silence(up, down)
     begun_s = time.monotonic()
-    wait_until("status reports it", lambda: "silent" in clinic.problem() or "does not answer" in clinic.problem())
-    checks.expect(f"{name}: status reports \"{clinic.problem()}\" after {time.monotonic() - begun_s:.0f} s", True)
-    checks.expect("  and no time to go", "to_go_s" not in status(clinic), status(clinic))
-    for what in ("while the connection is silent", "while it tries to connect"):
-        begun_s = time.monotonic()
-        clinic.forwarder.send(signal.SIGTERM)
-        wait_until(f"dts-forward ends on SIGTERM {what}", lambda: not clinic.forwarder.is_alive(), LONGEST_END_S)
-        checks.expect(f"  dts-forward ends on SIGTERM {what}, after {time.monotonic() - begun_s:.1f} s", True)
-        clinic.forwarder.start()
-        time.sleep(3)  # it is connecting
+    wait_until(f"{name}: the link of the recordings notices it", lambda: clinic.forwarder.text().count(NOTICED) > known, LONGEST_NOTICE_S)
+    checks.expect(f"{name}: the link notices it after {time.monotonic() - begun_s:.0f} s", True)
+    wait_until("status reports it", clinic.problem)
+    checks.expect(f"  status reports \"{clinic.problem()}\", and no time to go", "to_go_s" not in status(clinic), status(clinic))
+    check_end(checks, clinic, "after the connection was lost")
+    time.sleep(3)  # it is connecting
+    check_end(checks, clinic, "while it connects for the first time")
     answered = status(clinic).get("answered_utc")
     clinic.line.speak()
     begun_s = time.monotonic()
-    wait_until("the centre answers a beat", lambda: status(clinic).get("answered_utc") != answered)
+    wait_until("the centre answers a beat", lambda: status(clinic).get("answered_utc") != answered, LONGEST_RETURN_S)
     checks.expect(f"  a beat is answered {time.monotonic() - begun_s:.1f} s after the line lives again", True)
     wait_until("the recording has a receipt", lambda: not clinic.undelivered(), 120)
     checks.expect(f"  the recording has a receipt after {time.monotonic() - begun_s:.1f} s", True)
@@ -70,6 +81,17 @@ def short(checks: Checks, clinic: Clinic) -> None:
                   clinic.forwarder.text().count("recordings: connected") == before)
 
 
+def unnoticed(checks: Checks, clinic: Clinic) -> None:
+    """SIGTERM while the connection is silent and still counts as sound."""
+    clinic.record(SECONDS)
+    wait_until("the session has ended", lambda: not clinic.is_recording(), SECONDS + PATIENCE_S)
+    wait_until("a part of the recording has arrived", lambda: status(clinic).get("sending", {}).get("have", 0) > 0)
+    clinic.line.silence(True, True)
+    check_end(checks, clinic, "while the connection is silent")
+    clinic.line.speak()
+    wait_until("the recording has a receipt", lambda: not clinic.undelivered(), 120)
+
+
 def silence(checks: Checks) -> None:
     centre = Centre()
     clinic = Clinic(centre, "kent", rigs=(LARGE_FLOOR,), bytes_per_s=BYTES_PER_S)
@@ -79,6 +101,7 @@ def silence(checks: Checks) -> None:
         wait_until("the centre knows the clinic", lambda: centre.query("SELECT count(*) FROM beat") == "1")
         viewer = Watcher(centre)
         short(checks, clinic)
+        unnoticed(checks, clinic)
         for up, down in ((True, True), (True, False), (False, True)):
             silent(checks, clinic, viewer, up, down)
         checks.expect("what is watched has a connection of its own", "kent live: connected" in clinic.forwarder.text())

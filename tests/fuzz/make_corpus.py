@@ -343,6 +343,22 @@ def fleet(module) -> dict[str, bytes]:
     return seeds
 
 
+def link() -> dict[str, bytes]:
+    """The first byte is the length of a piece, less one."""
+    info = b'INFO {"server_id":"N","version":"2.9.10","proto":1,"headers":true,"auth_required":true,"max_payload":1048576,"nonce":"bm9uY2U"} \r\n'
+    message = b"MSG dts.v1.kent.down.live 7 _INBOX.kent.1 5\r\na\r\nbc\r\n"
+    silent = b"HMSG _INBOX.kent.2 9 16 16\r\nNATS/1.0 503\r\n\r\n\r\n"
+    return {
+        "greeting": b"\0" + info + b"PONG\r\n",
+        "letters": b"\x06" + message + b"PING\r\n+OK\r\nMSG a 1 0\r\n\r\n" + silent,
+        "headers": b"\x10HMSG a.b 1 r 18 20\r\nNATS/1.0\r\nA: b\r\n\r\nhi\r\n" + silent,
+        "errors": b"\xff-ERR 'Permissions Violation for Publish to \"a\"'\r\n-ERR 'Authorization Violation'\r\n",
+        "info": b"\1" + b'{"max_payload":18446744073709551615,"nonce":5}',
+        "cut": b"\3" + message[:-4],
+        "wrong": b"\4MSG a 1 8388609\r\nHMSG a 1 5 4\r\nGET / HTTP/1.1\r\n",
+    }
+
+
 def write(folder: pathlib.Path, seeds: dict) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in seeds.items():
@@ -356,7 +372,7 @@ def main() -> None:
     for target, seeds in {
         "sensor_curve": sensor_curves(), "cop_calibration": cop_calibrations(), "trunk_model": trunk_models(), "protocol": protocols, "rig": rigs(),
         "config": configs(), "corrections": corrections(), "label_pattern": label_patterns(), "keys": keys(), "users": users(), "http": http(), "control": control(control_module), "bus": bus(control_module, stream),
-        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(), "fleet": fleet(fleet_module),
+        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(), "fleet": fleet(fleet_module), "link": link(),
     }.items():
         write(folder / target, seeds)
 

@@ -44,8 +44,8 @@ class ClinicView : public std::enable_shared_from_this<ClinicView> {
             [this] { return host_time(); }) {}
 
   /// Starts the watch and reads the clock's offset. Call it once, before a tab is opened.
-  void start(Nats& nats) {
-    watch_ = std::make_unique<Watch>(nats, clinic_, [this](gateway::BusItem item) { pass(std::move(item)); });
+  void start(link::Link& link) {
+    watch_ = std::make_unique<Watch>(link, clinic_, [this](gateway::BusItem item) { pass(std::move(item)); });
     ask_offset();
   }
   [[nodiscard]] std::unique_ptr<gateway::Tab> open_tab(const gateway::Identity& identity, gateway::TabConnection& connection) {
@@ -157,8 +157,8 @@ class ClosedTab final : public gateway::Tab {
 
 }  // namespace
 
-Live::Live(boost::asio::io_context& io, Nats& nats, QueryPool& queries, std::string version)
-    : io_(io), nats_(nats), queries_(queries), version_(std::move(version)) {}
+Live::Live(boost::asio::io_context& io, link::Link& link, QueryPool& queries, std::string version)
+    : io_(io), link_(link), queries_(queries), version_(std::move(version)) {}
 Live::~Live() = default;
 
 std::unique_ptr<gateway::Tab> Live::open_tab(const gateway::Identity& identity, const std::string& clinic,
@@ -172,7 +172,7 @@ std::unique_ptr<gateway::Tab> Live::open_tab(const gateway::Identity& identity, 
   if (!view) {
     view = std::make_shared<ClinicView>(io_, queries_, clinic, version_);
     views_[clinic] = view;
-    view->start(nats_);
+    view->start(link_);
   }
   return std::make_unique<ViewTab>(std::move(view), identity, connection);
 }

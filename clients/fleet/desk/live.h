@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "fleet/desk/nats.h"
 #include "fleet/desk/query_pool.h"
+#include "fleet/link/link.h"
 #include "gateway/access/identity.h"
 #include "gateway/http/tab.h"
 
@@ -18,7 +18,8 @@ class ClinicView;
 /// The live views: one for each clinic that a tab watches, kept while a tab has it. Thread: io. Outlives its tabs.
 class Live {
  public:
-  Live(boost::asio::io_context& io, Nats& nats, QueryPool& queries, std::string version);
+  /// `link` and `queries` outlive it.
+  Live(boost::asio::io_context& io, link::Link& link, QueryPool& queries, std::string version);
   ~Live();
   Live(const Live&) = delete;
   Live& operator=(const Live&) = delete;
@@ -31,7 +32,7 @@ class Live {
 
  private:
   boost::asio::io_context& io_;
-  Nats& nats_;
+  link::Link& link_;
   QueryPool& queries_;
   std::string version_;
   std::map<std::string, std::weak_ptr<ClinicView>> views_;

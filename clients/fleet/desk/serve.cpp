@@ -17,7 +17,6 @@
 #include "core/log.h"
 #include "files/whole_file.h"
 #include "fleet/desk/live.h"
-#include "fleet/desk/nats.h"
 #include "fleet/desk/query_pool.h"
 #include "fleet/desk/routes.h"
 #include "fleet/wire/nkey.h"
@@ -64,7 +63,7 @@ class Centre {
   gateway::StaticFiles files_;
   std::unique_ptr<gateway::AccessControl> access_;
   std::unique_ptr<Routes> routes_;
-  std::unique_ptr<Nats> nats_;
+  std::unique_ptr<link::Link> link_;
   std::unique_ptr<Live> live_;
   std::unique_ptr<gateway::Server> server_;  ///< Last: its closing tabs leave their views.
 };
@@ -80,13 +79,13 @@ core::Result<std::string> read_ca(const std::string& file) {
 core::Status Centre::open_live(const Options& options) {
   DTS_TRY_ASSIGN(const auto key, wire::read_nkey(options.nats_key_file));
   DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(options.nats_ca_file));
-  DTS_TRY_ASSIGN(nats_, Nats::open({.servers = options.nats_servers,
-                                    .ca_pem = ca_pem,
-                                    .name = "dts-fleet-gateway",
-                                    .seed = key.seed,
-                                    .inbox_prefix = wire::dashboard_inbox_prefix(key.public_key)},
-                                   core::Log::to_stderr(core::LogLevel::Info)));
-  live_ = std::make_unique<Live>(io_, *nats_, queries_, DTS_VERSION);
+  DTS_TRY_ASSIGN(link_, link::Link::open({.servers = options.nats_servers,
+                                          .ca_pem = ca_pem,
+                                          .name = "dts-fleet-gateway",
+                                          .seed = key.seed,
+                                          .inbox_prefix = wire::dashboard_inbox_prefix(key.public_key)},
+                                         core::Log::to_stderr(core::LogLevel::Info)));
+  live_ = std::make_unique<Live>(io_, *link_, queries_, DTS_VERSION);
   return {};
 }
 

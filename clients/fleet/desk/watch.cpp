@@ -81,8 +81,8 @@ std::string problem_of_status(const v1::StatusSnapshot& status) {
 
 class Watch::Loop {
  public:
-  Loop(Nats& nats, std::string clinic, std::function<void(gateway::BusItem)> on_item)
-      : nats_(nats), clinic_(std::move(clinic)), on_item_(std::move(on_item)) {}
+  Loop(link::Link& link, std::string clinic, std::function<void(gateway::BusItem)> on_item)
+      : link_(link), clinic_(std::move(clinic)), on_item_(std::move(on_item)) {}
 
   void run(const std::stop_token& stop) noexcept;
   void want(std::vector<std::string> prefixes) {
@@ -115,10 +115,9 @@ class Watch::Loop {
   void judge();
   void report(bool is_up, const std::string& problem);
 
-  Nats& nats_;
+  link::Link& link_;
   const std::string clinic_;
   const std::function<void(gateway::BusItem)> on_item_;
-  std::shared_ptr<link::Link> link_;  ///< Outlives the subscriptions.
   std::unique_ptr<link::Subscription> live_;
   std::unique_ptr<link::Subscription> answers_;
   std::string inbox_;
@@ -151,8 +150,7 @@ void Watch::Loop::run(const std::stop_token& stop) noexcept {
     try {
       turn(stop);
     } catch (const std::exception&) {
-      live_.reset();
-      link_.reset();
+      live_.reset();  // the next turn subscribes again
     }
   }
   answers_.reset();
@@ -172,21 +170,19 @@ void Watch::Loop::turn(const std::stop_token& stop) {
   judge();
 }
 
-/// Subscribes once for each link: it subscribes again by itself after an interruption. Returns false without a connection.
+/// Subscribes once: the link subscribes again by itself after an interruption. Returns false without a connection.
 bool Watch::Loop::connect() {
-  auto link = nats_.link();
-  if (link != link_ || !live_ || !answers_) {
+  if (!live_ || !answers_) {
     answers_.reset();
     live_.reset();
-    link_ = std::move(link);
-    inbox_ = link_->new_inbox();
-    auto live = link_->subscribe(wire::to_text({.clinic = clinic_, .matter = wire::Matter::Live, .topic = ">"}));
-    auto answers = link_->subscribe(inbox_ + ".*");
+    inbox_ = link_.new_inbox();
+    auto live = link_.subscribe(wire::to_text({.clinic = clinic_, .matter = wire::Matter::Live, .topic = ">"}));
+    auto answers = link_.subscribe(inbox_ + ".*");
     if (!live || !answers) return false;
     live_ = std::move(*live);
     answers_ = std::move(*answers);
   }
-  return link_->is_connected();
+  return link_.is_connected();
 }
 
 void Watch::Loop::renew_wish() {
@@ -201,9 +197,9 @@ void Watch::Loop::ask_if_due() {
   renew_wish();
   const auto now = Clock::now();
   const auto pause = now - asked_at_;
-  const bool is_due = wish_ != asked_ || link_->connections() != connections_ || pause >= (is_answered_ ? kRenewal : kPatience / 2);
+  const bool is_due = wish_ != asked_ || link_.connections() != connections_ || pause >= (is_answered_ ? kRenewal : kPatience / 2);
   if (!is_due || pause < kShortestPause) return;
-  connections_ = link_->connections();
+  connections_ = link_.connections();
   asked_ = wish_;
   asked_at_ = now;
   if (first_asked_at_ == Clock::time_point()) first_asked_at_ = now;
@@ -213,14 +209,15 @@ void Watch::Loop::ask_if_due() {
     v1::LiveRequest request;
     *request.mutable_topics() = {asked_.topics.begin(), asked_.topics.end()};
     request.set_who(viewer);
-    (void)link_->publish({.subject = wire::to_text({.clinic = clinic_, .matter = wire::Matter::DownLive}),
-                          .reply = inbox_ + "." + std::to_string(round_),
-                          .data = request.SerializeAsString()});
+    (void)link_.publish({.subject = wire::to_text({.clinic = clinic_, .matter = wire::Matter::DownLive}),
+                         .reply = inbox_ + "." + std::to_string(round_),
+                         .data = request.SerializeAsString()});
   }
 }
 
 void Watch::Loop::read_answers() {
   while (const auto letter = answers_->next(milliseconds(0))) {
+    if (letter->has_no_listener) continue;
     const auto answer = wire::decode_live_answer(letter->data);
     if (!answer || letter->subject != inbox_ + "." + std::to_string(round_)) continue;
     const std::int64_t half_ns = std::chrono::nanoseconds(Clock::now() - asked_at_).count() / 2;
@@ -267,7 +264,7 @@ bool Watch::Loop::take_status(const std::string& bytes) {
 }
 
 void Watch::Loop::judge() {
-  if (!link_ || !link_->is_connected()) return report(false, "the centre has no connection to nats-server");
+  if (!link_.is_connected()) return report(false, "the centre has no connection to nats-server");
   if (!refusal_.empty()) return report(false, refusal_);
   if (!status_problem_.empty()) return report(false, status_problem_);
   const auto now = Clock::now();
@@ -285,8 +282,8 @@ void Watch::Loop::report(bool is_up, const std::string& problem) {
   on_item_(std::move(link));
 }
 
-Watch::Watch(Nats& nats, std::string clinic, std::function<void(gateway::BusItem)> on_item)
-    : loop_(std::make_unique<Loop>(nats, std::move(clinic), std::move(on_item))),
+Watch::Watch(link::Link& link, std::string clinic, std::function<void(gateway::BusItem)> on_item)
+    : loop_(std::make_unique<Loop>(link, std::move(clinic), std::move(on_item))),
       thread_([loop = loop_.get()](const std::stop_token& stop) { loop->run(stop); }) {}
 
 Watch::~Watch() = default;

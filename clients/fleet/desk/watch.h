@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "fleet/desk/nats.h"
+#include "fleet/link/link.h"
 #include "gateway/bus/bus_reader.h"
 
 namespace dts::fleet::desk {
@@ -24,8 +24,8 @@ namespace dts::fleet::desk {
 ///     want, set_viewers --> LiveRequest (4 s) --> clinic --> live.> --> check --> on_item
 class Watch {
  public:
-  /// `on_item` is called on the watch's thread.
-  Watch(Nats& nats, std::string clinic, std::function<void(gateway::BusItem)> on_item);
+  /// `link` outlives the watch. `on_item` is called on the watch's thread.
+  Watch(link::Link& link, std::string clinic, std::function<void(gateway::BusItem)> on_item);
   ~Watch();
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;

@@ -57,22 +57,25 @@ core::Status Outbox::look_at_all(std::int64_t utc_ns, const std::stop_token& sto
   if (!is_complete) {
     if (utc_ns < completed_utc_ns_ + kAskAgainNs) return {};
     completed_utc_ns_ = utc_ns;
-    DTS_TRY(add_unlisted(ids, stop));
+    DTS_TRY(add_unlisted(ids, utc_ns, stop));
   }
   DTS_TRY_ASSIGN(const auto missing, store_.note_list(ids, utc_ns));
   return look_for_erasures(missing, utc_ns);
 }
 
-/// A list of dtsd ends after 10,000 sessions. Adds those that it has besides: asks for each that the store knows.
-core::Status Outbox::add_unlisted(std::vector<std::string>& ids, const std::stop_token& stop) {
+/// A list of dtsd ends after 10,000 sessions. Adds those that it has besides: asks for each that the store knows. Their facts are stored
+/// again: the store keeps none that the centre has, and they may have to be sent again.
+core::Status Outbox::add_unlisted(std::vector<std::string>& ids, std::int64_t utc_ns, const std::stop_token& stop) {
   DTS_TRY_ASSIGN(const auto known, store_.sessions());
   const std::set<std::string> listed(ids.begin(), ids.end());
   for (const std::string& session : known) {
     if (listed.contains(session)) continue;
     if (stop.stop_requested()) return core::fail(core::ErrorCode::Failed, "stopped");
     const auto shown = clinic_.show(session);
-    if (!shown && shown.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(shown.error());
-    if (shown) ids.push_back(session);
+    if (!shown && shown.error().code == core::ErrorCode::NotFound) continue;
+    if (!shown) return tl::make_unexpected(shown.error());
+    DTS_TRY(store_.put_session(*shown, *shown, rules_, utc_ns));
+    ids.push_back(session);
   }
   return {};
 }

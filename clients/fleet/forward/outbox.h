@@ -32,7 +32,7 @@ class Outbox {
 
  private:
   [[nodiscard]] core::Status put_changed(const v1::ListSessionsResponse& list, std::int64_t utc_ns, const std::stop_token& stop);
-  [[nodiscard]] core::Status add_unlisted(std::vector<std::string>& ids, const std::stop_token& stop);
+  [[nodiscard]] core::Status add_unlisted(std::vector<std::string>& ids, std::int64_t utc_ns, const std::stop_token& stop);
   [[nodiscard]] core::Status look_for_erasures(const std::vector<MissingSession>& missing, std::int64_t utc_ns);
 
   Clinic& clinic_;

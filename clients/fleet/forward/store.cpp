@@ -331,11 +331,14 @@ core::Status Store::erasure_answered(const std::string& session) {
 
 core::Result<std::optional<FileRow>> Store::next_file(std::int64_t utc_ns) const {
   return guarded([this, utc_ns]() -> std::optional<FileRow> {
-    auto files = files_of(database_.query(
-        std::string(kFileColumns) + "JOIN session ON session.id = file.session WHERE state = ? AND not_before <= ? AND is_erased = 0"
-                                    " ORDER BY file.started_utc_ns, session, part LIMIT 1",
-        static_cast<int>(FileState::Waiting), utc_ns));
-    return files.empty() ? std::nullopt : std::optional(std::move(files.front()));
+    for (const char* const whose : {"AND (is_sent = 1 OR session.why_not != '')", ""}) {
+      auto files = files_of(database_.query(
+          std::string(kFileColumns) + "JOIN session ON session.id = file.session WHERE state = ? AND not_before <= ? AND is_erased = 0 " +
+              whose + " ORDER BY file.started_utc_ns, session, part LIMIT 1",
+          static_cast<int>(FileState::Waiting), utc_ns));
+      if (!files.empty()) return std::move(files.front());
+    }
+    return std::nullopt;
   });
 }
 

@@ -93,7 +93,8 @@ class Store {
   /// The centre has erased it. Its ID is kept for `offer_again`.
   [[nodiscard]] core::Status erasure_answered(const std::string& session);
 
-  /// Returns the file to send next: of the oldest session, and not before its time, see `postpone`.
+  /// Returns the file to send next: of the oldest session whose facts the centre has, otherwise of the oldest. Not before its time, see
+  /// `postpone`.
   [[nodiscard]] core::Result<std::optional<FileRow>> next_file(std::int64_t utc_ns) const;
   /// Stores the checksum of the bytes that leave; the facts of the session get it, too.
   [[nodiscard]] core::Status set_sent_sha256(const FileRow& file, const Hashes& hashes, std::int64_t utc_ns);

@@ -62,7 +62,7 @@ core::Result<std::string> ask(Uplink& uplink, const std::string& subject, std::s
     if (left <= milliseconds(0)) return core::fail(core::ErrorCode::Timeout, "the centre does not answer");
     auto letter = mailbox->next(std::min(left, kLookForEnd));
     if (!letter) continue;
-    if (letter->data.empty()) return core::fail(core::ErrorCode::Unreachable, "no hub runs at the centre");
+    if (letter->has_no_listener) return core::fail(core::ErrorCode::Unreachable, "no hub runs at the centre");
     return std::move(letter->data);
   }
   return core::fail(core::ErrorCode::Failed, "stopped");

@@ -25,7 +25,7 @@ class Mailbox {
 
   /// The subject to which answers must be sent.
   [[nodiscard]] virtual const std::string& address() const = 0;
-  /// Returns nothing if none arrives within `timeout`.
+  /// Returns nothing if none arrives within `timeout`. See link::Letter for that of a request without a listener.
   [[nodiscard]] virtual std::optional<link::Letter> next(std::chrono::milliseconds timeout) = 0;
 };
 

@@ -204,7 +204,7 @@ void Uploader::send(const FileRow& file, const std::stop_token& stop) {
     const bool is_busy = step.kind == Transfer::Step::Kind::Chunk;
     auto letter = mailbox->next(is_busy ? milliseconds(0) : kUploadTurn);
     for (; letter; letter = mailbox->next(milliseconds(0))) {
-      if (letter->data.empty()) continue;  // nobody listens: the silence decides
+      if (letter->has_no_listener) continue;  // nobody listens: the silence decides
       if (const auto answer = wire::decode_upload_answer(letter->data)) transfer.handle(*answer, steady_clock::now());
       if (!is_busy) break;
     }

@@ -29,7 +29,6 @@ namespace {
 using database::Database;
 
 constexpr int kServeMs = 100;  // how long a turn waits for a signal
-constexpr auto kRejectedPause = std::chrono::seconds(1);
 constexpr auto kLongestEnd = std::chrono::milliseconds(1500);
 constexpr std::uint32_t kLaterS = 5;
 constexpr int kFactsDesks = 4;
@@ -92,25 +91,18 @@ class Hub {
     }
     keeper_ = std::make_unique<Keeper>(settings_, key_.public_key, clinics_, log_);
     cleaner_ = std::make_unique<Cleaner>(settings_, *ingest_, *store_, clock_, log_);
-    const auto connected = connect();
-    // nats-server may close the first connection while it reads the users file: `serve` opens another one.
-    return connected.has_value() || connected.error().code != core::ErrorCode::InvalidArgument ? core::Status() : connected;
+    return open_desks();
   }
 
-  /// Opens the connection again if nats-server has rejected it: it may not have read the users file yet.
+  /// Says once if nats-server rejects the key: it may not have read the users file yet. The link tries again.
   void serve() {
-    is_connected_ = link_ && link_->is_connected();
+    is_connected_ = link_->is_connected();
     if (is_connected_) is_rejection_logged_ = false;
-    if (link_ && !link_->is_rejected()) return;
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_connect_) return;
-    next_connect_ = now + kRejectedPause;
-    if (link_ && !std::exchange(is_rejection_logged_, true)) {
+    if (link_->is_rejected() && !std::exchange(is_rejection_logged_, true)) {
       log_.error(
           "nats-server rejects the key of this hub: run dts-fleet users, and include the file that it writes in nats-server's "
           "configuration");
     }
-    if (const auto connected = connect(); !connected) log_.error(core::to_string(connected.error()));
   }
 
   void request_stop() {
@@ -120,17 +112,7 @@ class Hub {
   }
 
  private:
-  [[nodiscard]] core::Status connect() {
-    const auto connected = open_desks();
-    if (connected) return {};
-    desks_.clear();
-    link_.reset();
-    return connected;
-  }
-
   [[nodiscard]] core::Status open_desks() {
-    desks_.clear();
-    link_.reset();
     DTS_TRY_ASSIGN(link_, link::Link::open({.servers = settings_.servers,
                                             .ca_pem = ca_pem_,
                                             .name = settings_.name,
@@ -261,7 +243,6 @@ class Hub {
   core::TokenBucket failures_{1.0};
   std::atomic<bool> is_connected_{false};
   bool is_rejection_logged_ = false;
-  std::chrono::steady_clock::time_point next_connect_{};
   std::unique_ptr<Store> store_{};
   std::unique_ptr<Ingest> ingest_{};
   std::unique_ptr<MetricsListener> metrics_{};

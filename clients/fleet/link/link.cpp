@@ -21,6 +21,7 @@
 #include "core/token_bucket.h"
 #include "fleet/link/channel.h"
 #include "fleet/link/protocol.h"
+#include "fleet/link/turns.h"
 #include "fleet/wire/nkey.h"
 
 namespace dts::fleet::link {
@@ -32,7 +33,6 @@ using Time = std::chrono::steady_clock::time_point;
 constexpr milliseconds kConnectTimeout{5000};  // for TCP; and again for TLS and the first answers
 constexpr milliseconds kPingInterval{5000};
 constexpr milliseconds kLongestSilence{10'000};
-constexpr milliseconds kSteady{20'000};   // a connection that lasts longer was a success
 constexpr milliseconds kFirstPause{250};  // before the next try; up to twice as long at random
 constexpr milliseconds kLastPause{2000};
 constexpr milliseconds kFirstPauseRejected{1000};
@@ -45,6 +45,7 @@ constexpr int kRejections = 2;              // nats-server also rejects a key th
 constexpr std::size_t kMostWaiting = 4096;  // letters of a subscription
 constexpr std::size_t kMostWaitingBytes = 16 * 1024 * 1024;
 constexpr std::size_t kRoomBytes = 256 * 1024;
+constexpr std::size_t kLeastPayload = 512 * 1024;  // a chunk of a recording and what is around it
 constexpr std::size_t kMostOutgoingBytes = 8 * 1024 * 1024;
 constexpr int kReadsInATurn = 16;
 constexpr std::size_t kReadBytes = 32 * 1024;
@@ -83,7 +84,6 @@ struct Mail {
   std::deque<Letter> letters{};
   std::size_t bytes = 0;
   std::uint64_t dropped = 0;
-  bool has_no_listener = false;
 
   void add(Letter letter) {
     const std::lock_guard lock(mutex);
@@ -95,18 +95,9 @@ struct Mail {
     letters.push_back(std::move(letter));
     changed.notify_one();
   }
-  void note_no_listener() {
-    const std::lock_guard lock(mutex);
-    has_no_listener = true;
-    changed.notify_one();
-  }
   std::optional<Letter> next(milliseconds timeout) {
     std::unique_lock lock(mutex);
-    changed.wait_for(lock, timeout, [this] { return !letters.empty() || has_no_listener; });
-    if (letters.empty()) {
-      has_no_listener = false;
-      return std::nullopt;
-    }
+    if (!changed.wait_for(lock, timeout, [this] { return !letters.empty(); })) return std::nullopt;
     Letter letter = std::move(letters.front());
     letters.pop_front();
     bytes -= letter.data.size();
@@ -182,6 +173,7 @@ class Connection {
   [[nodiscard]] core::Result<Operation> wait_for(Operation::Kind kind, Channel& channel, Present& present, Time deadline);
   [[nodiscard]] core::Status write_all(std::string_view bytes, Channel& channel, Time deadline);
   [[nodiscard]] core::Status poll(Channel& channel, int events, milliseconds timeout);
+  [[nodiscard]] core::Result<milliseconds> left(Time deadline) const;
   [[nodiscard]] core::Status wait(Channel& channel, int events, Time deadline);
   [[nodiscard]] core::Status exchange(Channel& channel, Present& present);
   [[nodiscard]] core::Status write(Channel& channel, Present& present, Time now);
@@ -191,7 +183,7 @@ class Connection {
   void set_connected(const ServerInfo& info);
   void set_ended(const core::Error& why);
   void send_line(std::string line);  // behind the mutex
-  void pause(std::size_t tries);
+  void pause(std::size_t failures);
 
   const std::string name_;
   const std::string seed_;
@@ -200,6 +192,7 @@ class Connection {
   const core::Log log_;
   core::Doorbell doorbell_{};  ///< Something can be written, or the end is requested.
   core::TokenBucket complaints_{0.1, 5.0};
+  Turns turns_{addresses_.size()};  ///< Thread: of the link.
 
   mutable std::mutex mutex_{};
   std::condition_variable changed_{};
@@ -224,16 +217,14 @@ void Connection::run() {
   sigaddset(&broken_pipe, SIGPIPE);
   ::pthread_sigmask(SIG_BLOCK, &broken_pipe, nullptr);  // OpenSSL writes without MSG_NOSIGNAL
   (void)core::configure_this_thread("link", {});
-  for (std::size_t tries = 0; !is_ending(); ++tries) {
-    const Time begun_at = std::chrono::steady_clock::now();
+  while (!is_ending()) {
     try {
-      const auto ended = serve(addresses_[tries % addresses_.size()]);
+      const auto ended = serve(addresses_[turns_.server()]);
       if (!ended) set_ended(ended.error());
     } catch (const std::exception& error) {
       set_ended({.code = core::ErrorCode::Failed, .what = error.what(), .hint = {}});
     }
-    if (std::chrono::steady_clock::now() - begun_at > kSteady) tries = 0;
-    pause(tries);
+    pause(turns_.ended(std::chrono::steady_clock::now()));
   }
   const std::lock_guard lock(mutex_);
   is_over_ = true;
@@ -248,9 +239,10 @@ bool Connection::end() {
   return changed_.wait_for(lock, kLongestEnd, [this] { return is_over_; });
 }
 
-void Connection::pause(std::size_t tries) {
+/// Waits before the next try. `failures`: how often all servers have failed before.
+void Connection::pause(std::size_t failures) {
   std::unique_lock lock(mutex_);
-  const std::size_t rounds = std::min<std::size_t>(tries / addresses_.size(), 16);
+  const std::size_t rounds = std::min<std::size_t>(failures, 16);
   const bool is_rejected = rejections_ >= kRejections;
   const milliseconds longest = is_rejected ? kLastPauseRejected : kLastPause;
   const milliseconds whole = std::min((is_rejected ? kFirstPauseRejected : kFirstPause) * (1 << rounds), longest);
@@ -339,12 +331,18 @@ core::Status Connection::poll(Channel& channel, int events, milliseconds timeout
   return {};
 }
 
-/// The same before a connection is established. Fails at the deadline, and if the end is requested.
-core::Status Connection::wait(Channel& channel, int events, Time deadline) {
-  const auto left = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
-  if (left <= milliseconds(0)) return core::fail(core::ErrorCode::Timeout, "the server does not answer");
+/// Returns how long the server may still take to establish a connection. Fails at the deadline, and if the end is requested.
+core::Result<milliseconds> Connection::left(Time deadline) const {
+  const auto rest = std::chrono::duration_cast<milliseconds>(deadline - std::chrono::steady_clock::now());
+  if (rest <= milliseconds(0)) return core::fail(core::ErrorCode::Timeout, "the server does not answer");
   if (is_ending()) return core::fail(core::ErrorCode::Failed, "stopped");
-  return poll(channel, events, std::min(left, kTurn));
+  return rest;
+}
+
+/// The same as `poll` before a connection is established. Fails like `left`.
+core::Status Connection::wait(Channel& channel, int events, Time deadline) {
+  DTS_TRY_ASSIGN(const milliseconds most, left(deadline));
+  return poll(channel, events, std::min(most, kTurn));
 }
 
 core::Result<std::unique_ptr<Channel>> Connection::connect(const Address& address) {
@@ -378,6 +376,7 @@ core::Status Connection::write_all(std::string_view bytes, Channel& channel, Tim
 
 core::Result<Operation> Connection::wait_for(Operation::Kind kind, Channel& channel, Present& present, Time deadline) {
   while (true) {
+    DTS_TRY(left(deadline));  // also while the server sends without an end
     DTS_TRY_ASSIGN(auto operation, present.parser.next());
     if (!operation) {
       // One byte at a time before TLS: what comes after the line belongs to TLS.
@@ -388,6 +387,7 @@ core::Result<Operation> Connection::wait_for(Operation::Kind kind, Channel& chan
       continue;
     }
     if (operation->kind == kind) return std::move(*operation);
+    if (kind == Operation::Kind::Info) return core::fail(core::ErrorCode::DataDamaged, "the server does not begin with INFO");
     if (operation->kind == Operation::Kind::Error) {
       return core::fail(is_rejection(operation->text) ? core::ErrorCode::NotAllowed : core::ErrorCode::Unreachable, operation->text);
     }
@@ -399,6 +399,11 @@ core::Status Connection::greet(const Address& address, Channel& channel, Present
   const Time deadline = std::chrono::steady_clock::now() + kConnectTimeout;
   DTS_TRY_ASSIGN(const Operation hello, wait_for(Operation::Kind::Info, channel, present, deadline));
   DTS_TRY_ASSIGN(const ServerInfo info, info_of_json(hello.text));
+  if (info.max_payload < kLeastPayload) {  // INFO comes before TLS: anybody on the way can have written it
+    return core::fail(core::ErrorCode::Unreachable, "the server accepts only messages of " + std::to_string(info.max_payload) +
+                                                        " bytes: max_payload of nats-server must be at least " +
+                                                        std::to_string(kLeastPayload));
+  }
   if (address.is_tls) {
     DTS_TRY(channel.begin_tls(tls_.get(), address.host));
     while (true) {
@@ -411,6 +416,7 @@ core::Status Connection::greet(const Address& address, Channel& channel, Present
   DTS_TRY(write_all(line + std::string(kPing), channel, deadline));
   DTS_TRY(wait_for(Operation::Kind::Pong, channel, present, deadline));
   set_connected(info);
+  turns_.connected(std::chrono::steady_clock::now());
   return {};
 }
 
@@ -488,18 +494,12 @@ core::Result<bool> Connection::receive(Channel& channel, Present& present) {
 
 core::Status Connection::handle(Operation operation, Present& present) {
   switch (operation.kind) {
-    case Operation::Kind::Message:
-    case Operation::Kind::NoListener: {
+    case Operation::Kind::Message: {
       const auto mail = get([this, &operation] {
         const auto found = wanted_.find(operation.subscription);
         return found == wanted_.end() ? nullptr : found->second.mail;
       });
-      if (mail == nullptr) return {};  // it has ended meanwhile
-      if (operation.kind == Operation::Kind::Message) {
-        mail->add(std::move(operation.letter));
-      } else {
-        mail->note_no_listener();
-      }
+      if (mail != nullptr) mail->add(std::move(operation.letter));  // otherwise it has ended meanwhile
       return {};
     }
     case Operation::Kind::Ping: {
@@ -602,11 +602,10 @@ core::Result<std::string> Link::request(const std::string& subject, std::string_
   const std::string inbox = new_inbox();
   DTS_TRY_ASSIGN(const auto answers, subscribe(inbox));
   DTS_TRY(publish({.subject = subject, .reply = inbox, .data = std::string(data)}));
-  const Time deadline = std::chrono::steady_clock::now() + timeout;
-  if (auto letter = answers->next(timeout)) return std::move(letter->data);
-  const bool is_late = std::chrono::steady_clock::now() >= deadline;
-  return core::fail(is_late ? core::ErrorCode::Timeout : core::ErrorCode::Unreachable,
-                    "no answer to " + subject + (is_late ? "" : ": nobody listens"));
+  auto letter = answers->next(timeout);
+  if (!letter) return core::fail(core::ErrorCode::Timeout, "no answer to " + subject);
+  if (letter->has_no_listener) return core::fail(core::ErrorCode::Unreachable, "no answer to " + subject + ": nobody listens");
+  return std::move(letter->data);
 }
 
 core::Result<std::unique_ptr<Subscription>> Link::subscribe(const std::string& subject, const std::string& queue) {

@@ -27,6 +27,7 @@ struct Letter {
   std::string subject;
   std::string reply{};  ///< Empty: no answer is expected.
   std::string data{};
+  bool has_no_listener = false;  ///< Comes instead of an answer: nobody listens to the subject of the request.
 };
 
 /// Letters of a subject, which may have wildcards. They wait here until they are read: at most 4096 or 16 MiB, then the newest are dropped
@@ -39,7 +40,7 @@ class Subscription {
   Subscription(Subscription&&) = delete;
   Subscription& operator=(Subscription&&) = delete;
 
-  /// Returns nothing if no letter came within `timeout`, and at once if a request whose answer should come here had no listener.
+  /// Returns nothing if no letter came within `timeout`.
   [[nodiscard]] std::optional<Letter> next(std::chrono::milliseconds timeout);
   [[nodiscard]] std::uint64_t dropped() const;
 

@@ -97,7 +97,7 @@ core::Result<std::optional<Operation>> Parser::next() {
     const std::string_view content = rest.substr(used, message.bytes);
     operation = std::move(message.operation);
     const std::string_view headers = content.substr(0, message.headers);
-    if (headers.substr(0, headers.find(kLineEnd)).ends_with(kNoListener)) operation.kind = Operation::Kind::NoListener;
+    operation.letter.has_no_listener = headers.substr(0, headers.find(kLineEnd)).ends_with(kNoListener);
     operation.letter.data = content.substr(message.headers);
     used += message.bytes + kLineEnd.size();
   } else if (line.starts_with("INFO ")) {

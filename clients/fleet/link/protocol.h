@@ -29,9 +29,9 @@ struct ServerInfo {
 
 /// One operation of the server.
 struct Operation {
-  enum class Kind : std::uint8_t { Info, Message, NoListener, Ping, Pong, Error, Ok };
+  enum class Kind : std::uint8_t { Info, Message, Ping, Pong, Error, Ok };
   Kind kind = Kind::Ok;
-  std::uint64_t subscription = 0;  ///< Of Message and NoListener.
+  std::uint64_t subscription = 0;  ///< Of Message.
   Letter letter{};                 ///< Of Message.
   std::string text{};              ///< JSON of Info; reason of Error.
 };

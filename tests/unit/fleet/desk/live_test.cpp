@@ -27,11 +27,11 @@ class LiveTest : public gateway::IoTest {
   void SetUp() override {
     if (!test::NatsServer::program()) GTEST_SKIP() << "nats-server is not installed";
     server_.emplace();
-    auto opened = Nats::open(
+    auto opened = link::Link::open(
         {.servers = {"nats://127.0.0.1:" + std::to_string(server_->port())}, .name = "desk", .inbox_prefix = "_DASHBOARD.x"}, core::Log());
     ASSERT_TRUE(opened);
-    nats_ = std::move(*opened);
-    live_.emplace(io_, *nats_, queries_, "1.2.3");
+    link_ = std::move(*opened);
+    live_.emplace(io_, *link_, queries_, "1.2.3");
   }
   std::unique_ptr<gateway::Tab> open(const std::string& clinic = "kent") {
     return live_->open_tab({.user = "anna", .role = v1::ROLE_ENGINEER}, clinic, connection_);
@@ -61,7 +61,7 @@ class LiveTest : public gateway::IoTest {
   }
 
   std::optional<test::NatsServer> server_{};
-  std::unique_ptr<Nats> nats_{};
+  std::unique_ptr<link::Link> link_{};
   QueryPool queries_{io_, "host=/nowhere dbname=none"};
   FakeConnection connection_;
   std::optional<Live> live_{};

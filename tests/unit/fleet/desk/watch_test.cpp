@@ -86,13 +86,13 @@ class WatchTest : public ::testing::Test {
   void SetUp() override {
     if (!test::NatsServer::program()) GTEST_SKIP() << "nats-server is not installed";
     server_.emplace();
-    auto opened = Nats::open(
+    auto opened = link::Link::open(
         {.servers = {"nats://127.0.0.1:" + std::to_string(server_->port())}, .name = "desk", .inbox_prefix = "_DASHBOARD.x"}, core::Log());
     ASSERT_TRUE(opened);
-    nats_ = std::move(*opened);
+    link_ = std::move(*opened);
   }
   std::unique_ptr<Watch> watch(const std::set<std::string>& viewers = {"anna"}) {
-    auto made = std::make_unique<Watch>(*nats_, "kent", [this](gateway::BusItem item) {
+    auto made = std::make_unique<Watch>(*link_, "kent", [this](gateway::BusItem item) {
       const std::lock_guard lock(mutex_);
       items_.push_back(std::move(item));
       changed_.notify_all();
@@ -121,7 +121,7 @@ class WatchTest : public ::testing::Test {
   }
 
   std::optional<test::NatsServer> server_{};
-  std::unique_ptr<Nats> nats_{};
+  std::unique_ptr<link::Link> link_{};
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<gateway::BusItem> items_{};

@@ -151,6 +151,18 @@ TEST_F(OutboxTest, OldestFile_IsSentFirstAndPostponedOnesLater) {
   EXPECT_EQ(store_->next_file(kNow + kS).value()->file, "/a.xdf");
 }
 
+TEST_F(OutboxTest, FileWithoutItsFactsAtTheCentre_HoldsUpNoOther) {
+  clinic_.add_part(clinic_.add("a", 1 * kS), "/a.xdf", sha('a'), 100);
+  clinic_.add_part(clinic_.add("b", 2 * kS), "/b.xdf", sha('b'), 100);
+  look_at_all();
+  const auto facts = store_->next_facts({"a"}).value();
+  ASSERT_TRUE(facts);
+  ASSERT_TRUE(store_->facts_answered(*facts, facts->revision()));
+  EXPECT_EQ(store_->next_file(kNow).value()->file, "/b.xdf");
+  send_facts();
+  EXPECT_EQ(store_->next_file(kNow).value()->file, "/a.xdf");
+}
+
 TEST_F(OutboxTest, ChecksumOfSentBytes_IsAddedToTheFactsBeforeTheFileIsSent) {
   clinic_.add_part(clinic_.add("a", kS), "/a.xdf", sha('a'), 100);
   look_at_all();
@@ -441,6 +453,26 @@ TEST_F(OutboxTest, ErasureBeyondAListThatIsCut_IsSeen) {
   enter_erasure(kNow + 30 * kS);
   look_at_all(kNow + 60 * kS);
   EXPECT_EQ(store_->next_erased().value(), "a");
+}
+
+TEST_F(OutboxTest, OfferAgain_OffersSessionsBeyondAListThatIsCut) {
+  clinic_.add_part(clinic_.add("a", kS), "/a.xdf", sha('a'), 100);
+  look_at_all();
+  ASSERT_TRUE(store_->set_sent_sha256(*store_->next_file(kNow).value(), hashes('a', 'c'), kNow));
+  send_facts();
+  v1::Receipt receipt;
+  receipt.set_stored_utc_ns(kNow);
+  ASSERT_TRUE(store_->set_stored(*store_->next_file(kNow).value(), receipt));
+  auto full = full_list();
+  full.push_back(clinic_.sessions.front());
+  clinic_.sessions = std::move(full);
+  ASSERT_TRUE(store_->offer_again());
+  look_at_all(kNow + 60 * kS);
+  EXPECT_THAT(send_facts(), testing::Contains("a"));
+  const auto file = store_->next_file(kNow + 60 * kS).value();
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->session, "a");
+  EXPECT_TRUE(file->is_session_sent);
 }
 
 TEST_F(NoErasureTest, NewStateFolderOfTheForwarder) {

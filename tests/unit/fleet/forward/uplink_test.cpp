@@ -71,7 +71,16 @@ TEST_F(UplinkTest, Ask_ReturnsTheAnswer) {
   EXPECT_EQ(wire::decode_erase_answer(*answer).value().files(), 1U);
 }
 
-TEST_F(UplinkTest, AskWithoutAHub_FailsWithTimeout) {
+TEST_F(UplinkTest, AskWithoutAHub_FailsAtOnce) {
+  const auto answer = ask(*uplink_, "dts.v1.kent.erase", "x", std::chrono::hours(1), {});
+  EXPECT_EQ(answer.error().code, core::ErrorCode::Unreachable);
+  EXPECT_EQ(answer.error().what, "no hub runs at the centre");
+}
+
+TEST_F(UplinkTest, AskOfASilentHub_FailsWithTimeout) {
+  const auto silent = link::Link::open(options("hub"), core::Log()).value();
+  const auto letters = silent->subscribe("dts.v1.>").value();
+  wait_until([&] { return uplink_->publish({.subject = "dts.v1.kent.beat"}) && letters->next(std::chrono::milliseconds(10)); });
   EXPECT_EQ(ask(*uplink_, "dts.v1.kent.erase", "x", std::chrono::milliseconds(50), {}).error().code, core::ErrorCode::Timeout);
 }
 

@@ -3,13 +3,17 @@
 #include "fleet/link/link.h"
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <poll.h>
 #include <signal.h>
+#include <sys/socket.h>
 
 #include <chrono>
 #include <cstdlib>
 #include <functional>
 #include <thread>
 
+#include "core/descriptor.h"
 #include "fleet/wire/nkey.h"
 #include "fleet/wire/subjects.h"
 #include "support/nats_server.h"
@@ -133,7 +137,7 @@ TEST_F(LinkTest, AKeyOpensItsSubjectsOnly) {
       << "the refusal is in the server's log";
 }
 
-TEST_F(LinkTest, ARemovedKeyIsRejected) {
+TEST_F(LinkTest, ARemovedKeyIsRejectedUntilItIsThereAgain) {
   const wire::NKey kent = wire::create_nkey();
   const wire::NKey other = wire::create_nkey();
   test::NatsServer server(users(user(kent.public_key, wire::clinic_permissions("kent")) + user(other.public_key, wire::hub_permissions())));
@@ -144,6 +148,9 @@ TEST_F(LinkTest, ARemovedKeyIsRejected) {
   EXPECT_TRUE(becomes([&] { return link->is_rejected(); }));
   EXPECT_FALSE(link->is_connected());
   EXPECT_NE(link->problem().find("rejects"), std::string::npos) << link->problem();
+  server.reload(users(user(kent.public_key, wire::clinic_permissions("kent")) + user(other.public_key, wire::hub_permissions())));
+  EXPECT_TRUE(becomes([&] { return link->is_connected(); })) << "it tries again by itself";
+  EXPECT_FALSE(link->is_rejected());
 }
 
 TEST_F(LinkTest, SilentServer_HoldsUpNoCaller) {
@@ -183,14 +190,37 @@ TEST_F(LinkTest, LinkToASilentServer_EndsBeforeItIsConnected) {
 }
 
 TEST_F(LinkTest, MessageAboveTheLimitOfTheServer_Fails) {
-  const test::NatsServer server("max_payload: 1000\n");
+  constexpr std::size_t kLimit = 600'000;
+  const test::NatsServer server("max_payload: " + std::to_string(kLimit) + "\n");
   const auto link = connect({.name = "kent"}, server.port());
   ASSERT_TRUE(becomes([&] { return link->is_connected(); }));
-  EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(1001, 'x')}).error().code, core::ErrorCode::LimitExceeded);
-  EXPECT_TRUE(link->publish({.subject = "a.b", .data = std::string(1000, 'x')}));
+  EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(kLimit + 1, 'x')}).error().code, core::ErrorCode::LimitExceeded);
+  EXPECT_TRUE(link->publish({.subject = "a.b", .data = std::string(kLimit, 'x')}));
   EXPECT_EQ(link->publish({.subject = "a b"}).error().code, core::ErrorCode::InvalidArgument);
   EXPECT_EQ(link->publish({.subject = "a", .reply = "x\r\nPING"}).error().code, core::ErrorCode::InvalidArgument);
   EXPECT_TRUE(link->is_connected());
+}
+
+TEST_F(LinkTest, ServerWithALimitBelowAChunk_IsNoConnection) {
+  const test::NatsServer server("max_payload: 500000\n");
+  const auto link = connect({.name = "kent"}, server.port());
+  EXPECT_TRUE(becomes([&] { return link->problem().find("max_payload") != std::string::npos; })) << link->problem();
+  EXPECT_EQ(link->connections(), 0U);
+  EXPECT_EQ(link->publish({.subject = "a.b", .data = std::string(500'001, 'x')}).error().code, core::ErrorCode::Unreachable);
+}
+
+TEST_F(LinkTest, RequestWithoutAListener_FailsAtOnce) {
+  const test::NatsServer server;
+  const auto link = connect({.name = "kent"}, server.port());
+  ASSERT_TRUE(becomes([&] { return link->is_connected(); }));
+  const auto answer = link->request("a.b", "x", 1h);
+  EXPECT_EQ(answer.error().code, core::ErrorCode::Unreachable);
+  const auto answers = link->subscribe("inbox.1");
+  ASSERT_TRUE(answers);
+  ASSERT_TRUE(link->publish({.subject = "a.b", .reply = "inbox.1", .data = "x"}));
+  const auto letter = (*answers)->next(1h);
+  ASSERT_TRUE(letter);
+  EXPECT_TRUE(letter->has_no_listener);
 }
 
 TEST_F(LinkTest, LettersBeforeTheEnd_Arrive) {
@@ -209,6 +239,60 @@ TEST_F(LinkTest, LettersBeforeTheEnd_Arrive) {
     ASSERT_TRUE(becomes([&] { return (letter = (*letters)->next(100ms)).has_value(); })) << count;
     EXPECT_EQ(letter->data.size(), 100'000U);
   }
+}
+
+/// Not nats-server: sends `greeting`, waits for the client's first bytes, and then sends `endless` again and again.
+class StrangeServer {
+ public:
+  StrangeServer(std::string greeting, std::string endless) : greeting_(std::move(greeting)), endless_(std::move(endless)) {
+    sockaddr_in address{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {.s_addr = htonl(INADDR_LOOPBACK)}, .sin_zero = {}};
+    socklen_t length = sizeof(address);
+    EXPECT_EQ(::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), length), 0);
+    EXPECT_EQ(::listen(listener_.get(), 8), 0);
+    EXPECT_EQ(::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &length), 0);
+    port_ = ntohs(address.sin_port);
+    thread_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
+  }
+  [[nodiscard]] LinkOptions options() const { return {.servers = {"nats://127.0.0.1:" + std::to_string(port_)}, .name = "kent"}; }
+
+ private:
+  static bool is_ready(int descriptor) {
+    pollfd polled{.fd = descriptor, .events = POLLIN, .revents = 0};
+    return ::poll(&polled, 1, 10) > 0;
+  }
+  void serve(const std::stop_token& stop) const {
+    while (!stop.stop_requested()) {
+      if (!is_ready(listener_.get())) continue;
+      const core::Descriptor client(::accept(listener_.get(), nullptr, nullptr));
+      (void)::send(client.get(), greeting_.data(), greeting_.size(), MSG_NOSIGNAL);
+      while (!stop.stop_requested() && !is_ready(client.get())) continue;
+      while (!stop.stop_requested()) {
+        const auto sent = ::send(client.get(), endless_.data(), endless_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+        if (sent < 0 && errno != EAGAIN) break;
+      }
+    }
+  }
+
+  std::string greeting_;
+  std::string endless_;
+  core::Descriptor listener_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+  int port_ = 0;
+  std::jthread thread_{};
+};
+
+constexpr const char* kInfo = "INFO {\"max_payload\":1048576}\r\n";
+
+TEST(LinkToAStrangeServer, ThatSendsWithoutAnEnd_DoesNotWaitForEver) {
+  const StrangeServer server(kInfo, "+OK\r\n");
+  const auto link = Link::open(server.options(), core::Log()).value();
+  EXPECT_TRUE(becomes([&] { return link->problem().find("does not answer") != std::string::npos; })) << link->problem();
+}
+
+TEST(LinkToAStrangeServer, ThatDoesNotBeginWithInfo_IsNoConnection) {
+  const StrangeServer server(std::string("+OK\r\n") + kInfo, "PONG\r\n");
+  const auto link = Link::open(server.options(), core::Log()).value();
+  EXPECT_TRUE(becomes([&] { return link->problem().find("INFO") != std::string::npos; })) << link->problem();
+  EXPECT_EQ(link->connections(), 0U);
 }
 
 class LinkTlsTest : public LinkTest {

@@ -52,10 +52,12 @@ TEST(Parser, OperationsInPiecesOfAnySize_AreTheSame) {
     EXPECT_EQ(found[3].letter.reply, "inbox.1");
     EXPECT_EQ(found[4].kind, Kind::Pong);
     EXPECT_EQ(found[5].kind, Kind::Ok);
-    EXPECT_EQ(found[6].kind, Kind::NoListener);
+    EXPECT_EQ(found[6].kind, Kind::Message);
     EXPECT_EQ(found[6].subscription, 9U);
+    EXPECT_TRUE(found[6].letter.has_no_listener);
     EXPECT_EQ(found[7].kind, Kind::Message);
     EXPECT_EQ(found[7].letter.data, "hi");
+    EXPECT_FALSE(found[7].letter.has_no_listener);
     EXPECT_EQ(found[7].letter.reply, "reply");
     EXPECT_EQ(found[8].kind, Kind::Error);
     EXPECT_EQ(found[8].text, "Authorization Violation");

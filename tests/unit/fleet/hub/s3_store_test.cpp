@@ -169,16 +169,6 @@ TEST_F(S3StoreTest, AProblemOfTheDisk_RemovesNoObject) {
   EXPECT_EQ(rebuild(*store_, *catalogue_, "hub-1", 1).error().code, core::ErrorCode::Unreachable);
 }
 
-TEST_F(S3StoreTest, CopiesOfKilledProcesses_AreRemoved) {
-  const std::string fetched = folder_.path() + "/fetched/";
-  for (const std::string& process : {std::to_string(::getpid()), std::to_string(::getppid()), std::string("99999999")})
-    std::ofstream(fetched + process + "-1") << "abc";
-  const auto store = new_store();
-  EXPECT_FALSE(fs::exists(fetched + std::to_string(::getpid()) + "-1"));
-  EXPECT_TRUE(fs::exists(fetched + std::to_string(::getppid()) + "-1"));  // it runs
-  EXPECT_FALSE(fs::exists(fetched + "99999999-1"));
-}
-
 TEST_F(S3StoreTest, WhileS3IsAway_TheHubStarts) {
   send("abc", "s1");
   fs::remove(staging() + "/kent/" + wire::hex_of(sum_of("abc")) + ".part");

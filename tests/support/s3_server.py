@@ -104,7 +104,7 @@ class Handler(BaseHTTPRequestHandler):
             case "GET" if not key:
                 self.list()
             case "POST" if "uploads" in self.query:
-                upload = f"upload+/{time.time_ns()}"
+                upload = f"upload/~{time.time_ns()}="
                 (UPLOADS / upload.replace("/", "%")).mkdir()
                 self.answer(200, f"<InitiateMultipartUploadResult><UploadId>{upload}</UploadId></InitiateMultipartUploadResult>".encode())
             case "PUT" | "POST" | "DELETE" if "uploadId" in self.query:
@@ -161,13 +161,12 @@ class Handler(BaseHTTPRequestHandler):
 
     def list(self) -> None:
         keys = sorted(file.name.replace("%", "/") for file in OBJECTS.iterdir() if file.suffix not in (".etag", ".new"))
-        keys = [key for key in keys if key.startswith(self.query.get("prefix", "")) and key > self.query.get("continuation-token", "")]
+        keys = [key for key in keys if key.startswith(self.query.get("prefix", "")) and key > self.query.get("start-after", "")]
         page = 2 if self.fault == "small-pages" else PAGE
         more = len(keys) > page
-        token = "" if self.fault == "endless" else f"<NextContinuationToken>{escape(keys[page - 1])}</NextContinuationToken>" if more else ""
         text = "".join(f"<Contents><Key>{escape(key)}</Key><Size>1</Size></Contents>" for key in keys[:page])
         self.answer(200, (f'<ListBucketResult xmlns="http://s3.amazonaws.com/doc/2006-03-01/"><IsTruncated>'
-                          f'{"true" if more or self.fault == "endless" else "false"}</IsTruncated>{text}{token}</ListBucketResult>').encode())
+                          f'{"true" if more or self.fault == "endless" else "false"}</IsTruncated>{text}</ListBucketResult>').encode())
 
     @staticmethod
     def store(stored: Path, data: bytes) -> None:

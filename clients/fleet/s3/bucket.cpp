@@ -26,7 +26,7 @@ namespace {
 constexpr std::size_t kReadBytes = 256 * 1024;
 constexpr std::size_t kMostCaBytes = 4 * 1024 * 1024;
 constexpr std::size_t kMostReason = 200;
-constexpr std::size_t kMostToken = 4096;
+constexpr std::size_t kLongestId = 4096;
 constexpr std::size_t kMostKeys = 1000;
 constexpr mode_t kPrivateMode = 0600;
 constexpr std::uint64_t kSpareBytes = 64 * 1024 * 1024;  // a copy leaves so much of the disk free
@@ -239,7 +239,7 @@ core::Result<std::string> Bucket::put_parts(Connection& connection, const Upload
       connection.perform({.method = "POST", .path = path_of(upload.key), .query = "uploads=", .payload_sha256 = sha256_of_nothing()}));
   pugi::xml_document document;
   const std::string id = root_of(document, begun.body, "InitiateMultipartUploadResult").child_value("UploadId");
-  if (begun.status != 200 || id.empty() || id.size() > kMostToken) return unexpected("begin " + upload.key, begun);
+  if (begun.status != 200 || id.empty() || id.size() > kLongestId) return unexpected("begin " + upload.key, begun);
   auto etag = send_parts(connection, upload, id);
   if (etag) return etag;
   // Else the parts would stay, and cost. If this fails too, the bucket's lifecycle rule removes them.
@@ -355,19 +355,19 @@ core::Result<bool> Bucket::remove(const std::string& key) {
 
 core::Result<Page> Bucket::list(const std::string& prefix, const std::string& next) {
   Lent connection(*this);
-  const std::string begin = next.empty() ? "" : "continuation-token=" + encoded(next) + "&";
+  const std::string after = next.empty() ? "" : "&start-after=" + encoded(next);  // no token: it may have a '+', see README
   DTS_TRY_ASSIGN(const Answer answer, connection.get().perform({.method = "GET",
                                                                 .path = "/" + settings_.bucket,
-                                                                .query = begin + "list-type=2&prefix=" + encoded(prefix),
+                                                                .query = "list-type=2&prefix=" + encoded(prefix) + after,
                                                                 .payload_sha256 = sha256_of_nothing()}));
   pugi::xml_document document;
   const pugi::xml_node root = root_of(document, answer.body, "ListBucketResult");
   if (answer.status != 200 || !root) return unexpected("list " + prefix, answer);
   Page page;
   for (const pugi::xml_node object : root.children("Contents")) page.keys.emplace_back(object.child_value("Key"));
-  if (std::string_view(root.child_value("IsTruncated")) == "true") page.next = root.child_value("NextContinuationToken");
-  const bool is_lost = std::string_view(root.child_value("IsTruncated")) == "true" && (page.next.empty() || page.next == next);
-  if (is_lost || page.next.size() > kMostToken || page.keys.size() > kMostKeys)
+  const bool is_cut = std::string_view(root.child_value("IsTruncated")) == "true";
+  if (is_cut && !page.keys.empty()) page.next = page.keys.back();
+  if ((is_cut && page.next <= next) || page.next.size() > kLongestId || page.keys.size() > kMostKeys)
     return core::fail(core::ErrorCode::Unreachable, "list " + prefix + ": S3 answers with a page that has no end", kTryLater);
   return page;
 }

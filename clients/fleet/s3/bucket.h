@@ -19,7 +19,7 @@ class Connection;
 /// One page of a listing.
 struct Page {
   std::vector<std::string> keys{};
-  std::string next{};  ///< For the next page; empty: this is the last.
+  std::string next{};  ///< The last key, for the next page; empty: there is none.
 };
 
 /// The objects of one bucket. A key has only characters that an address need not encode: a-z, 0-9, "-", "/". Errors: Unreachable, if the

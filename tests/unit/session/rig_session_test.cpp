@@ -350,6 +350,10 @@ TEST_F(RigSessionTest, AttemptThatACrashInterrupted_KeepsItsNumber) {
   const std::string id = record(kBlock, {.protocol = "standing"});
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
   pass(2.0);
+  ASSERT_TRUE(eventually([&] {  // the record thread may be late
+    const auto written = record::read_recording(row(id).parts.at(0).file);
+    return written && !written->trials.empty();
+  }));
   leave();
   start({standing()});
   ASSERT_TRUE(supervisor_->resume_session(id));

@@ -131,7 +131,8 @@ TEST_F(LinkTest, AKeyOpensItsSubjectsOnly) {
   EXPECT_EQ(letter->subject, "dts.v1.kent.beat");
   ASSERT_TRUE(hub->publish({.subject = letter->reply, .data = "seen"}));
   std::optional<Letter> reply;
-  ASSERT_TRUE(becomes([&] { return (reply = (*replies)->next(100ms)).has_value(); })) << server.log_text();
+  // The first ones may say that nobody listened yet.
+  ASSERT_TRUE(becomes([&] { return (reply = (*replies)->next(100ms)) && !reply->has_no_listener; })) << server.log_text();
   EXPECT_EQ(reply->data, "seen");
   EXPECT_TRUE(becomes([&] { return server.log_text().find("dts.v1.essex.beat") != std::string::npos; }))
       << "the refusal is in the server's log";
@@ -266,9 +267,10 @@ class StrangeServer {
       const core::Descriptor client(::accept(listener_.get(), nullptr, nullptr));
       (void)::send(client.get(), greeting_.data(), greeting_.size(), MSG_NOSIGNAL);
       while (!stop.stop_requested() && !is_ready(client.get())) continue;
-      while (!stop.stop_requested()) {
-        const auto sent = ::send(client.get(), endless_.data(), endless_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      for (std::size_t at = 0; !stop.stop_requested();) {
+        const auto sent = ::send(client.get(), endless_.data() + at, endless_.size() - at, MSG_NOSIGNAL | MSG_DONTWAIT);
         if (sent < 0 && errno != EAGAIN) break;
+        if (sent > 0) at = (at + static_cast<std::size_t>(sent)) % endless_.size();
       }
     }
   }

@@ -2,6 +2,7 @@
 #include <pwd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -61,10 +62,12 @@ struct Arguments {
   std::string state;
 };
 
-std::string local_user() {
+std::string user_name() {
   const passwd* const user = ::getpwuid(::getuid());
-  return "local:" + (user == nullptr ? std::to_string(::getuid()) : std::string(user->pw_name));
+  return user == nullptr ? std::to_string(::getuid()) : std::string(user->pw_name);
 }
+
+std::string local_user() { return "local:" + user_name(); }
 
 std::int64_t utc_now_ns() {
   const core::SystemClock clock;
@@ -113,7 +116,9 @@ void print_list(const std::vector<ListColumn>& columns, const Rows& rows, bool i
 int with_database(const Arguments& arguments, cli::Console& console, const std::function<core::Status(const Settings&, Database&)>& work) {
   const auto settings = settings_of(arguments.config, console);
   if (!settings) return cli::kUsage;
-  Database database({.connection = settings->connection, .name = "dts-fleet"});
+  Database database({.connection = settings->connection,
+                     .name = "dts-fleet",
+                     .rejection_hint = "run this as the user of dts-hub: runuser -u dts-hub -- dts-fleet ..."});
   auto done = migrate(database);
   if (done) done = work(*settings, database);
   return done ? cli::kOk : cli::fail_with(console, done.error());
@@ -301,22 +306,59 @@ core::Status check_new_clinic(const Clinic& clinic, const Settings& settings) {
   return check_keys(hub ? hub->public_key : "", settings.dashboards, {clinic});
 }
 
+core::Status write_enrolment(const std::string& clinic, const Settings& settings, const std::string& file) {
+  if (std::filesystem::exists(file)) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + file + "' exists already", "name another file in --out");
+  }
+  DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(settings));
+  auto written = files::write_whole_file(file, enrolment_text(clinic, settings.public_servers, ca_pem));
+  if (!written && written.error().code == core::ErrorCode::NotAllowed) {
+    written.error().hint = "name a file in --out whose folder the user " + user_name() + " can write";
+  }
+  return written;
+}
+
+/// Returns why the database rejects a new clinic: its name or its key has a row already.
+core::Status rejected_clinic(const Clinic& clinic, Catalogue& catalogue) {
+  const std::string failed = "clinic '" + clinic.id + "' was not added: ";
+  DTS_TRY_ASSIGN(const auto clinics, catalogue.clinics());
+  for (const Clinic& known : clinics) {
+    const std::string state = known.is_revoked ? " (revoked)" : "";
+    if (known.id == clinic.id) {
+      return core::fail(core::ErrorCode::WrongState, failed + "there is a clinic of this name" + state,
+                        known.nkey == clinic.nkey && !known.is_revoked
+                            ? "it has this key: to write its file again, run dts-fleet clinic enrolment " + clinic.id + " --out FILE"
+                            : "choose another name: dts-fleet clinic list");
+    }
+    if (known.nkey == clinic.nkey) {
+      return core::fail(core::ErrorCode::WrongState, failed + "the key belongs to clinic '" + known.id + "'" + state,
+                        "at the clinic: move the key file away, then run dts-forward key");
+    }
+  }
+  return core::fail(core::ErrorCode::WrongState, failed + "the database rejects it", "try again");
+}
+
 core::Status add_clinic(const Arguments& arguments, const Settings& settings, Database& database) {
   const Clinic& clinic = arguments.added;
   DTS_TRY(check_new_clinic(clinic, settings));
-  if (std::filesystem::exists(arguments.out)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + arguments.out + "' exists already", "name another file in --out");
-  }
-  DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(settings));
-  DTS_TRY(files::write_whole_file(arguments.out, enrolment_text(clinic.id, settings.public_servers, ca_pem)));
-  auto added = Catalogue(database).add_clinic(clinic, local_user(), utc_now_ns());
+  DTS_TRY(write_enrolment(clinic.id, settings, arguments.out));
+  Catalogue catalogue(database);
+  auto added = catalogue.add_clinic(clinic, local_user(), utc_now_ns());
   if (added) return {};
   static_cast<void>(std::remove(arguments.out.c_str()));
-  if (added.error().code == core::ErrorCode::WrongState) {
-    return core::fail(core::ErrorCode::WrongState, "clinic '" + clinic.id + "' was not added: its name or its key exists already",
-                      "choose another name, or revoke the old clinic and make a new key: dts-fleet clinic list");
+  return added.error().code == core::ErrorCode::WrongState ? rejected_clinic(clinic, catalogue) : added;
+}
+
+/// Writes the file of an active clinic again.
+core::Status write_enrolment_again(const Arguments& arguments, const Settings& settings, Database& database) {
+  const std::string& name = arguments.added.id;
+  DTS_TRY_ASSIGN(const auto clinics, Catalogue(database).clinics());
+  const auto found = std::ranges::find(clinics, name, &Clinic::id);
+  if (found == clinics.end()) return core::fail(core::ErrorCode::NotFound, "there is no clinic '" + name + "'", "dts-fleet clinic list");
+  if (found->is_revoked) {
+    return core::fail(core::ErrorCode::WrongState, "clinic '" + name + "' is revoked", "add it again under another name, with a new key");
   }
-  return added;
+  return write_enrolment(name, settings, arguments.out);
 }
 
 /// Writes the users file and lets nats-server read it. A nats-server that is not running reads it when it starts.
@@ -395,8 +437,8 @@ void add_limit(CLI::App& command, Arguments& arguments) {
 
 void add_clinic_commands(FleetLine& line) {
   Arguments& arguments = line.arguments;
-  CLI::App* clinic =
-      cli::add_group(line.app, "clinic", "Add, revoke and list clinics", "dts-fleet clinic list | with what each has not delivered\n");
+  CLI::App* clinic = cli::add_group(line.app, "clinic", "Add, revoke and list clinics, and write their files",
+                                    "dts-fleet clinic list | with what each has not delivered\n");
   CLI::App* add = cli::add_command(
       line, *clinic, "add", "Let a clinic deliver, and write the file with which it connects",
       "dts-fleet clinic add kent --title \"Kent clinic\" --key UABC --out kent.enrolment.toml | then carry the file to the clinic\n",
@@ -409,7 +451,17 @@ void add_clinic_commands(FleetLine& line) {
   add->add_option("name", arguments.added.id, "Name of the clinic: a-z, 0-9 and -")->required()->option_text("NAME");
   add->add_option("--title", arguments.added.title, "Name for people")->required()->option_text("TEXT")->check(cli::text_of(1, 200));
   add->add_option("--key", arguments.added.nkey, "Public key, as dts-forward key prints it at the clinic")->required()->option_text("KEY");
-  add->add_option("--out", arguments.out, "File to write for the clinic")->required()->option_text("FILE");
+  CLI::App* enrolment = cli::add_command(line, *clinic, "enrolment", "Write the file with which a clinic connects again: it was lost",
+                                         "dts-fleet clinic enrolment kent --out kent.enrolment.toml | the clinic keeps its key\n",
+                                         [&arguments](cli::Console& console) {
+                                           return with_database(arguments, console, [&](const Settings& settings, Database& database) {
+                                             return write_enrolment_again(arguments, settings, database);
+                                           });
+                                         });
+  enrolment->add_option("name", arguments.added.id, "Name of the clinic")->required()->option_text("NAME");
+  for (CLI::App* command : {add, enrolment}) {
+    command->add_option("--out", arguments.out, "File to write for the clinic")->required()->option_text("FILE");
+  }
   CLI::App* revoke =
       cli::add_command(line, *clinic, "revoke", "Stop accepting anything from a clinic; what it has delivered stays",
                        "dts-fleet clinic revoke kent | its connections end within 2 s\n", [&arguments](cli::Console& console) {

@@ -68,13 +68,55 @@ TEST_F(FleetProgramTest, ClinicAdd_WritesTheEnrolmentFile) {
   EXPECT_EQ(add("leeds", wire::create_nkey().public_key, "kent.toml"), 2);
   EXPECT_THAT(talk_.str(), HasSubstr("exists already"));
   EXPECT_EQ(add("kent", wire::create_nkey().public_key, "again.toml"), 6);
-  EXPECT_THAT(talk_.str(), HasSubstr("its name or its key exists already"));
+  EXPECT_THAT(talk_.str(), HasSubstr("there is a clinic of this name"));
+  EXPECT_EQ(add("kent", key, "again.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("dts-fleet clinic enrolment kent"));
   EXPECT_EQ(add("Kent", key, "again.toml"), 2);
   EXPECT_EQ(add("leeds", "UABC", "again.toml"), 2);
   EXPECT_THAT(talk_.str(), HasSubstr("dts-forward key"));
   EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/again.toml"));
   ASSERT_EQ(fleet({"clinic", "list"}), 0);
   EXPECT_THAT(out_.str(), HasSubstr("Kent clinic"));
+}
+
+TEST_F(FleetProgramTest, ClinicAdd_NamesTheClinicThatHasTheKey) {
+  const auto key = wire::create_nkey().public_key;
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0) << talk_.str();
+  EXPECT_EQ(add("leeds", key, "leeds.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("the key belongs to clinic 'kent'"));
+}
+
+TEST_F(FleetProgramTest, AFolderThatCannotBeWritten_IsNamedWithWhatToDo) {
+  const auto key = wire::create_nkey().public_key;
+  EXPECT_EQ(fleet({"clinic", "add", "kent", "--title", "Kent", "--key", key, "--out", "/sys/kent.toml"}), 4);  // also for root
+  EXPECT_THAT(talk_.str(), HasSubstr("cannot write /sys/kent.toml: Permission denied"));
+  EXPECT_THAT(talk_.str(), HasSubstr("name a file in --out whose folder the user"));
+  EXPECT_EQ(value("SELECT count(*) FROM clinic"), "0");
+}
+
+TEST_F(FleetProgramTest, Enrolment_IsWrittenAgain_OfAnActiveClinic) {
+  const auto key = wire::create_nkey().public_key;
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0) << talk_.str();
+  const std::string again = folder_.path() + "/again.toml";
+  ASSERT_EQ(fleet({"clinic", "enrolment", "kent", "--out", again}), 0) << talk_.str();
+  EXPECT_EQ(content_of(again), content_of(folder_.path() + "/kent.toml"));
+  EXPECT_EQ(fleet({"clinic", "enrolment", "kent", "--out", again}), 2);
+  EXPECT_EQ(fleet({"clinic", "enrolment", "york", "--out", folder_.path() + "/york.toml"}), 5);
+  ASSERT_EQ(fleet({"clinic", "revoke", "kent"}), 0);
+  EXPECT_EQ(fleet({"clinic", "enrolment", "kent", "--out", folder_.path() + "/revoked.toml"}), 6);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/revoked.toml"));
+  EXPECT_EQ(add("kent2", key, "kent2.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("the key belongs to clinic 'kent' (revoked)"));
+  EXPECT_THAT(talk_.str(), HasSubstr("move the key file away, then run dts-forward key"));
+}
+
+TEST_F(FleetProgramTest, AUserWithoutARole_IsToldToRunItAsTheHub) {
+  std::string text = content_of(config_);
+  text.replace(text.find(connection_), connection_.size(), connection_ + " user=nobody_of_ours");
+  std::ofstream(config_) << text;
+  EXPECT_EQ(fleet({"clinic", "list"}), 3);
+  EXPECT_THAT(talk_.str(), HasSubstr("role \"nobody_of_ours\" does not exist"));
+  EXPECT_THAT(talk_.str(), HasSubstr("runuser -u dts-hub -- dts-fleet"));
 }
 
 TEST_F(FleetProgramTest, SessionErase_AsksFirst_AndErasesRowsAndFiles) {

@@ -195,8 +195,8 @@ int print_file(const Store& store, const std::string& sha256, bool is_json, cli:
   if (is_json) {
     console.out << cli::document(json_of(file));
   } else if (file.state == FileState::Stored) {
-    console.out << "the centre (" << cli::printable(file.hub) << ") has part " << file.part << " of session " << file.session << " since "
-                << core::utc_text(file.receipt_utc_ns) << '\n';
+    console.out << "the centre (" << cli::printable(file.hub) << ") has given a receipt for part " << file.part << " of session "
+                << file.session << " at " << core::utc_text(file.receipt_utc_ns) << " (as known here)\n";
   }
   if (file.state == FileState::Stored) return cli::kOk;
   const std::string reason = file.why_not.empty() ? std::string("it waits to be sent") : file.why_not;

@@ -84,7 +84,7 @@ TEST_F(ProgramTest, StatusOfAChecksum_Is0OnlyWithAReceipt) {
   receipt.set_hub("hub-1");
   ASSERT_TRUE(store->set_stored(file, receipt));
   EXPECT_EQ(run_with({"status", sha256_}), 0);
-  EXPECT_THAT(out_.str(), HasSubstr("the centre (hub-1) has part 1 of session s-1 since 1970-01-01T00:00:01"));
+  EXPECT_THAT(out_.str(), HasSubstr("the centre (hub-1) has given a receipt for part 1 of session s-1 at 1970-01-01T00:00:01"));
   ASSERT_EQ(run_with({"status", sha256_, "--json"}), 0);
   EXPECT_EQ(nlohmann::json::parse(out_.str()).at("state"), "stored");
 }

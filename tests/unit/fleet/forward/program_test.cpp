@@ -62,6 +62,15 @@ TEST_F(ProgramTest, Key_IsMadeOnce) {
 TEST_F(ProgramTest, Run_WithoutAKeyFails) {
   EXPECT_EQ(run_with({"run"}), 5);
   EXPECT_THAT(talk_.str(), HasSubstr("kent.nk"));
+  EXPECT_THAT(talk_.str(), HasSubstr("dts-forward key"));
+}
+
+TEST_F(ProgramTest, Run_WithoutTheStateFolder_NamesItAndItsOwner) {
+  ASSERT_EQ(run_with({"key"}), 0);
+  std::ofstream(config_) << "enrolment = \"kent.toml\"\nkey = \"kent.nk\"\nstate = \"" << folder_.path() << "/none/state\"\n";
+  EXPECT_EQ(run_with({"run"}), 5);
+  EXPECT_THAT(talk_.str(), HasSubstr("/none/state"));
+  EXPECT_THAT(talk_.str(), HasSubstr("install -d -o dts-forward"));
 }
 
 TEST_F(ProgramTest, StatusBeforeTheFirstRun_SaysSo) {

@@ -143,7 +143,8 @@ void print_text(const Facts& facts, const std::string& clinic, std::int64_t utc_
   const v1::Backlog& backlog = facts.backlog;
   print_line(console, "clinic", clinic);
   print_line(console, "state", facts.problem.empty() ? "fine" : facts.problem);
-  print_line(console, "to send", std::to_string(backlog.files()) + " recordings, " + megabytes(backlog.bytes()));
+  print_line(console, "to send",
+             std::to_string(backlog.files()) + (backlog.files() == 1 ? " recording, " : " recordings, ") + megabytes(backlog.bytes()));
   if (backlog.oldest_utc_ns() != 0) print_line(console, "oldest", "recorded " + ago(backlog.oldest_utc_ns(), utc_ns));
   if (const std::string session = word(facts.words, words::kUploadSession); facts.is_running && !session.empty()) {
     print_line(console, "sending",

@@ -203,19 +203,20 @@ int session_list(const Arguments& arguments, cli::Console& console) {
 }
 
 int receipt_list(const Arguments& arguments, cli::Console& console) {
-  return list(
-      arguments, console,
-      {{"CLINIC", "clinic"},
-       {"SESSION", "session"},
-       {">PART", "part", Kind::Count},
-       {">SIZE", "bytes", Kind::Bytes},
-       {"STORED (UTC)", "stored_utc"},
-       {"HUB", "hub"},
-       {"SHA-256", "sha256"},
-       {"", "store_key"}},
-      "SELECT clinic, session, part, bytes, " + utc("stored_utc") +
-          ", hub, encode(sha256, 'hex'), store_key FROM receipt WHERE $1 = '' OR clinic = $1 ORDER BY receipt.stored_utc DESC LIMIT $2",
-      {arguments.clinic, arguments.limit});
+  return list(arguments, console,
+              {{"CLINIC", "clinic"},
+               {"SESSION", "session"},
+               {">PART", "part", Kind::Count},
+               {">SIZE", "bytes", Kind::Bytes},
+               {"STORED (UTC)", "stored_utc"},
+               {"HUB", "hub"},
+               {"SHA-256", "sha256"},
+               {"CLINIC'S SHA-256", "recorded_sha256"},
+               {"", "store_key"}},
+              "SELECT r.clinic, r.session, r.part, r.bytes, " + utc("r.stored_utc") +
+                  ", r.hub, encode(r.sha256, 'hex'), encode(p.recorded_sha256, 'hex'), r.store_key FROM receipt r LEFT JOIN part p "
+                  "ON p.clinic = r.clinic AND p.sha256 = r.sha256 WHERE $1 = '' OR r.clinic = $1 ORDER BY r.stored_utc DESC LIMIT $2",
+              {arguments.clinic, arguments.limit});
 }
 
 int audit_list(const Arguments& arguments, cli::Console& console) {
@@ -233,7 +234,7 @@ int audit_list(const Arguments& arguments, cli::Console& console) {
                 {"", "hash"}},
                rows, arguments.is_json, console);
     DTS_TRY_ASSIGN(const std::uint64_t verified, verify_audit(database));
-    if (!arguments.is_json) console.out << verified << " entries verified\n";
+    if (!arguments.is_json) console.out << verified << (verified == 1 ? " entry verified\n" : " entries verified\n");
     return {};
   });
 }
@@ -245,7 +246,7 @@ int add_jobs_command(const Arguments& arguments, cli::Console& console) {
                                                                             .clinic = arguments.clinic,
                                                                             .protocol = arguments.protocol,
                                                                             .since = arguments.since}));
-    console.out << added << " jobs added\n";
+    console.out << count_text(added, "job") << " added\n";
     return {};
   });
 }
@@ -287,7 +288,7 @@ int job_list(const Arguments& arguments, cli::Console& console) {
 int retry_jobs_command(const Arguments& arguments, cli::Console& console) {
   return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) -> core::Status {
     DTS_TRY_ASSIGN(const std::uint64_t retried, database::retry_jobs(database, {.kind = arguments.kind, .clinic = arguments.clinic}));
-    console.out << retried << " jobs wait again\n";
+    console.out << count_text(retried, "job") << (retried == 1 ? " waits again\n" : " wait again\n");
     return {};
   });
 }
@@ -383,8 +384,8 @@ int write_users_command(const Arguments& arguments, cli::Console& console) {
 void print_content(const SessionName& name, const SessionContent& content, cli::Console& console) {
   console.out << "session " << name.id << " of " << name.clinic;
   if (content.is_known) console.out << ", protocol " << cli::printable(content.protocol) << ", started " << content.started << " (UTC)";
-  console.out << ": " << content.recordings << " recordings (" << cli::decimal(static_cast<double>(content.bytes) / 1e6, 1) << " MB), "
-              << content.rows << " parts, trials and results\n";
+  console.out << ": " << count_text(static_cast<std::uint64_t>(content.recordings), "recording") << " ("
+              << cli::decimal(static_cast<double>(content.bytes) / 1e6, 1) << " MB), " << content.rows << " parts, trials and results\n";
 }
 
 /// Returns true if a person on a terminal has typed the session's ID again.
@@ -415,7 +416,7 @@ int erase_session_command(const Arguments& arguments, cli::Console& console) {
     DTS_TRY_ASSIGN(const auto store, open_store(settings));
     Erasures erasures(catalogue, *store, ErasureJournal(settings.directory));
     DTS_TRY_ASSIGN(const std::uint32_t files, erasures.erase(name, local_user(), utc_now_ns()));
-    console.out << "erased, with " << files << " recordings\n";
+    console.out << "erased, with " << count_text(files, "recording") << '\n';
     cli::print_hint(console, "backups of the centre and the clinic itself still have it");
     return {};
   });
@@ -491,7 +492,7 @@ void add_lists(FleetLine& line) {
   sessions->add_option("--protocol", arguments.protocol, "Only with this protocol")->option_text("NAME");
   sessions->add_option("--subject", arguments.subject, "Only of this subject ID")->option_text("ID");
   CLI::App* receipts = cli::add_command(line, line.app, "receipts", "List the recordings that the centre keeps, newest first",
-                                        "dts-fleet receipts --clinic kent | of one clinic\n",
+                                        "dts-fleet receipts --clinic kent | of one clinic; the clinic's SHA-256 is that of its own file\n",
                                         [&arguments](cli::Console& console) { return receipt_list(arguments, console); });
   receipts->add_option("--clinic", arguments.clinic, "Only of this clinic")->option_text("NAME");
   CLI::App* audit = cli::add_command(line, line.app, "audit", "Print the newest entries of the audit trail, and verify all of it",
@@ -568,12 +569,12 @@ std::shared_ptr<cli::CommandLine> make_fleet_tree() {
   cli::add_common(*line);
   line->manual = {
       .summary = "administration of a fleet of clinics",
-      .description = "Adds and revokes clinics, and lists what the centre knows of them. It connects to the database of\n.BR dts-hub (1).",
+      .description = "Adds and revokes clinics, and lists what the centre knows of them. It connects to the database of\n.BR dts-hub (8).",
       .environment = {},
       .exit_statuses = {0, 1, 2, 3, 4, 5, 6, 7, 130},
       .further_sections = {},
       .files = {{"/etc/dts-hub/hub.toml", "Configuration."}},
-      .see_also = {{"dts-hub", 1}}};
+      .see_also = {{"dts-hub", 8}}};
   return line;
 }
 

@@ -115,7 +115,7 @@ TEST_F(ProgramTest, Status_ShowsBacklogProgressAndTimeToGo) {
                                 {words::kClockOffset, "3000000"},
                                 {words::kViewers, "ann"}}));
   ASSERT_EQ(run_with({"status"}), 0);
-  for (const char* line : {"state           fine", "1 recordings, 5.0 MB", "s-1, part 1: 1.0 MB of 5.0 MB", "time to go      40.0 s",
+  for (const char* line : {"state           fine", "1 recording, 5.0 MB", "s-1, part 1: 1.0 MB of 5.0 MB", "time to go      40.0 s",
                            "last receipt    never", "hub-1, answered", "3 ms ahead of the centre's", "watching now    ann"}) {
     EXPECT_THAT(out_.str(), HasSubstr(line));
   }

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "fleet/hub/erasures.h"
+#include "fleet/wire/messages.h"
 #include "fleet/wire/nkey.h"
 #include "unit/cli/command_checks.h"
 #include "unit/fleet/hub/hub_fixture.h"
@@ -132,13 +133,12 @@ TEST_F(FleetProgramTest, SessionErase_AsksFirst_AndErasesRowsAndFiles) {
   ASSERT_TRUE(catalogue_->put_recording(name, offer, *store, "hub-1", 1));
 
   EXPECT_EQ(fleet({"session", "erase", "kent", "s1"}), 2);
-  EXPECT_THAT(out_.str(),
-              HasSubstr("session s1 of kent, protocol romberg, started 2025-11-21 14:45 (UTC): 1 recordings (0.0 MB), 3 parts"));
+  EXPECT_THAT(out_.str(), HasSubstr("session s1 of kent, protocol romberg, started 2025-11-21 14:45 (UTC): 1 recording (0.0 MB), 3 parts"));
   EXPECT_THAT(talk_.str(), HasSubstr("nothing was erased"));
   EXPECT_EQ(value("SELECT count(*) FROM session"), "1");
 
   EXPECT_EQ(fleet({"session", "erase", "kent", "s1", "--yes"}), 0) << talk_.str();
-  EXPECT_THAT(out_.str(), HasSubstr("erased, with 1 recordings"));
+  EXPECT_THAT(out_.str(), HasSubstr("erased, with 1 recording\n"));
   EXPECT_EQ(value("SELECT count(*) FROM session"), "0");
   EXPECT_FALSE(store->file(name).value());
   EXPECT_THAT(value("SELECT concat_ws('|', who, what, target) FROM audit"), testing::MatchesRegex("local:.*[|]erase_session[|]kent/s1"));
@@ -147,6 +147,26 @@ TEST_F(FleetProgramTest, SessionErase_AsksFirst_AndErasesRowsAndFiles) {
 
   EXPECT_EQ(fleet({"session", "erase", "kent", "s1", "--yes"}), 6);
   EXPECT_EQ(fleet({"session", "erase", "kent", "s2", "--yes"}), 5);
+}
+
+TEST_F(FleetProgramTest, Receipts_AlsoShowTheChecksumAtTheClinic) {
+  auto session = session_of("s1", 1);
+  session.mutable_parts(0)->set_recorded_sha256(sum_of("with its texts"));
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  const RecordingName name{"kent", sum_of("recording of s1")};
+  const auto store = open_folder_store(folder_.path() + "/store").value();
+  std::ofstream(folder_.path() + "/store/whole") << "recording of s1";
+  ASSERT_TRUE(store->put(name, folder_.path() + "/store/whole"));
+  v1::UploadOffer offer;
+  offer.set_session_id("s1");
+  offer.set_part(1);
+  offer.set_bytes(15);
+  ASSERT_TRUE(catalogue_->put_recording(name, offer, *store, "hub-1", 1));
+  ASSERT_EQ(fleet({"receipts", "--clinic", "kent", "--json"}), 0) << talk_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("\"sha256\":\"" + wire::hex_of(name.sha256) + "\",\"recorded_sha256\":\"" +
+                                    wire::hex_of(sum_of("with its texts")) + "\""));
+  ASSERT_EQ(fleet({"receipts"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("CLINIC'S SHA-256"));
 }
 
 TEST_F(FleetProgramTest, Users_AreWrittenWithoutANatsServer) {

@@ -35,6 +35,13 @@ core::ErrorCode code_of(std::string_view state) {
   return core::ErrorCode::Failed;
 }
 
+/// Returns true if PostgreSQL has answered and does not let this user in. libpq gives no code for it.
+bool is_rejection(std::string_view problem) {
+  const auto has = [problem](std::string_view text) { return problem.find(text) != std::string_view::npos; };
+  return has("FATAL:") && (has("does not exist") || has("authentication failed") || has("permission denied") || has("pg_hba.conf") ||
+                           has("not permitted to log in"));
+}
+
 template <class Number>
 core::Result<Number> number_of(const std::string& text) {
   Number value{};
@@ -114,7 +121,7 @@ core::Status Database::connect() {
   if (is_in_transaction_) return core::fail(core::ErrorCode::Unreachable, "PostgreSQL: the connection was lost");
   connection_.reset();
   const auto now = std::chrono::steady_clock::now();
-  if (now < next_try_) return core::fail(core::ErrorCode::Unreachable, last_problem_);
+  if (now < next_try_) return unreachable();
   next_try_ = now + kRetryPause;
   const std::string settings = "-c statement_timeout=" + std::to_string(options_.statement_timeout.count()) +
                                " -c lock_timeout=" + std::to_string(options_.statement_timeout.count()) +
@@ -128,7 +135,7 @@ core::Status Database::connect() {
   auto opened = std::make_unique<Connection>(PQconnectdbParams(keys.data(), values.data(), 1));
   if (!opened->is_sound()) {
     last_problem_ = "PostgreSQL: " + opened->problem();
-    return core::fail(core::ErrorCode::Unreachable, last_problem_);
+    return unreachable();
   }
   PQsetNoticeProcessor(
       opened->get(), [](void* /*unused*/, const char* /*text*/) {}, nullptr);
@@ -181,7 +188,12 @@ core::Status Database::run_script(const std::string& sql) {
   return {};
 }
 
+tl::unexpected<core::Error> Database::unreachable() const {
+  return core::fail(core::ErrorCode::Unreachable, last_problem_, is_rejection(last_problem_) ? options_.rejection_hint : "");
+}
+
 tl::unexpected<core::Error> Database::failed(core::Error error) {
+  if (error.code == core::ErrorCode::NotAllowed) error.hint = options_.rejection_hint;
   if (error.code == core::ErrorCode::Unreachable) {
     connection_.reset();
     last_problem_ = error.what;

@@ -79,13 +79,14 @@ struct DatabaseOptions {
   std::string name;        ///< Shown in pg_stat_activity: "dts-hub facts".
   bool is_durable = true;  ///< false: a commit does not wait for the disk; the newest rows may be lost with the power.
   std::chrono::milliseconds statement_timeout{10'000};
+  std::string rejection_hint{};  ///< What to do if PostgreSQL rejects the user or the user's rights do not suffice.
 };
 
 /// One connection to PostgreSQL. Connects at the first statement, and again after a failure, at most once a second. Every statement that
 /// fails within a transaction ends it. Thread: one at a time.
 ///
-/// Errors: Unreachable without a connection, Timeout, NotAllowed, WrongState for a row that breaks a key or a check, InvalidArgument for a
-/// value that its column does not take, else Failed.
+/// Errors: Unreachable without a connection, with `rejection_hint` as hint if PostgreSQL rejects the user; Timeout, NotAllowed, WrongState
+/// for a row that breaks a key or a check, InvalidArgument for a value that its column does not take, else Failed.
 class Database {
  public:
   explicit Database(DatabaseOptions options);
@@ -131,6 +132,8 @@ class Database {
  private:
   class Connection;
   [[nodiscard]] core::Status connect();
+  /// Returns why there is no connection.
+  [[nodiscard]] tl::unexpected<core::Error> unreachable() const;
   /// Returns the error of a statement. Closes a connection that has ended.
   [[nodiscard]] tl::unexpected<core::Error> failed(core::Error error);
   [[nodiscard]] core::Status begin();

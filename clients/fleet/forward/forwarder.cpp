@@ -168,7 +168,8 @@ class Forwarder {
   Uploader uploader_;
   Board board_;
   std::atomic<bool> is_desk_retry_due_ = false;
-  bool is_centre_silent_ = false;  ///< The last beat was not answered. Thread: watch, as the next two.
+  bool is_centre_silent_ = false;  ///< The last beat was not answered. Thread: watch, as the next three.
+  std::string logged_silence_;
   std::uint64_t erasures_ = 0;
   std::uint64_t instance_ = 0;
 };
@@ -222,8 +223,12 @@ void Forwarder::send_beat(const std::stop_token& stop) {
   if (!stop.stop_requested()) board_.set_word(words::kBeatProblem, answered ? "" : answered.error().what);
   if (!answered) {
     is_centre_silent_ = true;
+    // The link itself reports that it is lost.
+    if (!stop.stop_requested() && talk_->is_connected() && std::exchange(logged_silence_, answered.error().what) != answered.error().what)
+      log_.warning(answered.error().what);
     return;
   }
+  if (!std::exchange(logged_silence_, {}).empty()) log_.info("the centre answers again");
   if (std::exchange(is_centre_silent_, false)) {
     uploader_.retry();
     is_desk_retry_due_ = true;
@@ -453,13 +458,16 @@ core::Result<std::unique_ptr<Store>> open_store(const std::string& folder, const
 
 core::Status make_folder(const std::string& folder) {
   if (::mkdir(folder.c_str(), 0750) == 0 || errno == EEXIST) return {};
-  return core::fail_errno(errno, "cannot make the folder " + folder, "set `state` in the configuration to a folder that can be written");
+  return core::fail_errno(errno, "cannot make the folder " + folder,
+                          "make it for the user of dts-forward: install -d -o dts-forward -m 700 " + folder);
 }
 
 }  // namespace
 
 core::Status run_forwarder(const Settings& settings, const core::Log& log) {
-  DTS_TRY_ASSIGN(const wire::NKey key, wire::read_nkey(settings.key_file));
+  auto key = wire::read_nkey(settings.key_file);
+  if (!key && key.error().code == core::ErrorCode::NotFound) key.error().hint = "dts-forward key --config FILE";
+  if (!key) return tl::make_unexpected(key.error());
   DTS_TRY(make_folder(settings.state_folder));
   DTS_TRY_ASSIGN(auto store, open_store(settings.state_folder, log));
   DTS_TRY(store->set_rules(settings.rules));
@@ -470,8 +478,9 @@ core::Status run_forwarder(const Settings& settings, const core::Log& log) {
   link::LinkOptions options{.servers = settings.servers,
                             .ca_pem = settings.ca_pem,
                             .name = settings.clinic + " recordings",
-                            .seed = key.seed,
-                            .inbox_prefix = wire::inbox_prefix(settings.clinic)};
+                            .seed = key->seed,
+                            .inbox_prefix = wire::inbox_prefix(settings.clinic),
+                            .rejection = "it is revoked, or not yet added (ask the centre: dts-fleet clinic list)"};
   DTS_TRY_ASSIGN(auto bulk, open_uplink(options, log));
   options.name = settings.clinic + " facts";
   DTS_TRY_ASSIGN(auto talk, open_uplink(options, log));

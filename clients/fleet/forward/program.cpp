@@ -109,7 +109,7 @@ void add_commands(cli::CommandLine& line, Arguments& arguments) {
       line, line.app, "status", "Show what waits, what is sent now, and why something is not sent",
       "dts-forward status --config /etc/dtsd/forward.toml | backlog, last receipt, time to go\n"
       "dts-forward status 4c1f3e0b5d7a9c2e4f6081a3b5c7d9ebfd0f21436587a9cbedff0123456789ab --config /etc/dtsd/forward.toml | exit status 0 "
-      "only if the centre has this recording\n",
+      "only if there is a receipt; the centre is not asked\n",
       [&arguments](cli::Console& console) { return status_command(arguments, console); });
   status_app->add_option("sha256", arguments.sha256, "SHA-256 of a recording, as dtsctl session show prints it")->option_text("SHA256");
   status_app->add_flag("--json", arguments.is_json, "Print one JSON document");

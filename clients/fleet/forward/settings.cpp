@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "fleet/wire/subjects.h"
@@ -121,7 +122,12 @@ Settings load_settings(const std::string& file, bool is_enrolled, files::Problem
   if (is_enrolled) {
     reader.require("enrolment");
     const std::string path = beside(file, enrolment);
-    if (reader.has("enrolment") && reader.can_read("enrolment", path)) read_enrolment(path, settings, problems);
+    std::error_code unknown;
+    if (reader.has("enrolment") && !std::filesystem::exists(path, unknown) && !unknown) {
+      reader.report("enrolment", path + " does not exist: the centre makes it with dts-fleet clinic add");
+    } else if (reader.has("enrolment") && reader.can_read("enrolment", path)) {
+      read_enrolment(path, settings, problems);
+    }
   }
   files::TomlReader daemon = reader.table("daemon");
   settings.daemon = {.control = daemon.text("control", ""), .data = daemon.text("data", "")};

@@ -143,7 +143,8 @@ void print_text(const Facts& facts, const std::string& clinic, std::int64_t utc_
   const v1::Backlog& backlog = facts.backlog;
   print_line(console, "clinic", clinic);
   print_line(console, "state", facts.problem.empty() ? "fine" : facts.problem);
-  print_line(console, "to send", std::to_string(backlog.files()) + " recordings, " + megabytes(backlog.bytes()));
+  print_line(console, "to send",
+             std::to_string(backlog.files()) + (backlog.files() == 1 ? " recording, " : " recordings, ") + megabytes(backlog.bytes()));
   if (backlog.oldest_utc_ns() != 0) print_line(console, "oldest", "recorded " + ago(backlog.oldest_utc_ns(), utc_ns));
   if (const std::string session = word(facts.words, words::kUploadSession); facts.is_running && !session.empty()) {
     print_line(console, "sending",
@@ -195,8 +196,8 @@ int print_file(const Store& store, const std::string& sha256, bool is_json, cli:
   if (is_json) {
     console.out << cli::document(json_of(file));
   } else if (file.state == FileState::Stored) {
-    console.out << "the centre (" << cli::printable(file.hub) << ") has part " << file.part << " of session " << file.session << " since "
-                << core::utc_text(file.receipt_utc_ns) << '\n';
+    console.out << "the centre (" << cli::printable(file.hub) << ") has given a receipt for part " << file.part << " of session "
+                << file.session << " at " << core::utc_text(file.receipt_utc_ns) << " (as known here)\n";
   }
   if (file.state == FileState::Stored) return cli::kOk;
   const std::string reason = file.why_not.empty() ? std::string("it waits to be sent") : file.why_not;

@@ -401,8 +401,7 @@ core::Result<v1::Backlog> Store::backlog() const {
     v1::Backlog out;
     auto row = database_.query(
         "SELECT count(*) FILTER (WHERE state = 0), coalesce(sum(bytes) FILTER (WHERE state = 0), 0), coalesce(min(started_utc_ns) FILTER "
-        "(WHERE"
-        " state != 1), 0), coalesce(max(receipt_utc_ns), 0), count(*) FILTER (WHERE state = 2) FROM file");
+        "(WHERE state = 0), 0), coalesce(max(receipt_utc_ns), 0), count(*) FILTER (WHERE state = 2) FROM file");
     if (!row.step()) return out;
     out.set_files(row.count32(0));
     out.set_bytes(row.count(1));

@@ -2,6 +2,7 @@
 #include <pwd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -61,10 +62,12 @@ struct Arguments {
   std::string state;
 };
 
-std::string local_user() {
+std::string user_name() {
   const passwd* const user = ::getpwuid(::getuid());
-  return "local:" + (user == nullptr ? std::to_string(::getuid()) : std::string(user->pw_name));
+  return user == nullptr ? std::to_string(::getuid()) : std::string(user->pw_name);
 }
+
+std::string local_user() { return "local:" + user_name(); }
 
 std::int64_t utc_now_ns() {
   const core::SystemClock clock;
@@ -113,7 +116,9 @@ void print_list(const std::vector<ListColumn>& columns, const Rows& rows, bool i
 int with_database(const Arguments& arguments, cli::Console& console, const std::function<core::Status(const Settings&, Database&)>& work) {
   const auto settings = settings_of(arguments.config, console);
   if (!settings) return cli::kUsage;
-  Database database({.connection = settings->connection, .name = "dts-fleet"});
+  Database database({.connection = settings->connection,
+                     .name = "dts-fleet",
+                     .rejection_hint = "run this as the user of dts-hub: runuser -u dts-hub -- dts-fleet ..."});
   auto done = migrate(database);
   if (done) done = work(*settings, database);
   return done ? cli::kOk : cli::fail_with(console, done.error());
@@ -198,19 +203,20 @@ int session_list(const Arguments& arguments, cli::Console& console) {
 }
 
 int receipt_list(const Arguments& arguments, cli::Console& console) {
-  return list(
-      arguments, console,
-      {{"CLINIC", "clinic"},
-       {"SESSION", "session"},
-       {">PART", "part", Kind::Count},
-       {">SIZE", "bytes", Kind::Bytes},
-       {"STORED (UTC)", "stored_utc"},
-       {"HUB", "hub"},
-       {"SHA-256", "sha256"},
-       {"", "store_key"}},
-      "SELECT clinic, session, part, bytes, " + utc("stored_utc") +
-          ", hub, encode(sha256, 'hex'), store_key FROM receipt WHERE $1 = '' OR clinic = $1 ORDER BY receipt.stored_utc DESC LIMIT $2",
-      {arguments.clinic, arguments.limit});
+  return list(arguments, console,
+              {{"CLINIC", "clinic"},
+               {"SESSION", "session"},
+               {">PART", "part", Kind::Count},
+               {">SIZE", "bytes", Kind::Bytes},
+               {"STORED (UTC)", "stored_utc"},
+               {"HUB", "hub"},
+               {"SHA-256", "sha256"},
+               {"CLINIC'S SHA-256", "recorded_sha256"},
+               {"", "store_key"}},
+              "SELECT r.clinic, r.session, r.part, r.bytes, " + utc("r.stored_utc") +
+                  ", r.hub, encode(r.sha256, 'hex'), encode(p.recorded_sha256, 'hex'), r.store_key FROM receipt r LEFT JOIN part p "
+                  "ON p.clinic = r.clinic AND p.sha256 = r.sha256 WHERE $1 = '' OR r.clinic = $1 ORDER BY r.stored_utc DESC LIMIT $2",
+              {arguments.clinic, arguments.limit});
 }
 
 int audit_list(const Arguments& arguments, cli::Console& console) {
@@ -228,7 +234,7 @@ int audit_list(const Arguments& arguments, cli::Console& console) {
                 {"", "hash"}},
                rows, arguments.is_json, console);
     DTS_TRY_ASSIGN(const std::uint64_t verified, verify_audit(database));
-    if (!arguments.is_json) console.out << verified << " entries verified\n";
+    if (!arguments.is_json) console.out << verified << (verified == 1 ? " entry verified\n" : " entries verified\n");
     return {};
   });
 }
@@ -240,7 +246,7 @@ int add_jobs_command(const Arguments& arguments, cli::Console& console) {
                                                                             .clinic = arguments.clinic,
                                                                             .protocol = arguments.protocol,
                                                                             .since = arguments.since}));
-    console.out << added << " jobs added\n";
+    console.out << count_text(added, "job") << " added\n";
     return {};
   });
 }
@@ -282,7 +288,7 @@ int job_list(const Arguments& arguments, cli::Console& console) {
 int retry_jobs_command(const Arguments& arguments, cli::Console& console) {
   return with_database(arguments, console, [&](const Settings& /*settings*/, Database& database) -> core::Status {
     DTS_TRY_ASSIGN(const std::uint64_t retried, database::retry_jobs(database, {.kind = arguments.kind, .clinic = arguments.clinic}));
-    console.out << retried << " jobs wait again\n";
+    console.out << count_text(retried, "job") << (retried == 1 ? " waits again\n" : " wait again\n");
     return {};
   });
 }
@@ -301,22 +307,59 @@ core::Status check_new_clinic(const Clinic& clinic, const Settings& settings) {
   return check_keys(hub ? hub->public_key : "", settings.dashboards, {clinic});
 }
 
+core::Status write_enrolment(const std::string& clinic, const Settings& settings, const std::string& file) {
+  if (std::filesystem::exists(file)) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + file + "' exists already", "name another file in --out");
+  }
+  DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(settings));
+  auto written = files::write_whole_file(file, enrolment_text(clinic, settings.public_servers, ca_pem));
+  if (!written && written.error().code == core::ErrorCode::NotAllowed) {
+    written.error().hint = "name a file in --out whose folder the user " + user_name() + " can write";
+  }
+  return written;
+}
+
+/// Returns why the database rejects a new clinic: its name or its key has a row already.
+core::Status rejected_clinic(const Clinic& clinic, Catalogue& catalogue) {
+  const std::string failed = "clinic '" + clinic.id + "' was not added: ";
+  DTS_TRY_ASSIGN(const auto clinics, catalogue.clinics());
+  for (const Clinic& known : clinics) {
+    const std::string state = known.is_revoked ? " (revoked)" : "";
+    if (known.id == clinic.id) {
+      return core::fail(core::ErrorCode::WrongState, failed + "there is a clinic of this name" + state,
+                        known.nkey == clinic.nkey && !known.is_revoked
+                            ? "it has this key: to write its file again, run dts-fleet clinic enrolment " + clinic.id + " --out FILE"
+                            : "choose another name: dts-fleet clinic list");
+    }
+    if (known.nkey == clinic.nkey) {
+      return core::fail(core::ErrorCode::WrongState, failed + "the key belongs to clinic '" + known.id + "'" + state,
+                        "at the clinic: move the key file away, then run dts-forward key");
+    }
+  }
+  return core::fail(core::ErrorCode::WrongState, failed + "the database rejects it", "try again");
+}
+
 core::Status add_clinic(const Arguments& arguments, const Settings& settings, Database& database) {
   const Clinic& clinic = arguments.added;
   DTS_TRY(check_new_clinic(clinic, settings));
-  if (std::filesystem::exists(arguments.out)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + arguments.out + "' exists already", "name another file in --out");
-  }
-  DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(settings));
-  DTS_TRY(files::write_whole_file(arguments.out, enrolment_text(clinic.id, settings.public_servers, ca_pem)));
-  auto added = Catalogue(database).add_clinic(clinic, local_user(), utc_now_ns());
+  DTS_TRY(write_enrolment(clinic.id, settings, arguments.out));
+  Catalogue catalogue(database);
+  auto added = catalogue.add_clinic(clinic, local_user(), utc_now_ns());
   if (added) return {};
   static_cast<void>(std::remove(arguments.out.c_str()));
-  if (added.error().code == core::ErrorCode::WrongState) {
-    return core::fail(core::ErrorCode::WrongState, "clinic '" + clinic.id + "' was not added: its name or its key exists already",
-                      "choose another name, or revoke the old clinic and make a new key: dts-fleet clinic list");
+  return added.error().code == core::ErrorCode::WrongState ? rejected_clinic(clinic, catalogue) : added;
+}
+
+/// Writes the file of an active clinic again.
+core::Status write_enrolment_again(const Arguments& arguments, const Settings& settings, Database& database) {
+  const std::string& name = arguments.added.id;
+  DTS_TRY_ASSIGN(const auto clinics, Catalogue(database).clinics());
+  const auto found = std::ranges::find(clinics, name, &Clinic::id);
+  if (found == clinics.end()) return core::fail(core::ErrorCode::NotFound, "there is no clinic '" + name + "'", "dts-fleet clinic list");
+  if (found->is_revoked) {
+    return core::fail(core::ErrorCode::WrongState, "clinic '" + name + "' is revoked", "add it again under another name, with a new key");
   }
-  return added;
+  return write_enrolment(name, settings, arguments.out);
 }
 
 /// Writes the users file and lets nats-server read it. A nats-server that is not running reads it when it starts.
@@ -341,8 +384,8 @@ int write_users_command(const Arguments& arguments, cli::Console& console) {
 void print_content(const SessionName& name, const SessionContent& content, cli::Console& console) {
   console.out << "session " << name.id << " of " << name.clinic;
   if (content.is_known) console.out << ", protocol " << cli::printable(content.protocol) << ", started " << content.started << " (UTC)";
-  console.out << ": " << content.recordings << " recordings (" << cli::decimal(static_cast<double>(content.bytes) / 1e6, 1) << " MB), "
-              << content.rows << " parts, trials and results\n";
+  console.out << ": " << count_text(static_cast<std::uint64_t>(content.recordings), "recording") << " ("
+              << cli::decimal(static_cast<double>(content.bytes) / 1e6, 1) << " MB), " << content.rows << " parts, trials and results\n";
 }
 
 /// Returns true if a person on a terminal has typed the session's ID again.
@@ -373,7 +416,7 @@ int erase_session_command(const Arguments& arguments, cli::Console& console) {
     DTS_TRY_ASSIGN(const auto store, open_store(settings));
     Erasures erasures(catalogue, *store, ErasureJournal(settings.directory));
     DTS_TRY_ASSIGN(const std::uint32_t files, erasures.erase(name, local_user(), utc_now_ns()));
-    console.out << "erased, with " << files << " recordings\n";
+    console.out << "erased, with " << count_text(files, "recording") << '\n';
     cli::print_hint(console, "backups of the centre and the clinic itself still have it");
     return {};
   });
@@ -395,8 +438,8 @@ void add_limit(CLI::App& command, Arguments& arguments) {
 
 void add_clinic_commands(FleetLine& line) {
   Arguments& arguments = line.arguments;
-  CLI::App* clinic =
-      cli::add_group(line.app, "clinic", "Add, revoke and list clinics", "dts-fleet clinic list | with what each has not delivered\n");
+  CLI::App* clinic = cli::add_group(line.app, "clinic", "Add, revoke and list clinics, and write their files",
+                                    "dts-fleet clinic list | with what each has not delivered\n");
   CLI::App* add = cli::add_command(
       line, *clinic, "add", "Let a clinic deliver, and write the file with which it connects",
       "dts-fleet clinic add kent --title \"Kent clinic\" --key UABC --out kent.enrolment.toml | then carry the file to the clinic\n",
@@ -409,7 +452,17 @@ void add_clinic_commands(FleetLine& line) {
   add->add_option("name", arguments.added.id, "Name of the clinic: a-z, 0-9 and -")->required()->option_text("NAME");
   add->add_option("--title", arguments.added.title, "Name for people")->required()->option_text("TEXT")->check(cli::text_of(1, 200));
   add->add_option("--key", arguments.added.nkey, "Public key, as dts-forward key prints it at the clinic")->required()->option_text("KEY");
-  add->add_option("--out", arguments.out, "File to write for the clinic")->required()->option_text("FILE");
+  CLI::App* enrolment = cli::add_command(line, *clinic, "enrolment", "Write the file with which a clinic connects again: it was lost",
+                                         "dts-fleet clinic enrolment kent --out kent.enrolment.toml | the clinic keeps its key\n",
+                                         [&arguments](cli::Console& console) {
+                                           return with_database(arguments, console, [&](const Settings& settings, Database& database) {
+                                             return write_enrolment_again(arguments, settings, database);
+                                           });
+                                         });
+  enrolment->add_option("name", arguments.added.id, "Name of the clinic")->required()->option_text("NAME");
+  for (CLI::App* command : {add, enrolment}) {
+    command->add_option("--out", arguments.out, "File to write for the clinic")->required()->option_text("FILE");
+  }
   CLI::App* revoke =
       cli::add_command(line, *clinic, "revoke", "Stop accepting anything from a clinic; what it has delivered stays",
                        "dts-fleet clinic revoke kent | its connections end within 2 s\n", [&arguments](cli::Console& console) {
@@ -439,7 +492,7 @@ void add_lists(FleetLine& line) {
   sessions->add_option("--protocol", arguments.protocol, "Only with this protocol")->option_text("NAME");
   sessions->add_option("--subject", arguments.subject, "Only of this subject ID")->option_text("ID");
   CLI::App* receipts = cli::add_command(line, line.app, "receipts", "List the recordings that the centre keeps, newest first",
-                                        "dts-fleet receipts --clinic kent | of one clinic\n",
+                                        "dts-fleet receipts --clinic kent | of one clinic; the clinic's SHA-256 is that of its own file\n",
                                         [&arguments](cli::Console& console) { return receipt_list(arguments, console); });
   receipts->add_option("--clinic", arguments.clinic, "Only of this clinic")->option_text("NAME");
   CLI::App* audit = cli::add_command(line, line.app, "audit", "Print the newest entries of the audit trail, and verify all of it",
@@ -516,12 +569,12 @@ std::shared_ptr<cli::CommandLine> make_fleet_tree() {
   cli::add_common(*line);
   line->manual = {
       .summary = "administration of a fleet of clinics",
-      .description = "Adds and revokes clinics, and lists what the centre knows of them. It connects to the database of\n.BR dts-hub (1).",
+      .description = "Adds and revokes clinics, and lists what the centre knows of them. It connects to the database of\n.BR dts-hub (8).",
       .environment = {},
       .exit_statuses = {0, 1, 2, 3, 4, 5, 6, 7, 130},
       .further_sections = {},
       .files = {{"/etc/dts-hub/hub.toml", "Configuration."}},
-      .see_also = {{"dts-hub", 1}}};
+      .see_also = {{"dts-hub", 8}}};
   return line;
 }
 

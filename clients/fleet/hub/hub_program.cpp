@@ -47,8 +47,10 @@ int rebuild_command(const std::string& file, cli::Console& console) {
   const auto rebuilt = rebuild(**store, catalogue, settings->name, utc_ns);
   if (!rebuilt) return cli::fail_with(console, rebuilt.error());
   for (const std::string& left : rebuilt->left) cli::print_error(console, left, "the recording stays in the store, without a row");
-  console.out << rebuilt->entered << " recordings entered, " << rebuilt->known << " known before, " << rebuilt->left.size() << " left\n"
-              << *reconciled << " sessions erased again, " << *removed + rebuilt->erased << " recordings of erased sessions removed\n";
+  console.out << count_text(rebuilt->entered, "recording") << " entered, " << rebuilt->known << " known before, " << rebuilt->left.size()
+              << " left\n"
+              << count_text(*reconciled, "session") << " erased again, " << count_text(*removed + rebuilt->erased, "recording")
+              << " of erased sessions removed\n";
   if (!rebuilt->clinics.empty()) {
     cli::print_hint(console, "add the clinics again, with their keys (dts-fleet clinic add): " +
                                  cli::join(std::vector<std::string>(rebuilt->clinics.begin(), rebuilt->clinics.end()), ", "));
@@ -97,7 +99,7 @@ std::shared_ptr<cli::CommandLine> make_hub_tree() {
                       "Receives recordings and facts from\n.BR dts-forward (8)\nof each clinic through nats-server, keeps the "
                       "recordings in a folder and their catalogue in PostgreSQL.",
                   .environment = {},
-                  .exit_statuses = {0, 1, 2, 4, 5, 7, 130},
+                  .exit_statuses = {0, 1, 2, 3, 4, 5, 7, 130},
                   .further_sections = {},
                   .files = {{kDefaultConfig, "Configuration."}},
                   .see_also = {{"dts-fleet", 1}, {"dts-forward", 8}}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,5 +24,9 @@ namespace dts::fleet::hub {
 void add_config_option(cli::CommandLine& line, std::string& file);
 /// Reads the configuration; prints what is wrong with it and returns nothing.
 [[nodiscard]] std::optional<Settings> settings_of(const std::string& file, cli::Console& console);
+/// Returns "1 job", "2 jobs".
+[[nodiscard]] inline std::string count_text(std::uint64_t count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
 
 }  // namespace dts::fleet::hub

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/hub/users_file.h"
 
+#include <fcntl.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
@@ -90,17 +92,24 @@ core::Result<bool> write_users(const Settings& settings, const std::string& hub_
 }
 
 core::Status reload_nats(const std::string& pid_file) {
+  constexpr const char* kHowElse = "leave pid_file out (dts-hub-users.path reloads nats-server), or run this as the user of nats-server";
+  if (::faccessat(AT_FDCWD, pid_file.c_str(), R_OK, AT_EACCESS) != 0 && errno == EACCES) {
+    return core::fail_errno(EACCES, "cannot read " + pid_file, kHowElse);
+  }
   const auto text = files::read_whole_file(pid_file, 64);
   pid_t number = 0;
   if (text) std::from_chars(text->data(), text->data() + text->size(), number);
   std::string program;
   if (number > 1) std::getline(std::ifstream("/proc/" + std::to_string(number) + "/comm"), program);
-  if (program != "nats-server") {
+  // systemd's ProtectProc hides the names of other users' processes.
+  const bool is_foreign = number > 1 && program.empty() && ::kill(number, 0) != 0 && errno == EPERM;
+  if (program != "nats-server" && !is_foreign) {
     return core::fail(core::ErrorCode::NotFound, "'" + pid_file + "' names no running nats-server",
                       "start nats-server, with pid_file in its configuration; it reads the users at its start");
   }
-  if (::kill(number, SIGHUP) == 0) return {};
-  return core::fail_errno(errno, "cannot send SIGHUP to nats-server", "let systemd reload it: systemd/README.md");
+  if (!is_foreign && ::kill(number, SIGHUP) == 0) return {};
+  if (!is_foreign && errno == ESRCH) return core::fail(core::ErrorCode::NotFound, "nats-server has just ended", "start it again");
+  return core::fail(core::ErrorCode::NotAllowed, "may not signal process " + std::to_string(number) + ": Permission denied", kHowElse);
 }
 
 std::string enrolment_text(const std::string& clinic, const std::vector<std::string>& servers, const std::string& ca_pem) {

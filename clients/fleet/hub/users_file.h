@@ -25,7 +25,7 @@ namespace dts::fleet::hub {
                                              const std::vector<Clinic>& clinics);
 
 /// Sends SIGHUP to the nats-server in `pid_file`, so that it reads its users again. Fails with NotFound if no nats-server has this number,
-/// and with NotAllowed.
+/// and with NotAllowed if the file cannot be read or the process not be signalled.
 [[nodiscard]] core::Status reload_nats(const std::string& pid_file);
 
 /// Returns the file that a clinic needs to connect: its name, the servers and the certificates of the authority. It holds no secret.

@@ -115,7 +115,12 @@ class Connection {
 
  public:
   Connection(const LinkOptions& options, std::vector<Address> addresses, TlsContext tls, core::Log log)
-      : name_(options.name), seed_(options.seed), addresses_(std::move(addresses)), tls_(std::move(tls)), log_(std::move(log)) {}
+      : name_(options.name),
+        seed_(options.seed),
+        rejection_(options.rejection),
+        addresses_(std::move(addresses)),
+        tls_(std::move(tls)),
+        log_(std::move(log)) {}
 
   /// The thread: connects, serves the connection, connects again, until `end`.
   void run();
@@ -187,6 +192,7 @@ class Connection {
 
   const std::string name_;
   const std::string seed_;
+  const std::string rejection_;
   const std::vector<Address> addresses_;
   const TlsContext tls_;
   const core::Log log_;
@@ -307,14 +313,14 @@ void Connection::set_ended(const core::Error& why) {
   const std::lock_guard lock(mutex_);
   if (is_ending_) return;
   if (why.code == core::ErrorCode::NotAllowed && rejections_ < kRejections) ++rejections_;
-  const bool is_rejected = why.code == core::ErrorCode::NotAllowed && rejections_ >= kRejections;
   const bool was_connected = std::exchange(is_connected_, false);
   out_.clear();
   waiting_ = 0;
-  problem_ = (is_rejected     ? "the server rejects the connection: "
-              : was_connected ? "the connection is lost: "
-                              : "no connection: ") +
-             why.what;
+  if (why.code == core::ErrorCode::NotAllowed) {
+    problem_ = "the server rejects the key (" + why.what + ")" + (rejection_.empty() ? "" : ": " + rejection_);
+  } else {
+    problem_ = (was_connected ? "the connection is lost: " : "no connection: ") + why.what;
+  }
   const Time now = std::chrono::steady_clock::now();
   if (problem_ == logged_ || (!was_connected && !logged_.empty() && now - logged_at_ < kSameLog)) return;
   logged_ = problem_;

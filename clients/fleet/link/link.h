@@ -21,6 +21,7 @@ struct LinkOptions {
   std::string name;            ///< Shown in the server's list of connections: "kent bulk".
   std::string seed{};          ///< Of the nkey, see wire/nkey.h.
   std::string inbox_prefix{};  ///< Of replies, see wire/subjects.h.
+  std::string rejection{};     ///< Follows "the server rejects the key (REASON): ": what that means and what to do. May be empty.
 };
 
 struct Letter {

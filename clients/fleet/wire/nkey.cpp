@@ -139,7 +139,11 @@ bool is_public_nkey(std::string_view text) { return decoded(text, kPublicLetters
 
 core::Result<NKey> read_nkey(const std::string& file) {
   const core::Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  if (opened.get() < 0) return core::fail_errno(errno, "cannot read the key " + file);
+  if (opened.get() < 0) {
+    const int reason = errno;
+    return core::fail_errno(reason, "cannot read the key " + file,
+                            reason == EACCES ? "its owner must be the user of this program: chown USER " + file : "");
+  }
   struct stat found {};
   if (::fstat(opened.get(), &found) != 0) return core::fail_errno(errno, "cannot read the key " + file);
   if ((found.st_mode & (S_IRWXG | S_IRWXO)) != 0) {

@@ -137,6 +137,14 @@ TEST_F(OutboxTest, OnlyClosedParts_AreSent) {
   EXPECT_EQ(store_->backlog().value().oldest_utc_ns(), kS);
 }
 
+TEST_F(OutboxTest, AHeldFile_IsNotTheOldestToSend) {
+  clinic_.add_part(clinic_.add("a", kS), "/a.xdf", sha('a'), 100);
+  look_at_all();
+  ASSERT_TRUE(store_->hold(*store_->next_file(2 * kS).value(), "the centre has erased this session"));
+  EXPECT_EQ(store_->backlog().value().held_files(), 1U);
+  EXPECT_EQ(store_->backlog().value().oldest_utc_ns(), 0);
+}
+
 TEST_F(OutboxTest, OldestFile_IsSentFirstAndPostponedOnesLater) {
   clinic_.add_part(clinic_.add("b", 2 * kS), "/b.xdf", sha('b'), 100);
   clinic_.add_part(clinic_.add("a", 1 * kS), "/a.xdf", sha('a'), 100);

@@ -62,6 +62,15 @@ TEST_F(ProgramTest, Key_IsMadeOnce) {
 TEST_F(ProgramTest, Run_WithoutAKeyFails) {
   EXPECT_EQ(run_with({"run"}), 5);
   EXPECT_THAT(talk_.str(), HasSubstr("kent.nk"));
+  EXPECT_THAT(talk_.str(), HasSubstr("dts-forward key"));
+}
+
+TEST_F(ProgramTest, Run_WithoutTheStateFolder_NamesItAndItsOwner) {
+  ASSERT_EQ(run_with({"key"}), 0);
+  std::ofstream(config_) << "enrolment = \"kent.toml\"\nkey = \"kent.nk\"\nstate = \"" << folder_.path() << "/none/state\"\n";
+  EXPECT_EQ(run_with({"run"}), 5);
+  EXPECT_THAT(talk_.str(), HasSubstr("/none/state"));
+  EXPECT_THAT(talk_.str(), HasSubstr("install -d -o dts-forward"));
 }
 
 TEST_F(ProgramTest, StatusBeforeTheFirstRun_SaysSo) {
@@ -84,7 +93,7 @@ TEST_F(ProgramTest, StatusOfAChecksum_Is0OnlyWithAReceipt) {
   receipt.set_hub("hub-1");
   ASSERT_TRUE(store->set_stored(file, receipt));
   EXPECT_EQ(run_with({"status", sha256_}), 0);
-  EXPECT_THAT(out_.str(), HasSubstr("the centre (hub-1) has part 1 of session s-1 since 1970-01-01T00:00:01"));
+  EXPECT_THAT(out_.str(), HasSubstr("the centre (hub-1) has given a receipt for part 1 of session s-1 at 1970-01-01T00:00:01"));
   ASSERT_EQ(run_with({"status", sha256_, "--json"}), 0);
   EXPECT_EQ(nlohmann::json::parse(out_.str()).at("state"), "stored");
 }
@@ -106,7 +115,7 @@ TEST_F(ProgramTest, Status_ShowsBacklogProgressAndTimeToGo) {
                                 {words::kClockOffset, "3000000"},
                                 {words::kViewers, "ann"}}));
   ASSERT_EQ(run_with({"status"}), 0);
-  for (const char* line : {"state           fine", "1 recordings, 5.0 MB", "s-1, part 1: 1.0 MB of 5.0 MB", "time to go      40.0 s",
+  for (const char* line : {"state           fine", "1 recording, 5.0 MB", "s-1, part 1: 1.0 MB of 5.0 MB", "time to go      40.0 s",
                            "last receipt    never", "hub-1, answered", "3 ms ahead of the centre's", "watching now    ann"}) {
     EXPECT_THAT(out_.str(), HasSubstr(line));
   }

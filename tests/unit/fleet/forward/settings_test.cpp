@@ -77,7 +77,8 @@ TEST_F(SettingsTest, Problems_HaveTheirPlace) {
   EXPECT_THAT(problem(base_ + "[privacy]\nsend_label = true\n"), HasSubstr("send_labels"));
   EXPECT_THAT(problem("key = \"kent.nk\"\n"), HasSubstr("enrolment is missing"));
   EXPECT_THAT(problem("enrolment = \"kent.toml\"\n"), HasSubstr("key is missing"));
-  EXPECT_THAT(problem("enrolment = \"lund.toml\"\nkey = \"x\"\n"), HasSubstr("lund.toml cannot be read"));
+  EXPECT_THAT(problem("enrolment = \"lund.toml\"\nkey = \"x\"\n"),
+              HasSubstr("lund.toml does not exist: the centre makes it with dts-fleet clinic add"));
 }
 
 TEST_F(SettingsTest, EnrolmentOfAnotherForm_IsAProblem) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "fleet/hub/erasures.h"
+#include "fleet/wire/messages.h"
 #include "fleet/wire/nkey.h"
 #include "unit/cli/command_checks.h"
 #include "unit/fleet/hub/hub_fixture.h"
@@ -68,13 +69,55 @@ TEST_F(FleetProgramTest, ClinicAdd_WritesTheEnrolmentFile) {
   EXPECT_EQ(add("leeds", wire::create_nkey().public_key, "kent.toml"), 2);
   EXPECT_THAT(talk_.str(), HasSubstr("exists already"));
   EXPECT_EQ(add("kent", wire::create_nkey().public_key, "again.toml"), 6);
-  EXPECT_THAT(talk_.str(), HasSubstr("its name or its key exists already"));
+  EXPECT_THAT(talk_.str(), HasSubstr("there is a clinic of this name"));
+  EXPECT_EQ(add("kent", key, "again.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("dts-fleet clinic enrolment kent"));
   EXPECT_EQ(add("Kent", key, "again.toml"), 2);
   EXPECT_EQ(add("leeds", "UABC", "again.toml"), 2);
   EXPECT_THAT(talk_.str(), HasSubstr("dts-forward key"));
   EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/again.toml"));
   ASSERT_EQ(fleet({"clinic", "list"}), 0);
   EXPECT_THAT(out_.str(), HasSubstr("Kent clinic"));
+}
+
+TEST_F(FleetProgramTest, ClinicAdd_NamesTheClinicThatHasTheKey) {
+  const auto key = wire::create_nkey().public_key;
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0) << talk_.str();
+  EXPECT_EQ(add("leeds", key, "leeds.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("the key belongs to clinic 'kent'"));
+}
+
+TEST_F(FleetProgramTest, AFolderThatCannotBeWritten_IsNamedWithWhatToDo) {
+  const auto key = wire::create_nkey().public_key;
+  EXPECT_EQ(fleet({"clinic", "add", "kent", "--title", "Kent", "--key", key, "--out", "/sys/kent.toml"}), 4);  // also for root
+  EXPECT_THAT(talk_.str(), HasSubstr("cannot write /sys/kent.toml: Permission denied"));
+  EXPECT_THAT(talk_.str(), HasSubstr("name a file in --out whose folder the user"));
+  EXPECT_EQ(value("SELECT count(*) FROM clinic"), "0");
+}
+
+TEST_F(FleetProgramTest, Enrolment_IsWrittenAgain_OfAnActiveClinic) {
+  const auto key = wire::create_nkey().public_key;
+  ASSERT_EQ(add("kent", key, "kent.toml"), 0) << talk_.str();
+  const std::string again = folder_.path() + "/again.toml";
+  ASSERT_EQ(fleet({"clinic", "enrolment", "kent", "--out", again}), 0) << talk_.str();
+  EXPECT_EQ(content_of(again), content_of(folder_.path() + "/kent.toml"));
+  EXPECT_EQ(fleet({"clinic", "enrolment", "kent", "--out", again}), 2);
+  EXPECT_EQ(fleet({"clinic", "enrolment", "york", "--out", folder_.path() + "/york.toml"}), 5);
+  ASSERT_EQ(fleet({"clinic", "revoke", "kent"}), 0);
+  EXPECT_EQ(fleet({"clinic", "enrolment", "kent", "--out", folder_.path() + "/revoked.toml"}), 6);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/revoked.toml"));
+  EXPECT_EQ(add("kent2", key, "kent2.toml"), 6);
+  EXPECT_THAT(talk_.str(), HasSubstr("the key belongs to clinic 'kent' (revoked)"));
+  EXPECT_THAT(talk_.str(), HasSubstr("move the key file away, then run dts-forward key"));
+}
+
+TEST_F(FleetProgramTest, AUserWithoutARole_IsToldToRunItAsTheHub) {
+  std::string text = content_of(config_);
+  text.replace(text.find(connection_), connection_.size(), connection_ + " user=nobody_of_ours");
+  std::ofstream(config_) << text;
+  EXPECT_EQ(fleet({"clinic", "list"}), 3);
+  EXPECT_THAT(talk_.str(), HasSubstr("role \"nobody_of_ours\" does not exist"));
+  EXPECT_THAT(talk_.str(), HasSubstr("runuser -u dts-hub -- dts-fleet"));
 }
 
 TEST_F(FleetProgramTest, SessionErase_AsksFirst_AndErasesRowsAndFiles) {
@@ -90,13 +133,12 @@ TEST_F(FleetProgramTest, SessionErase_AsksFirst_AndErasesRowsAndFiles) {
   ASSERT_TRUE(catalogue_->put_recording(name, offer, *store, "hub-1", 1));
 
   EXPECT_EQ(fleet({"session", "erase", "kent", "s1"}), 2);
-  EXPECT_THAT(out_.str(),
-              HasSubstr("session s1 of kent, protocol romberg, started 2025-11-21 14:45 (UTC): 1 recordings (0.0 MB), 3 parts"));
+  EXPECT_THAT(out_.str(), HasSubstr("session s1 of kent, protocol romberg, started 2025-11-21 14:45 (UTC): 1 recording (0.0 MB), 3 parts"));
   EXPECT_THAT(talk_.str(), HasSubstr("nothing was erased"));
   EXPECT_EQ(value("SELECT count(*) FROM session"), "1");
 
   EXPECT_EQ(fleet({"session", "erase", "kent", "s1", "--yes"}), 0) << talk_.str();
-  EXPECT_THAT(out_.str(), HasSubstr("erased, with 1 recordings"));
+  EXPECT_THAT(out_.str(), HasSubstr("erased, with 1 recording\n"));
   EXPECT_EQ(value("SELECT count(*) FROM session"), "0");
   EXPECT_FALSE(store->file(name).value());
   EXPECT_THAT(value("SELECT concat_ws('|', who, what, target) FROM audit"), testing::MatchesRegex("local:.*[|]erase_session[|]kent/s1"));
@@ -105,6 +147,26 @@ TEST_F(FleetProgramTest, SessionErase_AsksFirst_AndErasesRowsAndFiles) {
 
   EXPECT_EQ(fleet({"session", "erase", "kent", "s1", "--yes"}), 6);
   EXPECT_EQ(fleet({"session", "erase", "kent", "s2", "--yes"}), 5);
+}
+
+TEST_F(FleetProgramTest, Receipts_AlsoShowTheChecksumAtTheClinic) {
+  auto session = session_of("s1", 1);
+  session.mutable_parts(0)->set_recorded_sha256(sum_of("with its texts"));
+  ASSERT_TRUE(catalogue_->put_session("kent", session));
+  const RecordingName name{"kent", sum_of("recording of s1")};
+  const auto store = open_folder_store(folder_.path() + "/store").value();
+  std::ofstream(folder_.path() + "/store/whole") << "recording of s1";
+  ASSERT_TRUE(store->put(name, folder_.path() + "/store/whole"));
+  v1::UploadOffer offer;
+  offer.set_session_id("s1");
+  offer.set_part(1);
+  offer.set_bytes(15);
+  ASSERT_TRUE(catalogue_->put_recording(name, offer, *store, "hub-1", 1));
+  ASSERT_EQ(fleet({"receipts", "--clinic", "kent", "--json"}), 0) << talk_.str();
+  EXPECT_THAT(out_.str(), HasSubstr("\"sha256\":\"" + wire::hex_of(name.sha256) + "\",\"recorded_sha256\":\"" +
+                                    wire::hex_of(sum_of("with its texts")) + "\""));
+  ASSERT_EQ(fleet({"receipts"}), 0);
+  EXPECT_THAT(out_.str(), HasSubstr("CLINIC'S SHA-256"));
 }
 
 TEST_F(FleetProgramTest, Users_AreWrittenWithoutANatsServer) {

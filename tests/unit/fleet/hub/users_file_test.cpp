@@ -5,7 +5,9 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <iostream>
 
 #include "files/toml_reader.h"
 #include "fleet/wire/nkey.h"
@@ -91,6 +93,31 @@ TEST(UsersFile, OnlyANatsServerIsSignalled) {
     std::ofstream(file) << text;
     EXPECT_EQ(reload_nats(file).error().code, core::ErrorCode::NotFound) << text;
   }
+}
+
+/// Returns how `reload_nats` fails as another user: its code and its message. Ends the process.
+[[noreturn]] void reload_as_nobody(const std::string& pid_file) {
+  constexpr uid_t kNobody = 65534;
+  if (::setresuid(kNobody, kNobody, kNobody) != 0) ::_exit(100);
+  const auto reloaded = reload_nats(pid_file);
+  if (!reloaded) std::cerr << core::to_string(reloaded.error()) << std::endl;
+  ::_exit(reloaded ? 101 : static_cast<int>(reloaded.error().code));
+}
+
+TEST(UsersFile, WithoutPermission_TheReasonIsNamed) {
+  if (::getuid() != 0) GTEST_SKIP() << "only root can act as another user";
+  if (!test::NatsServer::program()) GTEST_SKIP() << "nats-server is not installed";
+  const test::NatsServer server;
+  const test::TemporaryFolder folder;
+  const std::string file = folder.path() + "/pid";
+  std::ofstream(file) << server.pid();
+  EXPECT_TRUE(reload_nats(file));
+  constexpr int kNotAllowed = static_cast<int>(core::ErrorCode::NotAllowed);
+  EXPECT_EXIT(reload_as_nobody(file), testing::ExitedWithCode(kNotAllowed), "cannot read .*pid: Permission denied.*dts-hub-users.path");
+  std::filesystem::permissions(folder.path(), std::filesystem::perms(0755));
+  std::filesystem::permissions(file, std::filesystem::perms(0644));
+  EXPECT_EXIT(reload_as_nobody(file), testing::ExitedWithCode(kNotAllowed),
+              "may not signal process " + std::to_string(server.pid()) + ": Permission denied.*dts-hub-users.path");
 }
 
 TEST(Enrolment, IsReadAsItWasWritten) {

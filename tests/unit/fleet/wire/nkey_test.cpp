@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <fstream>
 
@@ -64,6 +65,19 @@ TEST(NKeyTest, AFileThatOthersCanReadIsRejected) {
   ASSERT_TRUE(read_or_create_nkey(file));
   ASSERT_EQ(::chmod(file.c_str(), 0640), 0);
   EXPECT_EQ(read_nkey(file).error().code, core::ErrorCode::NotAllowed);
+}
+
+TEST(NKeyTest, AFileOfAnotherUser_IsNamedWithWhatToDo) {
+  if (::getuid() != 0) GTEST_SKIP() << "only root can act as another user";
+  const test::TemporaryFolder folder;
+  const std::string file = folder.path() + "/kent.nk";
+  ASSERT_TRUE(read_or_create_nkey(file));
+  constexpr uid_t kNobody = 65534;
+  ASSERT_EQ(::seteuid(kNobody), 0);
+  const auto read = read_nkey(file);
+  ASSERT_EQ(::seteuid(0), 0);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().hint, "its owner must be the user of this program: chown USER " + file);
 }
 
 TEST(NKeyTest, AFileWithAnythingElseIsRejected) {

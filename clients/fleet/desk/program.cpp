@@ -62,10 +62,11 @@ cli::Manual make_manual() {
 
 int run(const std::vector<std::string>& words, cli::Console& console) {
   Options options;
+  options.server.listen = "127.0.0.1:8081";  // 8080 is that of dts-gateway
   cli::CommandLine line({.name = "dts-fleet-gateway",
                          .version = DTS_VERSION,
                          .description = "The browser dashboard of a fleet",
-                         .examples = "dts-fleet-gateway serve --config gateway.toml | then open http://127.0.0.1:8080/\n"
+                         .examples = "dts-fleet-gateway serve --config gateway.toml | then open http://127.0.0.1:8081/\n"
                                      "dts-gateway user add anna --role viewer --users users | adds a user for --users\n"});
   line.app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt key in [serve] must not silently select the default
   line.app.set_config("--config", "", "Read options from a TOML file; options of serve are in its table [serve]")

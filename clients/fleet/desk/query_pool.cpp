@@ -11,16 +11,29 @@
 namespace dts::fleet::desk {
 namespace {
 
+constexpr const char* kNoRights =
+    "as the owner of the database: CREATE ROLE \"dts-fleet-gateway\" LOGIN IN ROLE dashboard, and name this role in --database";
+
+}  // namespace
+
 /// libpq and the standard library may throw if memory runs out.
-core::Result<std::string> result_of(const QueryPool::Work& work, database::Database& database) noexcept {
+core::Result<std::string> QueryPool::result_of(const Work& work, database::Database& database) noexcept {
   try {
     auto result = work(database);
-    if (!result && result.error().code == core::ErrorCode::Unreachable) {
-      result.error().what = "the database of the centre does not answer";
-      result.error().hint = "check PostgreSQL on the computer of the centre";
-    } else if (!result && result.error().code == core::ErrorCode::Timeout) {
-      result.error().what = "the database of the centre needed too long";
-      result.error().hint = "choose a shorter time or one clinic";
+    if (result) {
+      note({});
+      return result;
+    }
+    core::Error& error = result.error();
+    if (error.code == core::ErrorCode::Unreachable || error.code == core::ErrorCode::NotAllowed) {
+      note(core::to_string(error));
+      const bool is_rejected = !error.hint.empty();  // see DatabaseOptions
+      error = {.code = core::ErrorCode::Unreachable,
+               .what = is_rejected ? "the database of the centre rejects the dashboard" : "the database of the centre does not answer",
+               .hint = is_rejected ? "the log of dts-fleet-gateway has the reason" : "check PostgreSQL on the computer of the centre"};
+    } else if (error.code == core::ErrorCode::Timeout) {
+      error.what = "the database of the centre needed too long";
+      error.hint = "choose a shorter time or one clinic";
     }
     return result;
   } catch (const std::exception& failure) {
@@ -28,9 +41,15 @@ core::Result<std::string> result_of(const QueryPool::Work& work, database::Datab
   }
 }
 
-}  // namespace
+void QueryPool::note(const std::string& problem) {
+  const std::lock_guard lock(mutex_);
+  if (problem == problem_) return;
+  problem_ = problem;
+  if (problem.empty()) log_.info("the database answers again");
+  if (!problem.empty()) log_.error("the database: " + problem);
+}
 
-QueryPool::QueryPool(boost::asio::io_context& io, const std::string& connection) : io_(io) {
+QueryPool::QueryPool(boost::asio::io_context& io, const std::string& connection, core::Log log) : log_(std::move(log)), io_(io) {
   for (std::size_t number = 0; number < kThreads; ++number) {
     threads_.emplace_back([this, connection](const std::stop_token& stop) { run(stop, connection); });
   }
@@ -54,7 +73,8 @@ void QueryPool::submit(Work work, Done done) {
 
 void QueryPool::run(const std::stop_token& stop, const std::string& connection) {
   ::pthread_setname_np(::pthread_self(), "query");
-  database::Database database({.connection = connection, .name = "dts-fleet-gateway", .statement_timeout = kStatementTimeout});
+  database::Database database(
+      {.connection = connection, .name = "dts-fleet-gateway", .statement_timeout = kStatementTimeout, .rejection_hint = kNoRights});
   while (true) {
     Query query;
     {

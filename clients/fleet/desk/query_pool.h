@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/log.h"
 #include "core/result.h"
 #include "fleet/database/database.h"
 
@@ -27,7 +28,8 @@ class QueryPool {
   using Work = std::function<core::Result<std::string>(database::Database&)>;
   using Done = std::function<void(core::Result<std::string>)>;
 
-  QueryPool(boost::asio::io_context& io, const std::string& connection);
+  /// Logs once why the database cannot be read, and when it can be read again.
+  QueryPool(boost::asio::io_context& io, const std::string& connection, core::Log log);
   /// Drops what waits, and waits for the statements that run.
   ~QueryPool();
   QueryPool(const QueryPool&) = delete;
@@ -42,11 +44,15 @@ class QueryPool {
     Done done;
   };
   void run(const std::stop_token& stop, const std::string& connection);
+  [[nodiscard]] core::Result<std::string> result_of(const Work& work, database::Database& database) noexcept;
+  void note(const std::string& problem);
 
+  const core::Log log_;
   boost::asio::io_context& io_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::deque<Query> waiting_;  ///< Guarded by `mutex_`.
+  std::deque<Query> waiting_;  ///< Guarded by `mutex_`, as the next.
+  std::string problem_;        ///< Of the database; empty: none.
   std::vector<std::jthread> threads_;
 };
 

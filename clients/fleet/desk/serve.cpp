@@ -35,7 +35,8 @@ constexpr std::size_t kMostCaBytes = 1024 * 1024;
 /// All parts of the program, in the order of their dependencies.
 class Centre {
  public:
-  Centre(const Options& options, std::function<void(const std::string&)> log) : log_(std::move(log)), queries_(io_, options.database) {}
+  Centre(const Options& options, std::function<void(const std::string&)> log)
+      : log_(std::move(log)), queries_(io_, options.database, core::Log::to_stderr(core::LogLevel::Info)) {}
   ~Centre() = default;
   Centre(const Centre&) = delete;
   Centre& operator=(const Centre&) = delete;
@@ -77,13 +78,16 @@ core::Result<std::string> read_ca(const std::string& file) {
 }
 
 core::Status Centre::open_live(const Options& options) {
-  DTS_TRY_ASSIGN(const auto key, wire::read_nkey(options.nats_key_file));
+  auto key = wire::read_nkey(options.nats_key_file);
+  if (!key && key.error().code == core::ErrorCode::NotFound) key.error().hint = "dts-fleet-gateway key --nats-key " + options.nats_key_file;
+  if (!key) return tl::make_unexpected(key.error());
   DTS_TRY_ASSIGN(const std::string ca_pem, read_ca(options.nats_ca_file));
   DTS_TRY_ASSIGN(link_, link::Link::open({.servers = options.nats_servers,
                                           .ca_pem = ca_pem,
                                           .name = "dts-fleet-gateway",
-                                          .seed = key.seed,
-                                          .inbox_prefix = wire::dashboard_inbox_prefix(key.public_key)},
+                                          .seed = key->seed,
+                                          .inbox_prefix = wire::dashboard_inbox_prefix(key->public_key),
+                                          .rejection = "add it below [[dashboard]] in hub.toml, then restart dts-hub"},
                                          core::Log::to_stderr(core::LogLevel::Info)));
   live_ = std::make_unique<Live>(io_, *link_, queries_, DTS_VERSION);
   return {};

@@ -105,13 +105,15 @@ std::string unique_name() {
   return std::string(host.data()) + "-" + std::to_string(::getpid()) + "-" + digits.data();
 }
 
+constexpr const char* kNoRights = "as the owner of the database: CREATE ROLE \"dts-worker\" LOGIN IN ROLE worker";
+
 class Worker {
  public:
   Worker(const WorkerOptions& options, const core::Log& log)
       : options_(options),
         log_(log),
         name_(unique_name()),
-        database_({.connection = options.connection, .name = "dts-worker " + name_, .is_durable = true}) {}
+        database_({.connection = options.connection, .name = "dts-worker " + name_, .is_durable = true, .rejection_hint = kNoRights}) {}
 
   [[nodiscard]] core::Status run() {
     if (options_.s3) {

@@ -2,6 +2,7 @@
 #include "gateway/access/user_file.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -52,6 +53,12 @@ Result<void> check_mode(const std::string& file, const struct stat& facts) {
   if ((facts.st_mode & kForbidden) == 0) return {};
   return client::fail(ErrorCode::InvalidArgument, "'" + file + "': other users can read it, or users other than the owner can write it",
                       "chmod 640 '" + file + "'");
+}
+
+/// The group of this process.
+std::string group_name() {
+  const group* const found = ::getgrgid(::getegid());
+  return found == nullptr ? std::to_string(::getegid()) : std::string(found->gr_name);
 }
 
 std::int64_t in_ns(const timespec& time) noexcept { return static_cast<std::int64_t>(time.tv_sec) * 1'000'000'000 + time.tv_nsec; }
@@ -131,8 +138,11 @@ Result<UserText> read_user_text(int descriptor, const std::string& file) {
 Result<UserFile> read_users(const std::string& file) {
   const Descriptor opened(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   if (!opened) {
-    return client::fail(ErrorCode::InvalidArgument, "cannot read '" + file + "': " + std::generic_category().message(errno),
-                        "make the first user: dts-gateway user add NAME --role engineer --users FILE");
+    const int why = errno;
+    return client::fail(ErrorCode::InvalidArgument, "cannot read '" + file + "': " + std::generic_category().message(why),
+                        why == EACCES ? "let the gateway's group read it, and the folders above: chgrp " + group_name() + " '" + file +
+                                            "' && chmod 640 '" + file + "'"
+                                      : "make the first user: dts-gateway user add NAME --role engineer --users FILE");
   }
   DTS_TRY_ASSIGN(const auto content, read_user_text(*opened, file));
   DTS_TRY_ASSIGN(auto users, parse_users(content.text, file));

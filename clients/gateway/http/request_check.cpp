@@ -80,7 +80,7 @@ tl::expected<HttpRequest, HttpResponse> check_request(RawRequest raw, const Peer
   if (!host) return tl::make_unexpected(no_request("no usable Host header"));
   if (!hosts.is_ours(*host, peer.local_address)) {
     return tl::make_unexpected(error_answer(421, "the address does not contain a name of this gateway",
-                                            "if the name is right, add it: dts-gateway serve --host-name NAME"));
+                                            "if the name is right, add it to host-name in gateway.toml"));
   }
   if (auto refused = refuse_method(raw.method())) return tl::make_unexpected(std::move(*refused));
   auto target = parse_target(text_of(raw.target()));

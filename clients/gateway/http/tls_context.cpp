@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/http/tls_context.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -27,6 +31,10 @@ client::Result<std::unique_ptr<ssl::context>> open_tls(const std::string& certif
   for (const std::string& file : {certificate_file, key_file}) {
     std::error_code unknown;
     if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is not a readable file");  // a pipe would block
+    if (::faccessat(AT_FDCWD, file.c_str(), R_OK, AT_EACCESS) != 0) {
+      return client::fail(client::ErrorCode::InvalidArgument, "cannot read " + file + ": " + std::generic_category().message(errno),
+                          "let the user or the group of the gateway read it");
+    }
   }
   auto context = std::make_unique<ssl::context>(ssl::context::tls_server);
   SSL_CTX* const raw = context->native_handle();

@@ -62,7 +62,7 @@ class LiveTest : public gateway::IoTest {
 
   std::optional<test::NatsServer> server_{};
   std::unique_ptr<link::Link> link_{};
-  QueryPool queries_{io_, "host=/nowhere dbname=none"};
+  QueryPool queries_{io_, "host=/nowhere dbname=none", core::Log()};
   FakeConnection connection_;
   std::optional<Live> live_{};
 };

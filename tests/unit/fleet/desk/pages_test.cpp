@@ -3,14 +3,18 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
 
 #include <atomic>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 
 #include "fleet/database/schema.h"
+#include "fleet/desk/query_pool.h"
 #include "support/postgres_server.h"
 
 namespace dts::fleet::desk {
@@ -19,6 +23,7 @@ namespace {
 using database::Database;
 using nlohmann::json;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 /// One PostgreSQL for all tests, and a new database for each.
@@ -31,7 +36,8 @@ class PagesTest : public ::testing::Test {
     const std::string name = "pages" + std::to_string(++count);
     Database first({.connection = server->connection(), .name = "test"});
     ASSERT_TRUE(first.run("CREATE DATABASE " + name));
-    database_ = std::make_unique<Database>(database::DatabaseOptions{.connection = server->connection(name), .name = "test"});
+    connection_ = server->connection(name);
+    database_ = std::make_unique<Database>(database::DatabaseOptions{.connection = connection_, .name = "test"});
     const auto migrated = database::migrate(*database_);
     ASSERT_TRUE(migrated) << core::to_string(migrated.error());
     sql("INSERT INTO clinic (id, title, nkey) VALUES ('kent', 'Kent', 'U1'), ('dover', 'Dover', 'U2')");
@@ -75,8 +81,52 @@ class PagesTest : public ::testing::Test {
     return found;
   }
 
+  std::string connection_;
   std::unique_ptr<Database> database_{};
 };
+
+/// What a page says if its database, as this user, has this statement; and what the log says of three of them.
+struct Failure {
+  core::Error answer;
+  std::string log;
+};
+
+Failure failure_of(const std::string& connection, const std::string& statement) {
+  std::ostringstream said;
+  boost::asio::io_context io;
+  std::optional<core::Error> answer;
+  {
+    QueryPool pool(io, connection, core::Log(std::make_shared<spdlog::logger>("", std::make_shared<spdlog::sinks::ostream_sink_mt>(said))));
+    for (int count = 0; count < 3; ++count) {
+      answer.reset();
+      pool.submit(
+          [&](Database& database) -> core::Result<std::string> {
+            DTS_TRY(database.run(statement));
+            return std::string();
+          },
+          [&](core::Result<std::string> result) { answer = result ? core::Error{} : result.error(); });
+      while (!answer) {
+        io.restart();
+        io.run_for(std::chrono::milliseconds(5));
+      }
+    }
+  }
+  return {.answer = *answer, .log = said.str()};
+}
+
+TEST_F(PagesTest, ADatabaseThatRejectsTheDashboard_IsLoggedOnce_WithWhatToDo) {
+  sql("CREATE ROLE without_rights LOGIN");
+  for (const auto& [user, reason] : {std::pair("nobody_of_ours", "role \"nobody_of_ours\" does not exist"),
+                                     std::pair("without_rights", "permission denied for table session")}) {
+    const Failure failure = failure_of(connection_ + " user=" + user, "SELECT FROM session");
+    EXPECT_EQ(failure.answer.code, core::ErrorCode::Unreachable);
+    EXPECT_EQ(failure.answer.what, "the database of the centre rejects the dashboard");
+    EXPECT_THAT(failure.log, HasSubstr(reason));
+    EXPECT_THAT(failure.log, HasSubstr("CREATE ROLE"));
+    EXPECT_EQ(failure.log.find("the database: "), failure.log.rfind("the database: ")) << failure.log;
+  }
+  sql("DROP ROLE without_rights");
+}
 
 TEST_F(PagesTest, ClinicThatIsWell_HasNothingWrong) {
   add_beat("kent");

@@ -38,7 +38,7 @@ class RoutesTest : public ::testing::Test {
 
   boost::asio::io_context io_;
   gateway::StaticFiles files_;
-  QueryPool queries_{io_, "host=/nowhere dbname=none"};
+  QueryPool queries_{io_, "host=/nowhere dbname=none", core::Log()};
   std::unique_ptr<gateway::AccessControl> access_{};
   std::optional<Routes> routes_{};
 };

@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -30,8 +31,10 @@ using ::testing::HasSubstr;
 /// A process of dts-worker. Its end kills it.
 class Process {
  public:
-  explicit Process(const std::string& configuration) : pid_(::fork()) {
+  /// `log`: file of its stderr; empty: ours.
+  explicit Process(const std::string& configuration, const std::string& log = {}) : pid_(::fork()) {
     if (pid_ != 0) return;
+    if (!log.empty() && std::freopen(log.c_str(), "w", stderr) == nullptr) ::_exit(126);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     ::setenv("TMPDIR", std::filesystem::path(configuration).parent_path().c_str(), 1);  // a worker that is killed leaves a folder there
     ::execl(DTS_WORKER, "dts-worker", "run", "--config", configuration.c_str(), static_cast<char*>(nullptr));
@@ -341,6 +344,19 @@ TEST_F(WorkerTest, NewDtslab_TakesTheJobsOfItsVersion) {
   std::filesystem::rename(real + ".9", real);
   sql("NOTIFY job");  // else it looks 10 s later
   wait_for("SELECT count(*) FROM job WHERE version = '9.9' AND state = 'done'", 1);
+}
+
+TEST_F(WorkerTest, WithoutItsRole_TheLogSaysWhatToDo) {
+  const auto content_of = [](const std::string& path) { return files::read_whole_file(path, 1U << 20U).value_or(""); };
+  const std::string file = configuration();
+  std::string text = content_of(file);
+  text.replace(text.find(connection()), connection().size(), connection() + " user=nobody_of_ours");
+  std::ofstream(file) << text;
+  const std::string log = folder_.path() + "/log";
+  const Process worker(file, log);
+  const auto is_said = [&] { return content_of(log).find("CREATE ROLE \"dts-worker\" LOGIN IN ROLE worker") != std::string::npos; };
+  for (int tries = 0; tries < 1000 && !is_said(); ++tries) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(is_said()) << content_of(log);
 }
 
 TEST_F(WorkerTest, WrongConfiguration_EndsTheWorker) {

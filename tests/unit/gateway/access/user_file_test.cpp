@@ -2,6 +2,7 @@
 #include "gateway/access/user_file.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -98,6 +99,18 @@ TEST_F(UserFileTest, ThatOthersMayReadOrChange_IsRefused) {
     fs::permissions(file_, fs::perms(mode));
     EXPECT_TRUE(read_users(file_).has_value()) << mode;
   }
+}
+
+TEST_F(UserFileTest, OfAnotherGroup_IsNamedWithWhatToDo) {
+  if (::getuid() != 0) GTEST_SKIP() << "only root can act as another user";
+  write("");
+  constexpr uid_t kNobody = 65534;
+  ASSERT_EQ(::seteuid(kNobody), 0);
+  const auto users = read_users(file_);
+  ASSERT_EQ(::seteuid(0), 0);
+  ASSERT_FALSE(users);
+  EXPECT_EQ(users.error().what, "cannot read '" + file_ + "': Permission denied");
+  EXPECT_NE(users.error().hint.find("chgrp "), std::string::npos) << users.error().hint;
 }
 
 TEST_F(UserFileTest, ThatIsNoneOrTooLarge_IsRefused) {

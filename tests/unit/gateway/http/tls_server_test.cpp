@@ -5,6 +5,7 @@
 #include <openssl/pem.h>
 #include <openssl/ssl.h>
 #include <openssl/x509.h>
+#include <unistd.h>
 
 #include <cstdio>
 
@@ -150,6 +151,22 @@ TEST_F(TlsServer, AHandshakeThatDoesNotEndIsEnded) {
 
   EXPECT_TRUE(silent.is_closed_within(RawClient::kMostWait));
   EXPECT_EQ(status_of(plain.read_to_end()), "");
+}
+
+TEST_F(TlsServer, AKeyThatCannotBeRead_IsNamedWithTheReason) {
+  if (::getuid() != 0) GTEST_SKIP() << "only root can act as another user";
+  const std::string folder = std::filesystem::path(certificate_.key_file()).parent_path();
+  std::filesystem::permissions(folder, std::filesystem::perms(0755));
+  std::filesystem::permissions(certificate_.certificate_file(), std::filesystem::perms(0644));
+  std::filesystem::permissions(certificate_.key_file(), std::filesystem::perms(0600));
+  boost::asio::io_context io;
+  constexpr uid_t kNobody = 65534;
+  ASSERT_EQ(::seteuid(kNobody), 0);
+  const auto opened =
+      Server::open(io, {.port = 0, .certificate_file = certificate_.certificate_file(), .key_file = certificate_.key_file()}, {});
+  ASSERT_EQ(::seteuid(0), 0);
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().what, "cannot read " + certificate_.key_file() + ": Permission denied");
 }
 
 TEST_F(TlsServer, FilesThatCannotBeUsedAreNamed) {

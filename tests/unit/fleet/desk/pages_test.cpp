@@ -123,7 +123,7 @@ TEST_F(PagesTest, ADatabaseThatRejectsTheDashboard_IsLoggedOnce_WithWhatToDo) {
     EXPECT_EQ(failure.answer.what, "the database of the centre rejects the dashboard");
     EXPECT_THAT(failure.log, HasSubstr(reason));
     EXPECT_THAT(failure.log, HasSubstr("CREATE ROLE"));
-    EXPECT_EQ(failure.log.find("the database: "), failure.log.rfind("the database: ")) << failure.log;
+    EXPECT_EQ(failure.log.find("[error]"), failure.log.rfind("[error]")) << failure.log;
   }
   sql("DROP ROLE without_rights");
 }

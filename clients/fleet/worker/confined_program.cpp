@@ -102,7 +102,7 @@ constexpr std::array kRejected{
     SYS_removexattr, SYS_lremovexattr, SYS_fremovexattr, SYS_utimensat, SYS_open_by_handle_at, SYS_mount, SYS_umount2, SYS_chroot,
     SYS_pivot_root};
 
-/// Rejects system calls of this process, for good.
+/// Rejects system calls of this process, for good. Allocates nothing: after a fork, another thread may have held the lock of the allocator.
 class SystemCallFilter {
  public:
   SystemCallFilter() {
@@ -125,7 +125,8 @@ class SystemCallFilter {
   void reject_if_no_bit(long number, unsigned argument, std::uint32_t bits) { reject_if(number, argument, BPF_JSET, bits, false); }
   [[nodiscard]] bool apply() {
     answer(SECCOMP_RET_ALLOW);
-    const sock_fprog program{.len = static_cast<unsigned short>(filter_.size()), .filter = filter_.data()};
+    if (length_ > filter_.size()) return false;
+    const sock_fprog program{.len = static_cast<unsigned short>(length_), .filter = filter_.data()};
     return ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
   }
 
@@ -133,11 +134,15 @@ class SystemCallFilter {
   static constexpr std::uint32_t kNumber = offsetof(seccomp_data, nr);
   static constexpr std::uint32_t kArguments = offsetof(seccomp_data, args);
 
-  void load(std::uint32_t offset) { filter_.push_back(sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offset)); }
-  void jump(std::uint16_t comparison, std::uint32_t value, std::uint8_t skip_if_true, std::uint8_t skip_if_false) {
-    filter_.push_back(sock_filter{static_cast<std::uint16_t>(BPF_JMP | BPF_K | comparison), skip_if_true, skip_if_false, value});
+  void add(const sock_filter& instruction) {
+    if (length_ < filter_.size()) filter_[length_] = instruction;
+    ++length_;
   }
-  void answer(std::uint32_t action) { filter_.push_back(sock_filter BPF_STMT(BPF_RET | BPF_K, action)); }
+  void load(std::uint32_t offset) { add(sock_filter BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offset)); }
+  void jump(std::uint16_t comparison, std::uint32_t value, std::uint8_t skip_if_true, std::uint8_t skip_if_false) {
+    add({static_cast<std::uint16_t>(BPF_JMP | BPF_K | comparison), skip_if_true, skip_if_false, value});
+  }
+  void answer(std::uint32_t action) { add(sock_filter BPF_STMT(BPF_RET | BPF_K, action)); }
   void reject_if(long number, unsigned argument, std::uint16_t comparison, std::uint32_t value, bool is_rejected_if_true) {
     jump(BPF_JEQ, static_cast<std::uint32_t>(number), 0, 4);
     load(kArguments + argument * 8U);  // the lower half on our little-endian machines; the kernel reads no more of an int
@@ -146,7 +151,8 @@ class SystemCallFilter {
     load(kNumber);
   }
 
-  std::vector<sock_filter> filter_{};
+  std::array<sock_filter, 512> filter_{};
+  std::size_t length_ = 0;  ///< Of all that was added.
 };
 
 bool filter_system_calls() {

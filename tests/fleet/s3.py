@@ -119,7 +119,7 @@ def erase(checks: Checks, s3: S3, clinic: Clinic, number: int) -> None:
     sha256 = sorted(s3.objects())[0]
     session = s3.centre.query(f"SELECT session FROM receipt WHERE sha256 = '\\x{sha256}'")
     erased = s3.centre.fleet("session", "erase", clinic.name, session, "--yes")
-    checks.expect("dts-fleet session erase removes the object", "with 1 recordings" in erased and sha256 not in s3.objects(), erased)
+    checks.expect("dts-fleet session erase removes the object", "with 1 recording" in erased and sha256 not in s3.objects(), erased)
     expect_sound(checks, s3, "after an erasure at the centre", number - 2)
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A centre whose store is a bucket, over TLS, in a small S3 that answers wrongly if it is told to.
+"""A centre whose store is a bucket, over TLS, in a small S3 that answers wrongly when a test wants it.
 
     s3.py [--keep]"""
 import os

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""A small S3 for tests, written from the documents of AWS: checks signatures and SHA-256, and answers wrongly if it is told to.
+"""A small S3 for tests, written from the documents of AWS: checks signatures and SHA-256, and answers wrongly when a test wants it.
 
     s3_server.py FOLDER [CERTIFICATE KEY]    listens on a free port of 127.0.0.1, which it writes to FOLDER/port
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// With a small S3 that checks signatures, and that answers wrongly if it is told to.
+// With a small S3 that checks signatures, and that answers wrongly when a test wants it.
 #include "fleet/s3/bucket.h"
 
 #include <dlfcn.h>

@@ -18,7 +18,6 @@ namespace {
 using core::ErrorCode;
 using core::kNaN;
 
-constexpr double kGravity = 9.81;
 constexpr double kMmPerM = 1e3;
 constexpr double kHeightOfMass = 0.55;  ///< Of the body height (force-plates sheet section 8).
 constexpr double kLengthOverHeight = 1.25;

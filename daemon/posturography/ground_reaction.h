@@ -11,6 +11,7 @@ namespace dts::posturography {
 
 /// The band in which the horizontal force follows from the centre of pressure, Hz. Below it, posture changes slowly in ways that are not a
 /// pendulum's, and 0.1 N of signal is left; above it, trunk, arms and heart move apart from the whole body.
+inline constexpr double kGravity = 9.81;  ///< m/s2.
 inline constexpr double kLowestForceHz = 0.1;
 inline constexpr double kHighestForceHz = 2.0;
 /// The result begins this long after the first sample of a stretch and ends as long before its last: the filter has no support there.

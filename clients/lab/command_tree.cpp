@@ -3,6 +3,7 @@
 
 #include "lab/compare/compare_command.h"
 #include "lab/cop/cop_command.h"
+#include "lab/force/force_commands.h"
 #include "lab/manual.h"
 #include "lab/place/place_command.h"
 #include "lab/plate/plate_command.h"
@@ -38,6 +39,7 @@ std::unique_ptr<cli::CommandLine> make_command_tree() {
   plate::add_commands(line);
   thesis::add_commands(line);
   cop::add_commands(line);
+  force::add_commands(line);
   compare::add_commands(line);
   place::add_commands(line);
   replay::add_commands(line);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "posturography/butterworth.h"
+#include "posturography/clean_stretch.h"
 #include "posturography/trial_faults.h"
 
 namespace dts::posturography {
@@ -16,25 +18,8 @@ using core::ErrorCode;
 constexpr double kLowestRateHz = 10.0;
 constexpr double kHighestRateHz = 100'000.0;
 constexpr double kLp10CutoffHz = 10.0;
-constexpr double kLongestShortGapS = 0.050;
 constexpr double kManyLost = 0.01;
 constexpr double kLowRateHz = 50.0;  // Scoppa et al. 2013
-constexpr double kFarthestMm = 1e9;  ///< Larger values are not a centre of pressure; squares of this value and their sums stay finite.
-
-/// Samples [begin, end).
-struct Stretch {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-
-  [[nodiscard]] std::size_t size() const noexcept { return end - begin; }
-};
-
-struct CleanStretch {
-  Stretch longest;
-  std::size_t first_present = 0;
-  std::size_t missing = 0;
-  bool is_cut = false;
-};
 
 std::string hz(double rate) { return std::to_string(rate) + " Hz"; }
 
@@ -56,65 +41,6 @@ core::Status check(const CopSeries& series, const Preparation& preparation) {
     return invalid("the rate of the analysis is not valid");
   if (!(preparation.trim_s >= 0.0) || !std::isfinite(preparation.trim_s)) return invalid("the settling time is not valid");
   return {};
-}
-
-/// Returns false if a known load is not above 0: nobody is on the plate, and the centre of pressure has no meaning.
-bool is_present(const CopSeries& series, std::size_t i) noexcept {
-  const bool is_position = std::abs(series.ml_mm[i]) <= kFarthestMm && std::abs(series.ap_mm[i]) <= kFarthestMm;
-  return is_position && (series.load_n.empty() || !(series.load_n[i] <= 0.0));
-}
-
-CleanStretch clean_stretch(const CopSeries& series) {
-  CleanStretch clean;
-  Stretch current;
-  bool is_any = false;
-  for (std::size_t i = 0; i < series.ml_mm.size(); ++i) {
-    if (!is_present(series, i)) {
-      ++clean.missing;
-      continue;
-    }
-    if (!is_any) {
-      clean.first_present = i;
-      current = {.begin = i, .end = i};
-      is_any = true;
-    }
-    const double gap_s = static_cast<double>(i - current.end) / series.rate_hz;
-    if (gap_s > kLongestShortGapS + kTimeSlackS) {
-      clean.is_cut = true;
-      current.begin = i;
-    }
-    current.end = i + 1;
-    if (current.size() > clean.longest.size()) clean.longest = current;
-  }
-  return clean;
-}
-
-/// Copies both columns of the stretch minus their first values, with gaps interpolated linearly. Subtracting the first value makes a
-/// constant exactly 0, and avoids losing digits far from the origin. Returns the number of interpolated samples.
-std::size_t copy_stretch(const CopSeries& series, const Stretch& stretch, Prepared& prepared) {
-  const double first_ml = series.ml_mm[stretch.begin];
-  const double first_ap = series.ap_mm[stretch.begin];
-  prepared.ml_mm.resize(stretch.size());
-  prepared.ap_mm.resize(stretch.size());
-  prepared.mean_ml_mm = first_ml;
-  prepared.mean_ap_mm = first_ap;
-  std::size_t interpolated = 0;
-  std::size_t before = 0;
-  for (std::size_t i = 0; i < stretch.size(); ++i) {
-    if (!is_present(series, stretch.begin + i)) {
-      ++interpolated;
-      continue;
-    }
-    prepared.ml_mm[i] = series.ml_mm[stretch.begin + i] - first_ml;
-    prepared.ap_mm[i] = series.ap_mm[stretch.begin + i] - first_ap;
-    for (std::size_t gap = before + 1; gap < i; ++gap) {
-      const double part = static_cast<double>(gap - before) / static_cast<double>(i - before);
-      prepared.ml_mm[gap] = prepared.ml_mm[before] + part * (prepared.ml_mm[i] - prepared.ml_mm[before]);
-      prepared.ap_mm[gap] = prepared.ap_mm[before] + part * (prepared.ap_mm[i] - prepared.ap_mm[before]);
-    }
-    before = i;
-  }
-  return interpolated;
 }
 
 void keep_every(std::size_t step, std::size_t first, std::vector<double>& values) {
@@ -149,18 +75,18 @@ std::size_t decimation(const Preparation& preparation, double rate_hz) noexcept 
 }
 
 /// Settling starts with the first sample that is present; after a gap the person already stands on the plate.
-std::size_t samples_to_trim(const CopSeries& series, const CleanStretch& clean, const Preparation& preparation, double rate_hz) {
-  const double stood_s = static_cast<double>(clean.longest.begin - clean.first_present) / series.rate_hz;
+std::size_t samples_to_trim(const CopSeries& series, const CleanStretches& clean, const Preparation& preparation, double rate_hz) {
+  const double stood_s = static_cast<double>(clean.longest().begin - clean.all.front().begin) / series.rate_hz;
   const double trimmed = std::ceil((preparation.trim_s - stood_s - kTimeSlackS) * rate_hz);
   return trimmed <= 0.0 ? 0 : static_cast<std::size_t>(std::min(trimmed, 1e15));
 }
 
-std::uint32_t flags_of(const CopSeries& series, const CleanStretch& clean, const Preparation& preparation) {
+std::uint32_t flags_of(const CopSeries& series, const CleanStretches& clean, const Preparation& preparation) {
   std::uint32_t flags = series.flags;
   if (static_cast<double>(clean.missing) > kManyLost * static_cast<double>(series.ml_mm.size())) flags |= sway_flag::kMissingSamples;
-  if (clean.is_cut) flags |= sway_flag::kCutAtGap;
+  if (clean.all.size() > 1) flags |= sway_flag::kCutAtGap;
   if (series.rate_hz < kLowRateHz) flags |= sway_flag::kLowRate;
-  const auto settled = static_cast<double>(clean.first_present) + preparation.trim_s * series.rate_hz;
+  const auto settled = static_cast<double>(clean.all.front().begin) + preparation.trim_s * series.rate_hz;
   if (settled < static_cast<double>(series.load_n.size()) && load_goes_away(series, static_cast<std::size_t>(settled))) {
     flags |= sway_flag::kSteppedOff;
   }
@@ -186,16 +112,20 @@ std::optional<Profile> profile_named(std::string_view name_of_profile) noexcept 
 
 core::Result<Prepared> prepare(const CopSeries& series, const Preparation& preparation) {
   DTS_TRY(check(series, preparation));
-  const CleanStretch clean = clean_stretch(series);
+  const CleanStretches clean = clean_stretches(series);
+  const Stretch longest = clean.longest();
   const bool is_filtered = preparation.profile == Profile::Lp10;
   const std::size_t needed = is_filtered ? kZeroPhasePadding + 1 : 2;
-  if (clean.longest.size() < needed) return tl::make_unexpected(too_little(clean.longest.size(), needed, series.rate_hz).error());
+  if (longest.size() < needed) return tl::make_unexpected(too_little(longest.size(), needed, series.rate_hz).error());
 
   Prepared prepared;
   prepared.profile = preparation.profile;
   prepared.missing = clean.missing;
   prepared.flags = flags_of(series, clean, preparation);
-  prepared.interpolated = copy_stretch(series, clean.longest, prepared);
+  StretchCopy copy = copy_of(series, longest);
+  prepared.ml_mm = std::move(copy.ml_mm);
+  prepared.ap_mm = std::move(copy.ap_mm);
+  prepared.interpolated = copy.interpolated;
   if (is_filtered) {
     const LowPass low_pass = butterworth4(kLp10CutoffHz, series.rate_hz);
     filter_zero_phase(low_pass, prepared.ml_mm);
@@ -204,14 +134,14 @@ core::Result<Prepared> prepare(const CopSeries& series, const Preparation& prepa
   const std::size_t step = decimation(preparation, series.rate_hz);
   prepared.rate_hz = series.rate_hz / static_cast<double>(step);
   const std::size_t trimmed = samples_to_trim(series, clean, preparation, prepared.rate_hz);
-  const std::size_t kept = (clean.longest.size() + step - 1) / step;
+  const std::size_t kept = (longest.size() + step - 1) / step;
   if (kept < trimmed + 2) return tl::make_unexpected(too_little(kept - std::min(kept, trimmed), 2, prepared.rate_hz).error());
   if (position_jumps(prepared.ml_mm, prepared.ap_mm, trimmed * step, series.rate_hz)) prepared.flags |= sway_flag::kMoved;
   keep_every(step, trimmed * step, prepared.ml_mm);
   keep_every(step, trimmed * step, prepared.ap_mm);
-  prepared.begins_s = static_cast<double>(clean.longest.begin + trimmed * step) / series.rate_hz;
-  prepared.mean_ml_mm += centre(prepared.ml_mm);
-  prepared.mean_ap_mm += centre(prepared.ap_mm);
+  prepared.begins_s = static_cast<double>(longest.begin + trimmed * step) / series.rate_hz;
+  prepared.mean_ml_mm = copy.first_ml_mm + centre(prepared.ml_mm);
+  prepared.mean_ap_mm = copy.first_ap_mm + centre(prepared.ap_mm);
   return prepared;
 }
 

@@ -2,6 +2,7 @@
 #include "lab/base/csv.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -226,6 +227,14 @@ const std::vector<std::string>& CsvTable::texts(std::string_view column) const {
   static const std::vector<std::string> none;
   const Column* found = find(column);
   return found == nullptr ? none : found->texts;
+}
+
+void add_csv_number(std::string& line, double value) {
+  line += ',';
+  if (!std::isfinite(value)) return;
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr;
+  line.append(text.data(), end);
 }
 
 }  // namespace dts::lab

@@ -67,4 +67,7 @@ class CsvTable {
   std::vector<Column> columns_;
 };
 
+/// Appends a comma and the value with 9 digits to a line of a CSV file; an undefined value becomes an empty cell.
+void add_csv_number(std::string& line, double value);
+
 }  // namespace dts::lab

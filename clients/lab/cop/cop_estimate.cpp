@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // `dtslab cop estimate`: a calibration applied to the deflections in a file.
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -13,6 +11,7 @@
 #include "files/cop_calibration_file.h"
 #include "files/whole_file.h"
 #include "lab/base/command.h"
+#include "lab/base/csv.h"
 #include "lab/base/problems.h"
 #include "lab/cop/cop_command.h"
 #include "lab/cop/cop_points.h"
@@ -86,14 +85,6 @@ void correct(Person& person, const physics::TwoFeetCorrection& two_feet, const C
   }
 }
 
-void add_number(std::string& line, double value) {
-  line += ',';
-  if (!std::isfinite(value)) return;  // an undefined value is an empty cell
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr;
-  line.append(text.data(), end);
-}
-
 std::string estimates_text(const CsvTable& table, const std::vector<CopEstimate>& estimates) {
   std::string text = table.header();
   for (const char* name : kEstimateColumns) text += "," + std::string(name);
@@ -101,9 +92,9 @@ std::string estimates_text(const CsvTable& table, const std::vector<CopEstimate>
   for (std::size_t row = 0; row < estimates.size(); ++row) {
     const CopEstimate& estimate = estimates[row];
     text += table.lines()[row];
-    add_number(text, estimate.x_mm);
-    add_number(text, estimate.y_mm);
-    add_number(text, estimate.load_n);
+    add_csv_number(text, estimate.x_mm);
+    add_csv_number(text, estimate.y_mm);
+    add_csv_number(text, estimate.load_n);
     text += "," + physics::cop_flags_text(estimate.flags) + "\n";
   }
   return text;

@@ -88,7 +88,7 @@ core::Result<ForcePlate> ForcePlate::create(const KistlerPlate& plate) {
 }
 
 core::Result<ForcePlate> ForcePlate::create(const SixComponentPlate& plate) {
-  for (const double offset_mm : plate.surface_mm) DTS_TRY(check_number("surface_mm", offset_mm, -1000.0, 1000.0));
+  for (const double offset_mm : plate.surface_mm) DTS_TRY(check_number("surface_mm", offset_mm, -5000.0, 5000.0));
   std::vector<Column> columns;
   for (std::size_t channel = 0; channel < kSixComponents; ++channel) {
     Wrench unit;

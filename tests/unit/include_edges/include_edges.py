@@ -33,10 +33,12 @@ HOUSE = [
     ("daemon/sim",               ["core", "physics"],                                     []),
     ("daemon/classifier",        ["core"],                                                []),
     ("daemon/posturography",     ["core"],                                                []),
+    ("daemon/c3d",               ["core"],                                                []),
     ("daemon/events",            ["core", "posturography", "proto"],                      ["google/protobuf/"]),
     ("daemon/posturography/fourier", [],                                                  ["kissfft/"]),
     ("daemon/pipeline",          ["core", "physics", "classifier", "posturography"],      []),
     ("daemon/record",            ["core", "events", "proto"],                             ["nlohmann/"]),
+    ("daemon/record/export/c3d_export", ["c3d"],                                          []),
     ("daemon/record/sha256.cpp", [],                                                      ["sodium.h"]),
     ("daemon/record/xdf",        [],                                                      ["boost/crc.hpp", "pugixml.hpp", "sodium.h"]),
     ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h", "SQLiteCpp/"]),
@@ -77,13 +79,13 @@ HOUSE = [
     ("clients/lab/plate",        ["cli", "physics", "files", "lab/base"],         ["CLI/"]),
     ("clients/lab/cop",          ["cli", "core", "physics", "files", "lab/base"],         ["CLI/"]),
     ("clients/lab/place",        ["cli", "core", "physics", "lab/base"],                  ["CLI/", "Eigen/"]),
-    ("clients/lab/compare",      ["cli", "core", "files", "record", "lab/base"],          ["CLI/", "Eigen/"]),
-    ("clients/lab/force",        ["cli", "core", "files", "posturography", "lab/base"],   ["CLI/"]),
+    ("clients/lab/force",        ["cli", "core", "physics", "files", "posturography", "c3d", "lab/base"], ["CLI/"]),
+    ("clients/lab/compare",      ["cli", "core", "files", "record", "lab/base", "lab/force"], ["CLI/", "Eigen/"]),
     ("clients/lab/replay",       ["cli", "core", "files", "pipeline", "record", "session", "events", "proto", "device/replay", "lab/base"], ["CLI/"]),
     ("clients/lab/simulate",     ["cli", "core", "sim", "files", "pipeline", "record", "session", "device/registry",
                                   "device/sim", "lab/base"],                              ["CLI/"]),
-    ("clients/lab/sway",         ["cli", "core", "files", "posturography", "record", "session", "lab/base"], ["CLI/"]),
-    ("clients/lab/steadiness",   ["cli", "core", "files", "posturography", "lab/base", "lab/sway"], ["CLI/", "Eigen/"]),
+    ("clients/lab/sway",         ["cli", "core", "files", "posturography", "record", "session", "lab/base", "lab/force"], ["CLI/"]),
+    ("clients/lab/steadiness",   ["cli", "core", "files", "posturography", "lab/base", "lab/force", "lab/sway"], ["CLI/", "Eigen/"]),
     ("clients/lab/results",      ["cli", "core", "physics", "classifier", "record", "session", "events", "lab/base"], ["CLI/"]),
     ("clients/lab/reach",        ["cli", "core", "physics", "sim", "files", "pipeline", "lab/base"], ["CLI/"]),
     ("clients/lab/training",     ["cli", "core", "files", "classifier", "record", "lab/base", "lab/reach"], ["CLI/", "Eigen/"]),
@@ -277,7 +279,7 @@ def edges_text(rooms):
     return ", ".join(f"`{room}`" for room in rooms) or "nothing of ours"
 
 
-ROOM_ROW = re.compile(r"\| `([a-z_/]+)` \| (.+) \| ([^|]+) \|$")
+ROOM_ROW = re.compile(r"\| `([a-z0-9_/]+)` \| (.+) \| ([^|]+) \|$")
 
 
 def faults_of_room_tables(root):

@@ -83,7 +83,7 @@ class Reader {
     }
     if (offset == 0) return false;
     const auto next = static_cast<std::int64_t>(from) + offset;
-    if (next < static_cast<std::int64_t>(from) + 2 || next >= static_cast<std::int64_t>(section_.size())) {
+    if (next < static_cast<std::int64_t>(from) + 2 || next > static_cast<std::int64_t>(section_.size())) {
       return stop("the record behind " + name + " would be outside");
     }
     at_ = static_cast<std::size_t>(next);

@@ -56,8 +56,9 @@ void try_bytes(const std::uint8_t* bytes, std::size_t size) {
       const PlateView view(*file, plate, axes, kDefaultLeastForceN);
       for (std::size_t k = 0; k < std::min(file->samples, kMostSamples); ++k) (void)view.at(k);
     }
-    (void)sign_warnings(*file, plate, kDefaultLeastForceN);
   }
+  ForceFile checked = *file;
+  add_sign_warnings(checked, kDefaultLeastForceN);
   write_and_read(*file, folder.file("output.c3d"));
 }
 

@@ -19,6 +19,7 @@ using physics::kSixComponents;
 using physics::Wrench;
 
 constexpr std::size_t kMostChannelsOfPlate = 8;
+constexpr std::size_t kMostPlates = 64;
 constexpr double kMostlyUp = 0.7;  ///< Part of a unit vector along y or z, whichever is the vertical of the laboratory.
 
 /// A plate of type 1: its channels are forces, a point in mm, and a free moment.
@@ -40,8 +41,7 @@ struct C3dContents {
   std::vector<std::optional<C3dPlate>> plates;  ///< Absent: not usable.
 };
 
-ForceSample sample_of(const C3dPlate& plate, const PointPlate& kind, const std::array<double, kMostChannelsOfPlate>& values) {
-  static_cast<void>(plate);
+ForceSample sample_of(const C3dPlate& /*plate*/, const PointPlate& kind, const std::array<double, kMostChannelsOfPlate>& values) {
   const auto& [fx, fy, fz, px, py, tz, unused_7, unused_8] = values;
   const double x_mm = px * kind.mm_per_unit;
   const double y_mm = py * kind.mm_per_unit;
@@ -98,6 +98,11 @@ class Builder {
     const c3d::ForcePlatforms platforms = force_platforms(contents_.file.parameters());
     facts_.zero_frames = platforms.zero_frames;
     for (const c3d::ForcePlatform& platform : platforms.plates) {
+      if (facts_.plates.size() == kMostPlates) {
+        facts_.warnings.push_back("the file has " + std::to_string(platforms.plates.size()) + " plates: only the first " +
+                                  std::to_string(kMostPlates) + " are read");
+        return;
+      }
       PlateFacts& facts = facts_.plates.emplace_back(facts_of(platform));
       auto plate = plate_of(platform, facts);
       if (!plate) {

@@ -96,11 +96,11 @@ PlateReport report_of(const ForceFile& file, std::size_t plate, Axes axes, doubl
   std::array<std::size_t, kColumns.size()> counts{};
   const PlateView view(file, plate, axes, least_force_n);
   for (std::size_t k = 0; k < file.samples; ++k) {
-    if (!PlateView::is_loaded(file.sample_at(plate, k), file.vertical, least_force_n)) continue;
+    const auto sample = view.loaded_at(k);
+    if (!sample) continue;
     ++report.loaded;
-    const ForceSample sample = view.at(k);
     for (std::size_t column = 0; column < kColumns.size(); ++column) {
-      const double value = kColumns[column].value(sample);
+      const double value = kColumns[column].value(*sample);
       if (!std::isfinite(value)) continue;
       report.means[column] += value;
       ++counts[column];
@@ -238,10 +238,8 @@ int run_force(const ForceArguments& arguments, cli::Console& console) {
   std::vector<PlateReport> reports;
   for (std::size_t plate = 0; plate < file->plates.size(); ++plate) {
     reports.push_back(report_of(*file, plate, *axes, arguments.least_force_n));
-    for (std::string& warning : sign_warnings(*file, plate, arguments.least_force_n)) {
-      file->plates[plate].warnings.push_back(std::move(warning));
-    }
   }
+  add_sign_warnings(*file, arguments.least_force_n);
   if (!arguments.csv.empty()) {
     const PlateView view(*file, arguments.plate - 1, *axes, arguments.least_force_n);
     if (const auto written = write_csv(*file, view, arguments.csv); !written) return fail_in_one_line(console, written.error());

@@ -51,25 +51,34 @@ PlateView::PlateView(const ForceFile& file, std::size_t plate, Axes axes, double
       is_turned_(axes == Axes::Laboratory && file.axes == Axes::Plate),
       place_(place_of(file.plates[plate])) {}
 
-bool PlateView::is_loaded(const ForceSample& of_file, std::size_t vertical, double least_force_n) noexcept {
-  const double force_n = of_file.force_n[vertical];
-  if (!std::isnan(force_n)) return force_n != 0.0 && std::abs(force_n) >= least_force_n;
+bool PlateView::is_loaded(const ForceSample& of_file) const noexcept {
+  const double force_n = of_file.force_n[file_->vertical];
+  if (!std::isnan(force_n)) return force_n != 0.0 && std::abs(force_n) >= least_force_n_;
   return std::isnan(of_file.force_n[0]) && std::isnan(of_file.force_n[1]) && std::isnan(of_file.force_n[2]);
+}
+
+ForceSample PlateView::in_axes(ForceSample of_file) const {
+  if (!is_turned_) return of_file;
+  if (!place_) return {};
+  of_file.force_n = place_->turned(of_file.force_n);
+  of_file.moment_nm = place_->turned(of_file.moment_nm);
+  of_file.cop_mm = place_->turned(of_file.cop_mm);
+  for (std::size_t k = 0; k < 3; ++k) of_file.cop_mm[k] += place_->centre_mm[k];
+  return of_file;
 }
 
 ForceSample PlateView::at(std::size_t sample) const {
   ForceSample seen = file_->sample_at(plate_, sample);
-  if (!is_loaded(seen, file_->vertical, least_force_n_)) {
+  if (!is_loaded(seen)) {
     seen.cop_mm = ForceSample{}.cop_mm;
     seen.free_moment_nm = core::kNaN;
   }
-  if (!is_turned_) return seen;
-  if (!place_) return {};
-  seen.force_n = place_->turned(seen.force_n);
-  seen.moment_nm = place_->turned(seen.moment_nm);
-  seen.cop_mm = place_->turned(seen.cop_mm);
-  for (std::size_t k = 0; k < 3; ++k) seen.cop_mm[k] += place_->centre_mm[k];
-  return seen;
+  return in_axes(seen);
+}
+
+std::optional<ForceSample> PlateView::loaded_at(std::size_t sample) const {
+  const ForceSample of_file = file_->sample_at(plate_, sample);
+  return is_loaded(of_file) ? std::optional(in_axes(of_file)) : std::nullopt;
 }
 
 }  // namespace dts::lab::force

@@ -27,10 +27,13 @@ class PlateView {
   PlateView(const ForceFile& file, std::size_t plate, Axes axes, double least_force_n);
 
   [[nodiscard]] ForceSample at(std::size_t sample) const;
-  /// Returns whether the sample counts for means: the vertical force is known and large enough, or the file has a COP only.
-  [[nodiscard]] static bool is_loaded(const ForceSample& of_file, std::size_t vertical, double least_force_n) noexcept;
+  /// Returns a sample that counts for means: the vertical force is known and large enough, or the file has a COP only.
+  [[nodiscard]] std::optional<ForceSample> loaded_at(std::size_t sample) const;
 
  private:
+  [[nodiscard]] bool is_loaded(const ForceSample& of_file) const noexcept;
+  [[nodiscard]] ForceSample in_axes(ForceSample of_file) const;
+
   const ForceFile* file_;
   std::size_t plate_;
   double least_force_n_;

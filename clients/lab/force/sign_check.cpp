@@ -120,14 +120,6 @@ std::optional<double> up_of(const ForceFile& file, std::size_t plate) {
   return normal[axis] > 0.0 ? 1.0 : -1.0;
 }
 
-bool is_only_loaded_plate(const ForceFile& file, std::size_t plate, double least_force_n) {
-  for (std::size_t other = 0; other < file.plates.size(); ++other) {
-    if (other == plate || !file.plates[other].is_usable) continue;
-    if (mean_vertical(bins_of(file, other, least_force_n)) != 0.0) return false;
-  }
-  return true;
-}
-
 bool is_quiet(std::span<const Bin> stance) {
   double mean = 0.0;
   for (const Bin& bin : stance) mean += bin[0] / static_cast<double>(stance.size());
@@ -136,7 +128,24 @@ bool is_quiet(std::span<const Bin> stance) {
   return std::sqrt(squares) <= kMostLoadChange * std::abs(mean);
 }
 
-std::optional<std::string> shear_warning(std::array<double, 2> r, std::optional<double> is_reaction) {
+/// Returns the correlations of both horizontal axes; nothing if this is not quiet standing.
+std::optional<std::array<double, 2>> correlations(const Bins& bins) {
+  const auto stance = longest_stance(bins);
+  const double length_s = static_cast<double>(stance.size()) / bins.rate_hz;
+  if (bins.rate_hz < kLowestRateHz || length_s < kShortestS || !is_quiet(stance)) return std::nullopt;
+  const auto margin = static_cast<std::size_t>(std::ceil(kMarginS * bins.rate_hz));
+  const auto along = [&](std::size_t axis) {
+    return correlation(band_of(stance, 1 + axis, bins.rate_hz), band_of(stance, 3 + axis, bins.rate_hz), margin);
+  };
+  const auto x = along(0);
+  const auto y = along(1);
+  return x && y ? std::optional(std::array{*x, *y}) : std::nullopt;
+}
+
+std::optional<std::string> shear_warning(const Bins& bins, std::optional<double> is_reaction) {
+  const auto found = correlations(bins);
+  if (!found) return std::nullopt;
+  const auto& r = *found;
   const std::string values = "correlation of the shear with -p'': " + cli::decimal(r[0], 2) + " along the first horizontal axis, " +
                              cli::decimal(r[1], 2) + " along the second";
   if (std::abs(r[0]) < kLeastCorrelation || std::abs(r[1]) < kLeastCorrelation) {
@@ -151,32 +160,23 @@ std::optional<std::string> shear_warning(std::array<double, 2> r, std::optional<
 
 }  // namespace
 
-std::vector<std::string> sign_warnings(const ForceFile& file, std::size_t plate, double least_force_n) {
-  std::vector<std::string> warnings;
-  if (!file.plates[plate].is_usable) return warnings;
-  const Bins bins = bins_of(file, plate, least_force_n);
-  const double mean_n = mean_vertical(bins);
-  if (mean_n == 0.0) return warnings;
-  const auto up = up_of(file, plate);
-  if (up && *up * mean_n < 0.0) {
-    warnings.emplace_back("the vertical force points down while somebody is on the plate: it is the action, or the axes are turned");
-  } else if (!up && mean_n < 0.0) {
-    warnings.emplace_back("the vertical force is negative while somebody is on the plate: it points down if z points up");
+void add_sign_warnings(ForceFile& file, double least_force_n) {
+  std::vector<double> means_n;
+  for (std::size_t plate = 0; plate < file.plates.size(); ++plate) means_n.push_back(mean_vertical(bins_of(file, plate, least_force_n)));
+  const auto loaded = std::ranges::count_if(means_n, [](double mean_n) { return mean_n != 0.0; });
+  for (std::size_t plate = 0; plate < file.plates.size(); ++plate) {
+    if (means_n[plate] == 0.0) continue;
+    std::vector<std::string>& warnings = file.plates[plate].warnings;
+    const auto up = up_of(file, plate);
+    if (up && *up * means_n[plate] < 0.0) {
+      warnings.emplace_back("the vertical force points down while the plate is loaded: it is the action, or the axes are turned");
+    } else if (!up && means_n[plate] < 0.0) {
+      warnings.emplace_back("the vertical force is negative while the plate is loaded: it points down if z points up");
+    }
+    if (loaded > 1) continue;  // each foot pushes against the other
+    const auto is_reaction = up ? std::optional(*up * means_n[plate]) : std::nullopt;
+    if (auto warning = shear_warning(bins_of(file, plate, least_force_n), is_reaction)) warnings.push_back(std::move(*warning));
   }
-  const auto stance = longest_stance(bins);
-  const auto length_s = static_cast<double>(stance.size()) / bins.rate_hz;
-  if (bins.rate_hz < kLowestRateHz || length_s < kShortestS || !is_quiet(stance)) return warnings;
-  if (!is_only_loaded_plate(file, plate, least_force_n)) return warnings;
-  const auto margin = static_cast<std::size_t>(std::ceil(kMarginS * bins.rate_hz));
-  const auto along = [&](std::size_t axis) {
-    return correlation(band_of(stance, 1 + axis, bins.rate_hz), band_of(stance, 3 + axis, bins.rate_hz), margin);
-  };
-  const auto x = along(0);
-  const auto y = along(1);
-  if (!x || !y) return warnings;
-  const auto is_reaction = up ? std::optional(*up * mean_n) : std::nullopt;
-  if (auto warning = shear_warning({*x, *y}, is_reaction)) warnings.push_back(std::move(*warning));
-  return warnings;
 }
 
 }  // namespace dts::lab::force

@@ -111,7 +111,11 @@ ForceSample text_sample(const TextContents& contents, std::size_t index, std::si
                      .moment_nm = {values[3], values[4], values[5]},
                      .cop_mm = {values[6], values[7], values[8]},
                      .free_moment_nm = values[9]};
-  if (plate.is_cop_of_file) return sample;
+  if (plate.is_cop_of_file) {
+    const bool is_on_surface = contents.vertical == 2 && !plate.values[8] && std::isfinite(sample.cop_mm[0] + sample.cop_mm[1]);
+    if (is_on_surface) sample.cop_mm[2] = 0.0;
+    return sample;
+  }
   const auto point = physics::force_point({.force_n = sample.force_n, .moment_nm = sample.moment_nm});
   sample.cop_mm = {point.x_mm, point.y_mm, 0.0};
   if (!plate.values[9]) sample.free_moment_nm = point.free_moment_nm;

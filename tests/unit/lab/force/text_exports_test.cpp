@@ -39,7 +39,7 @@ TEST_F(TextForce, BioWareOfAnotherCountry_HasDecimalCommas) {
   const auto rows =
       force("b.txt", bioware("abs time\tFx\tFy\tFz\tAx\tAy\tTz'", "s\tN\tN\tN\tm\tm\tN.m",
                              "0,000\t1,5\t-0,25\t670,5\t0,0125\t-0,003\t1,25\r\n0,001\t1,5\t-0,25\t5,0\t0,0125\t-0,003\t1,25\r\n"));
-  expect_row(rows[0], {{"fx_n", 1.5}, {"fz_n", 670.5}, {"copx_mm", 12.5}, {"copy_mm", -3.0}, {"copz_mm", kEmpty}, {"tz_nm", 1.25}});
+  expect_row(rows[0], {{"fx_n", 1.5}, {"fz_n", 670.5}, {"copx_mm", 12.5}, {"copy_mm", -3.0}, {"copz_mm", 0.0}, {"tz_nm", 1.25}});
   expect_row(rows[1], {{"fz_n", 5.0}, {"copx_mm", kEmpty}, {"tz_nm", kEmpty}});
   EXPECT_THAT(json()["warnings"], Contains(HasSubstr("relative to their own mean")));
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 #include <tuple>
 #include <utility>
 
@@ -18,15 +19,20 @@ constexpr double kLargest = 1e9;
 constexpr double kMicrovoltsPerVolt = 1e6;
 constexpr double kMillivoltsPerVolt = 1e3;
 
+/// Makes absent keys known, so that a misspelt one is suggested.
+void know(TomlReader& reader, std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    if (!reader.has(key)) static_cast<void>(reader.node(key));
+  }
+}
+
 /// Returns the list at `key`, which must be there and have `count` numbers; zeros if it is wrong, with a problem.
 template <std::size_t Count>
 std::array<double, Count> required_list(TomlReader& reader, std::string_view key) {
   std::array<double, Count> values{};
   reader.require(key);
-  if (!reader.has(key)) {
-    static_cast<void>(reader.node(key));
-    return values;
-  }
+  know(reader, {key});
+  if (!reader.has(key)) return values;
   const std::vector<double> read = read_list(reader, key, reader.node(key), Count, Count, kLargest);
   std::ranges::copy(read, values.begin());
   return values;
@@ -68,6 +74,7 @@ std::array<double, kKistlerChannels> kistler_scales(TomlReader& reader) {
 }
 
 core::Result<ForcePlate> kistler(TomlReader& reader, std::optional<physics::PointPolynomial>& polynomial) {
+  know(reader, {"scale_mv_per_n", "sensitivity_pc_per_n", "range_pc", "full_scale_v", "cop_poly_x", "cop_poly_y"});
   physics::KistlerPlate plate{.newtons_per_unit = kistler_scales(reader)};
   for (const auto& [key, target, least, most] : {std::tuple{"a_mm", &plate.a_mm, 1.0, 5000.0}, std::tuple{"b_mm", &plate.b_mm, 1.0, 5000.0},
                                                  std::tuple{"az0_mm", &plate.az0_mm, -1000.0, -0.001}}) {
@@ -98,6 +105,7 @@ std::array<double, kSixComponents> microvolts_per_volt(TomlReader& reader) {
 
 core::Result<ForcePlate> six_component(TomlReader& reader, const Problems& problems) {
   const std::size_t known_problems = problems.size();
+  know(reader, {"matrix", "matrix_unit", "sensitivity", "excitation_v", "gain"});
   physics::SixComponentPlate plate;
   std::array<double, kSixComponents> factors{1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
   const bool is_sensitivity = reader.has("sensitivity") && !reader.has("matrix");
@@ -153,8 +161,8 @@ core::Result<ForcePlate> load_cells(TomlReader& reader) {
 std::optional<ForcePlateFile> read_force_plate(TomlReader reader, Problems& problems) {
   const std::size_t known_problems = problems.size();
   reader.require("kind");
+  know(reader, {"kind", "tare"});
   if (!reader.has("kind")) {
-    static_cast<void>(reader.node("kind"));
     reader.finish();
     return std::nullopt;
   }
@@ -167,7 +175,7 @@ std::optional<ForcePlateFile> read_force_plate(TomlReader reader, Problems& prob
                                          : load_cells(reader);
   if (!plate && problems.size() == known_problems) reader.report("", core::to_string(plate.error()));
   if (!plate) {
-    static_cast<void>(reader.node("tare"));
+    if (reader.has("tare")) static_cast<void>(reader.node("tare"));
     reader.finish();
     return std::nullopt;
   }
@@ -195,7 +203,7 @@ std::optional<ForcePlateFile> read_force_plate(const std::string& file, Problems
   TomlReader reader(&*table, "", file, problems);
   reader.require("force_plate");
   if (!reader.has("force_plate")) {
-    static_cast<void>(reader.node("force_plate"));
+    know(reader, {"force_plate"});
     reader.finish();
     return std::nullopt;
   }

@@ -68,7 +68,8 @@ ForceSample c3d_sample(const C3dContents& contents, std::size_t index, std::size
   if (!plate) return {};
   std::array<double, kMostChannelsOfPlate> values{};
   for (std::size_t k = 0; k < plate->channels.size(); ++k) {
-    values[k] = contents.file.analogue(sample, plate->channels[k]) - plate->zero[k];
+    const double value = contents.file.analogue(sample, plate->channels[k]) - plate->zero[k];
+    values[k] = std::isfinite(value) ? value : core::kNaN;  // an infinite force would give a position of 0
   }
   return std::visit([&](const auto& kind) { return sample_of(*plate, kind, values); }, plate->kind);
 }

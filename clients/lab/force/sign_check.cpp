@@ -40,7 +40,8 @@ std::array<std::size_t, 2> horizontal(const ForceFile& file) {
 
 /// A bin with an undefined value is NaN.
 Bins bins_of(const ForceFile& file, std::size_t plate, double least_force_n) {
-  const auto each = static_cast<std::size_t>(std::clamp(std::floor(file.rate_hz / kBinHz), 1.0, 1e6));
+  const double most_each = std::min(1e6, static_cast<double>(file.samples));
+  const auto each = static_cast<std::size_t>(std::clamp(std::floor(file.rate_hz / kBinHz), 1.0, most_each));
   Bins bins{.all = {}, .rate_hz = file.rate_hz / static_cast<double>(each)};
   const auto most = static_cast<std::size_t>(std::min(kLongestS * bins.rate_hz, 1e6));
   const PlateView view(file, plate, file.axes, least_force_n);

@@ -18,9 +18,10 @@ inline constexpr double kEmpty = std::numeric_limits<double>::quiet_NaN();
 
 /// Runs `dtslab force` and reads what it writes.
 class ForceTest : public RunTest {
- protected:
+ public:
   using Row = std::map<std::string, double>;  ///< NaN: an empty cell.
 
+ protected:
   /// The rows of a CSV file, by the names of its columns.
   [[nodiscard]] std::vector<Row> rows(const std::string& name) const {
     std::istringstream lines(content(name));

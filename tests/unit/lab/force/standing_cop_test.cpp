@@ -50,9 +50,10 @@ TEST_F(StandingCop, NetOfTwoPlates_HasTheMeasuresOfTheWholeBody) {
   ASSERT_EQ(run_with({"sway", write("same.csv", as_csv()), "--json"}), cli::kOk);
   const auto same = json()["measures"];
   for (const char* measure : {"MVELO", "RDIST", "RANGE"})
-    EXPECT_NEAR(net[measure].get<double>(), same[measure].get<double>(), 1e-4) << measure;
+    EXPECT_NEAR(net[measure]["value"].get<double>(), same[measure]["value"].get<double>(), 1e-4) << measure;
   ASSERT_EQ(run_with({"sway", file, "--plate", "2", "--ml", "-x", "--ap", "-y", "--json"}), cli::kOk) << talk();
-  EXPECT_LT(json()["measures"]["MVELO"].get<double>(), net["MVELO"].get<double>()) << "alone, its centre moves along one axis";
+  EXPECT_LT(json()["measures"]["MVELO"]["value"].get<double>(), net["MVELO"]["value"].get<double>())
+      << "alone, its centre moves along one axis";
   ASSERT_EQ(run_with({"compare", file, path("same.csv"), "--plate", "net", "--ml", "+x", "--ap", "+y", "--json"}), cli::kOk) << talk();
   EXPECT_LT(json()["rmse_total_mm"].get<double>(), 0.01);
 }

@@ -264,7 +264,7 @@ void add_force(cli::CommandLine& line) {
   const auto [command, arguments] =
       add_command(line, line.app, "force",
                   "Read the force plates in a file: forces, moments about the surface, centre of pressure, free moment. The sign of the "
-                  "file is kept; a warning says when signs contradict each other.",
+                  "file is kept; a warning says when signs contradict each other",
                   "dtslab force walk.c3d | the plates of a file, and what is doubtful\n"
                   "dtslab force walk.c3d --plate 2 --axes lab --csv plate2.csv | one plate in the axes of the laboratory\n"
                   "dtslab force jump.txt --json | a text export of BioWare, for a program\n"

@@ -121,6 +121,30 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   return facts;
 }
 
+std::optional<Notes> methods_of(const SessionData& session, std::span<const TrialData> trials) {
+  const auto analysed = std::ranges::find_if(trials, [](const TrialData& trial) { return trial.analysis.has_value(); });
+  if (analysed == trials.end()) return std::nullopt;
+  const posturography::Analysis& analysis = *analysed->analysis;
+  std::string text = "The centre of pressure was recorded";
+  if (session.facts && !session.facts->device_model.empty()) text += " with a " + session.facts->device_model;
+  text += " at " + significant(analysed->recorded.cop.rate_hz) + " Hz";
+  if (session.facts && !session.facts->software.empty()) text += " (" + session.facts->software + ")";
+  text +=
+      ", filtered (" + filter_text(analysis) + ") and analysed at " + significant(analysis.rate_hz) +
+      " Hz. Gaps of up to 50 ms were interpolated linearly, and the mean of each trial was subtracted. AP is positive forward, ML is "
+      "positive to the right. Time-domain and spectral measures are defined as in Prieto et al. (1996), the 95 % prediction ellipse as in "
+      "Schubert and Kirchner (2014), stabilogram diffusion as in Collins and De Luca (1993).";
+  if (!session.software.empty()) text += " All measures were computed with " + session.software + ".";
+  return Notes{
+      .title = "Methods, for a paper",
+      .items = {std::move(text),
+                "Prieto TE et al. Measures of postural steadiness: differences between healthy young and elderly adults. IEEE Trans "
+                "Biomed Eng 1996; 43: 956-966.",
+                "Schubert P, Kirchner M. Ellipse area calculations and their applicability in posturography. Gait Posture 2014; 39: "
+                "518-522.",
+                "Collins JJ, De Luca CJ. Open-loop and closed-loop control of posture. Exp Brain Res 1993; 95: 308-318."}};
+}
+
 std::vector<std::string> session_alerts(const SessionData& session) {
   std::vector<std::string> alerts;
   if (session.is_synthetic()) {

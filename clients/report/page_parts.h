@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,9 @@ namespace dts::report {
 [[nodiscard]] std::string filter_text(const posturography::Analysis& analysis);
 /// Returns the files, devices and programs from which the numbers originate, for the parts [first_part, end_part).
 [[nodiscard]] std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_part, std::size_t end_part);
+/// Returns a paragraph for a paper: device, rate, filter, definitions, versions, and the literature to cite. `trials`: those that the page
+/// is about; without an analysed one, returns nothing.
+[[nodiscard]] std::optional<Notes> methods_of(const SessionData& session, std::span<const TrialData> trials);
 /// Returns warnings for every page of the session: synthetic data, damaged files.
 [[nodiscard]] std::vector<std::string> session_alerts(const SessionData& session);
 /// Describes how this platform differs from a metrological platform (posturography sheet section 2).

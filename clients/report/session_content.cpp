@@ -203,6 +203,7 @@ PageContent session_content(const SessionData& session, const SessionPageLimits&
   if (auto corrections = corrections_of(session); !corrections.items.empty()) rest.columns[1].push_back(std::move(corrections));
   if (auto romberg = romberg_table(session)) rest.columns[0].push_back(std::move(*romberg));
   rest.columns[rest.columns[0].empty() ? 0 : 1].push_back(std::move(provenance));
+  if (auto methods = methods_of(session, session.trials)) rest.columns[0].push_back(std::move(*methods));
   page.sections.push_back(std::move(rest));
   return page;
 }

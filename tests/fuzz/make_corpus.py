@@ -51,6 +51,37 @@ def sensor_curves() -> dict[str, str]:
     }
 
 
+def force_plates() -> dict[str, str]:
+    def matrix(diagonal: float) -> str:
+        return str([[diagonal if row == column else 0 for column in range(6)] for row in range(6)])
+
+    amplifier = "excitation_v = [10, 10, 10, 10, 10, 10]\ngain = [1e3, 1e3, 1e3, 1e3, 1e3, 1e3]\nsurface_mm = [1, 2, -40]\n"
+    size = "a_mm = 120\nb_mm = 200\naz0_mm = -48\n"
+    return {
+        "kistler.toml": f'[force_plate]\nkind = "kistler8"\nscale_mv_per_n = [38, 38, 38, 38, 4, 4, 4, 4]\n{size}'
+                        "cop_poly_x = [0, 0, 0, 0, 0, 0.1]\ncop_poly_y = [0, 0, 0, 0, 0, 0.1]\n[force_plate.tare]\nvolts = [0, 0, 0, 0, 0, 0, 0, 1]\n",
+        "charge.toml": '[force_plate]\nkind = "kistler8"\naxes = "z_up"\nsensitivity_pc_per_n = [-8, -8, -8, -8, -4, -4, -4, -4]\n'
+                       f"range_pc = [1e4, 1e4, 1e4, 1e4, 1e4, 1e4, 1e4, 1e4]\nfull_scale_v = 10\n{size}",
+        "matrix.toml": f'[force_plate]\nkind = "six_component"\nmatrix = {matrix(100)}\nmatrix_unit = "n_per_v"\nsurface_mm = [0, 0, -40]\n',
+        "sensitivity.toml": f'[force_plate]\nkind = "six_component"\nsensitivity = {matrix(0.6)}\n{amplifier}',
+        "cells.toml": '[force_plate]\nkind = "load_cells"\nposition_mm = [[200, 100], [-200, 100], [0, -100]]\nscale_n_per_v = [100, 100, 99]\n',
+    }
+
+
+def force_texts() -> dict[str, str]:
+    rows = "".join(f"{k / 100:.2f},1,2,-{700 + k},{k},{-k},3\n" for k in range(20))
+    bioware = "BioWare Version 5.2.1.3 Export\r\nDevice:\tKistler\r\nRate (Hz):\t1000,0\r\n"
+    names = "\t".join(["time"] + [f"ground_{part}" for part in ("force_vx", "force_vy", "force_vz", "force_px", "force_py", "force_pz", "torque_y")])
+    return {
+        "columns.csv": f"Bertec\n\nTime (s),Fx (N),Fy (N),Fz (N),Mx (Nm),My (Nm),Mz (Nm)\n{rows}",
+        "motive.csv": "Device Name,AMTI\n\n\nMocapFrame,MocapTime,DeviceFrame,Fx,Fy,Fz,Mx,My,Mz,Cx,Cy,Cz\n"
+                      "0,0.0,0,1,2,700,3,4,5,0,0,0\n0,0.0,1,1,2,700,3,4,5,0,0,0\n1,0.01,2,1,2,700,3,4,5,0,0,0\n",
+        "bioware.txt": f"{bioware}abs time (s)\tFx\tFy\tFz\tAx\tAy\tTz'\r\n\tN\tN\tN\tm\tm\tN.m\r\n0,000\t1,5\t2\t700\t0,1\t0,2\t1\r\n0,001\t1\t2\t7\t0\t0\t1\r\n",
+        "opensim.mot": f"w\nversion=1\nnRows=2\nnColumns=8\ninDegrees=yes\nendheader\n{names}\n0\t1\t700\t2\t0.1\t0\t0.2\t1\n0.01\t1\t700\t2\t0.1\t0\t0.2\t1\n",
+        "cop.csv": "Time[s];COPx[cm];COPy[cm]\n0,00;1,25;-0,3\n0,01;;-0,3\n",
+    }
+
+
 def cop_calibration(method: str, parts: str, sensors: int = 4) -> str:
     figures = "rms_x_mm = 0.5\nrms_y_mm = 0.5\nrms_total_mm = 0.7\nmax_total_mm = 2.0\nload_rms_percent = 1.0\n"
     head = f'format = 1\nid = "cop-1"\ncreated_utc = "2026-01-31T12:00:00Z"\nrig = "floor"\nmethod = "{method}"\nsensors = {sensors}\n'
@@ -370,7 +401,7 @@ def main() -> None:
     control_module, gateway, stream, fleet_module = messages()
     protocols = {path.name: without_comments(path.read_text()) for path in (CONFIG / "protocols").glob("*.toml")}
     for target, seeds in {
-        "sensor_curve": sensor_curves(), "cop_calibration": cop_calibrations(), "trunk_model": trunk_models(), "protocol": protocols, "rig": rigs(),
+        "sensor_curve": sensor_curves(), "force_plate": force_plates(), "force": force_texts(), "cop_calibration": cop_calibrations(), "trunk_model": trunk_models(), "protocol": protocols, "rig": rigs(),
         "config": configs(), "corrections": corrections(), "label_pattern": label_patterns(), "keys": keys(), "users": users(), "http": http(), "control": control(control_module), "bus": bus(control_module, stream),
         "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(), "fleet": fleet(fleet_module), "link": link(),
     }.items():

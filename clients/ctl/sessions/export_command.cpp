@@ -35,7 +35,9 @@ core::Result<record::Exported> export_one(const RecordedFile& file, const Sessio
     console.talk << console.program << ": " << cli::printable(file.path) << ": " << lost << "; the events show where" << std::endl;
   }
   DTS_TRY_ASSIGN(const auto corrections, record::corrections_beside(file.path, recording->session().value_or(record::SessionFacts{})));
-  if (wishes.format == "csv") return record::export_csv(*recording, wishes.out.empty() ? "." : wishes.out, work.progress(), corrections);
+  const std::string folder = wishes.out.empty() ? "." : wishes.out;
+  if (wishes.format == "csv") return record::export_csv(*recording, folder, work.progress(), corrections);
+  if (wishes.format == "c3d") return record::export_c3d(*recording, folder, work.progress(), corrections);
   return record::export_bids(*recording, wishes.out.empty() ? "bids" : wishes.out, work.progress(), corrections);
 }
 

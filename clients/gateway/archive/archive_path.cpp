@@ -2,7 +2,9 @@
 #include "gateway/archive/archive_path.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
+#include <utility>
 #include <vector>
 
 namespace dts::gateway {
@@ -53,8 +55,12 @@ std::optional<ArchivePath> read_archive_path(std::string_view path) {
     asked.part = number_of(steps[3]);
     return asked.part > 0 ? std::optional(asked) : std::nullopt;
   }
-  if (steps.size() != 3 || (steps[2] != "csv" && steps[2] != "bids")) return std::nullopt;
-  asked.kind = steps[2] == "csv" ? ArchivePath::Kind::Csv : ArchivePath::Kind::Bids;
+  if (steps.size() != 3) return std::nullopt;
+  constexpr std::array kFormats{std::pair{"csv", ArchivePath::Kind::Csv}, std::pair{"bids", ArchivePath::Kind::Bids},
+                                std::pair{"c3d", ArchivePath::Kind::C3d}};
+  const auto format = std::ranges::find(kFormats, steps[2], [](const auto& one) { return std::string_view(one.first); });
+  if (format == kFormats.end()) return std::nullopt;
+  asked.kind = format->second;
   return asked;
 }
 

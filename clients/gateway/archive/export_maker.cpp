@@ -35,8 +35,10 @@ core::Status export_part(const ExportOrder& order, const std::string& file, cons
     return tl::make_unexpected(verified.error());
   }
   DTS_TRY_ASSIGN(const auto corrections, record::corrections_beside(file, recording->session().value_or(record::SessionFacts{})));
-  const auto exported = order.format == ExportFormat::Csv ? record::export_csv(*recording, folder.string(), progress, corrections)
-                                                          : record::export_bids(*recording, folder.string(), progress, corrections);
+  const auto write = order.format == ExportFormat::Csv    ? record::export_csv
+                     : order.format == ExportFormat::Bids ? record::export_bids
+                                                          : record::export_c3d;
+  const auto exported = write(*recording, folder.string(), progress, corrections);
   if (!exported) return tl::make_unexpected(exported.error());
   return {};
 }
@@ -63,7 +65,14 @@ core::Status export_parts(const ExportOrder& order, const fs::path& data, const 
 
 }  // namespace
 
-std::string name(ExportFormat format) { return format == ExportFormat::Csv ? "csv" : "bids"; }
+std::string name(ExportFormat format) {
+  switch (format) {
+    case ExportFormat::Csv: return "csv";
+    case ExportFormat::Bids: return "bids";
+    case ExportFormat::C3d: break;
+  }
+  return "c3d";
+}
 
 core::Result<std::uint64_t> make_export(const ExportOrder& order, const fs::path& folder, const std::stop_token& stop) {
   const fs::path data = folder / "data";

@@ -11,8 +11,8 @@
 
 namespace dts::gateway {
 
-enum class ExportFormat : std::uint8_t { Csv, Bids };
-/// Returns "csv" or "bids".
+enum class ExportFormat : std::uint8_t { Csv, Bids, C3d };
+/// Returns "csv", "bids" or "c3d".
 [[nodiscard]] std::string name(ExportFormat format);
 
 struct ExportOrder {

@@ -17,6 +17,7 @@ namespace {
 struct Arguments {
   std::string first;  ///< Recordings.
   std::string second;
+  force::CopChoice cop;  ///< Of files of force plates.
   bool is_json = false;
 };
 
@@ -93,8 +94,8 @@ void print_warnings(const Comparison& comparison, cli::Console& console) {
 
 int run_compare(const Arguments& arguments, cli::Console& console) {
   files::Problems problems;
-  const Recording a = read_recording(arguments.first, problems);
-  const Recording b = read_recording(arguments.second, problems);
+  const Recording a = read_recording(arguments.first, arguments.cop, problems);
+  const Recording b = read_recording(arguments.second, arguments.cop, problems);
   if (!problems.empty()) return report_problems(console, problems);
   const auto comparison = compare(a, b);
   if (!comparison) return fail_with(console, comparison.error());
@@ -113,12 +114,16 @@ void add_commands(cli::CommandLine& line) {
   const auto [command, arguments] =
       add_command(line, line.app, "compare", "Align two recordings of the centre of pressure and show their difference",
                   "dtslab compare plate.csv force_plate.csv | as thesis Table 4.2\n"
-                  "dtslab compare session.xdf force_plate.csv --json | a recording of dtsd, for a program\n",
+                  "dtslab compare session.xdf force_plate.csv --json | a recording of dtsd, for a program\n"
+                  "dtslab compare session.xdf standing.c3d --ml +x --ap -y | beside a force plate in a C3D file\n",
                   run_compare);
-  command.add_option("A", arguments.first, "XDF recording, or CSV file with t_s,x_mm,y_mm (or ml_mm,ap_mm) and optionally trigger or marker")
+  command
+      .add_option("A", arguments.first,
+                  "XDF recording, file of force plates, or CSV file with t_s,x_mm,y_mm (or ml_mm,ap_mm) and optionally trigger or marker")
       ->required()
       ->option_text(" ");
   command.add_option("B", arguments.second, "Second recording, like A; rate and clock may differ")->required()->option_text(" ");
+  force::add_cop_choice(command, arguments.cop);
   add_json(command, arguments.is_json);
 }
 

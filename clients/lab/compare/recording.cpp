@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "lab/base/csv.h"
 #include "lab/base/position_columns.h"
@@ -49,18 +50,34 @@ Recording read_csv_recording(const std::string& file, files::Problems& problems)
                       .y_mm = table.numbers(position->ap),
                       .trigger = table.numbers("trigger"),
                       .marker = table.texts("marker")};
-  if (!recording.t_s.empty()) recording.began_s = recording.t_s.front();
-  for (double& t_s : recording.t_s) t_s -= recording.began_s;
+  return recording;
+}
+
+Recording read_plates(const std::string& file, const force::CopChoice& choice, files::Problems& problems) {
+  auto cop = force::read_standing_cop(file, choice);
+  if (!cop) {
+    const std::string text = core::to_string(cop.error());
+    problems.push_back({.file = file, .text = text.starts_with(file + ": ") ? text.substr(file.size() + 2) : text});
+    return {};
+  }
+  Recording recording{.t_s = std::move(cop->t_s), .x_mm = std::move(cop->ml_mm), .y_mm = std::move(cop->ap_mm)};
   return recording;
 }
 
 }  // namespace
 
-Recording read_recording(const std::string& file, files::Problems& problems) {
+Recording read_recording(const std::string& file, const force::CopChoice& choice, files::Problems& problems) {
   const std::size_t before = problems.size();
   const bool is_xdf = file.ends_with(".xdf") || file.ends_with(".xdf.part");
-  Recording recording = is_xdf ? read_xdf_recording(file, problems) : read_csv_recording(file, problems);
-  if (problems.size() == before) check_times(file, is_xdf, recording, problems);
+  if (is_xdf) {
+    Recording recording = read_xdf_recording(file, problems);
+    if (problems.size() == before) check_times(file, true, recording, problems);
+    return recording;
+  }
+  Recording recording = force::has_plates(file, choice) ? read_plates(file, choice, problems) : read_csv_recording(file, problems);
+  if (!recording.t_s.empty()) recording.began_s = recording.t_s.front();
+  for (double& t_s : recording.t_s) t_s -= recording.began_s;
+  if (problems.size() == before) check_times(file, false, recording, problems);
   return recording;
 }
 

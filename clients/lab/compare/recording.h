@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "files/toml_reader.h"
+#include "lab/force/standing_cop.h"
 
 namespace dts::lab::compare {
 
@@ -24,10 +25,10 @@ struct Recording {
   [[nodiscard]] double step_s() const;
 };
 
-/// Reads a recording: an XDF file if its name ends in .xdf or .xdf.part, else a CSV file with the columns `t_s,x_mm,y_mm` (or ml_mm,ap_mm)
-/// and optionally `trigger` and `marker`. Times become relative to the first. Adds every error to `problems`; times must rise, and there
-/// must be 20 scans over two seconds.
-[[nodiscard]] Recording read_recording(const std::string& file, files::Problems& problems);
+/// Reads a recording: an XDF file if its name ends in .xdf or .xdf.part, a file of force plates (ML as x, AP as y), else a CSV file with
+/// the columns `t_s,x_mm,y_mm` (or ml_mm,ap_mm) and optionally `trigger` and `marker`. Times become relative to the first. Adds every error
+/// to `problems`; times must rise, and there must be 20 scans over two seconds.
+[[nodiscard]] Recording read_recording(const std::string& file, const force::CopChoice& choice, files::Problems& problems);
 
 /// Reads the stream "cop" of an XDF recording: ml_mm as x, ap_mm as y, at the times that the values describe. Rising triggers and markers
 /// are from its events.

@@ -3,6 +3,9 @@
 
 namespace dts::lab::force {
 
-void add_commands(cli::CommandLine& line) { add_grf(line); }
+void add_commands(cli::CommandLine& line) {
+  add_force(line);
+  add_grf(line);
+}
 
 }  // namespace dts::lab::force

@@ -5,9 +5,10 @@
 
 namespace dts::lab::force {
 
-/// Adds `dtslab grf`.
+/// Adds `dtslab force` and `dtslab grf`.
 void add_commands(cli::CommandLine& line);
 
+void add_force(cli::CommandLine& line);
 void add_grf(cli::CommandLine& line);
 
 }  // namespace dts::lab::force

@@ -20,8 +20,9 @@ using sway::cell_text;
 
 struct ClassifyArguments {
   std::string model;
-  std::string table;  ///< Written by `dtslab sway --table`.
-  std::string out;    ///< Empty: none.
+  std::string table;     ///< Written by `dtslab sway --table`.
+  std::string out;       ///< Empty: none.
+  force::CopChoice cop;  ///< If `table` is a file of force plates.
   bool is_json = false;
 };
 
@@ -124,7 +125,14 @@ int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
   const auto model = read_model(arguments.model);
   if (!model) return fail_with(console, model.error());
   files::Problems problems;
-  std::vector<SteadinessRow> rows = read_rows(arguments.table, {}, problems);
+  std::vector<SteadinessRow> rows;
+  if (force::has_plates(arguments.table, arguments.cop)) {
+    auto row = row_of_plates(arguments.table, arguments.cop, model->profile);
+    if (!row) return fail_with(console, row.error());
+    rows.push_back(std::move(*row));
+  } else {
+    rows = read_rows(arguments.table, {}, problems);
+  }
   if (!problems.empty()) return report_problems(console, problems);
   std::vector<Prediction> predictions;
   for (SteadinessRow& row : rows) {
@@ -146,12 +154,15 @@ int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
 void add_classify(cli::CommandLine& line, CLI::App& steadiness) {
   const auto [command, arguments] = add_command(line, steadiness, "classify", "Predict the label of each row of a table",
                                                 "dtslab steadiness classify eyes.json new.csv | a table\n"
-                                                "dtslab steadiness classify eyes.json new.csv --out pred.csv | write a file\n",
+                                                "dtslab steadiness classify eyes.json new.csv --out pred.csv | write a file\n"
+                                                "dtslab steadiness classify eyes.json new.c3d --ml +x --ap -y | a force plate\n",
                                                 run_classify);
   command.add_option("MODEL.json", arguments.model, "Made by dtslab steadiness train")->required()->option_text(" ");
-  command.add_option("TABLE.csv", arguments.table, "Table from dtslab sway --table, with the same profile and rate")
+  command
+      .add_option("TABLE.csv", arguments.table, "Table from dtslab sway --table, with the same profile and rate; or a file of force plates")
       ->required()
       ->option_text(" ");
+  force::add_cop_choice(command, arguments.cop);
   command.add_option("--out", arguments.out, "File to write")->option_text("PRED.csv");
   add_json(command, arguments.is_json);
 }

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "lab/base/csv.h"
+#include "lab/sway/measure_file.h"
 #include "lab/sway/sway_view.h"
 #include "posturography/cop_series.h"
 
@@ -103,6 +105,22 @@ std::vector<SteadinessRow> read_rows(const std::string& file, const std::string&
   }
   for (std::size_t row = 0; row < table.row_count(); ++row) rows.push_back(row_of(table, label, row));
   return rows;
+}
+
+core::Result<SteadinessRow> row_of_plates(const std::string& file, const force::CopChoice& choice, const std::string& profile) {
+  sway::SwayArguments arguments{.inputs = {file}, .cop = choice};
+  if (!profile.empty()) arguments.profile = profile;
+  sway::MeasuredFile measured = sway::measure_file({.file = file}, arguments, [](double /*part*/) {});
+  if (measured.error) return tl::make_unexpected(std::move(*measured.error));
+  if (!measured.problems.empty()) return core::fail(core::ErrorCode::InvalidArgument, files::to_string(measured.problems.front()));
+  const posturography::Analysis& analysis = *measured.trials.front().analysis;
+  return SteadinessRow{.line = 1,
+                       .file = file,
+                       .profile = std::string(posturography::name(analysis.profile)),
+                       .rate_hz = analysis.rate_hz,
+                       .duration_s = analysis.duration_s,
+                       .is_valid = analysis.is_valid(),
+                       .measures = analysis.measures};
 }
 
 std::vector<std::string> differences_of(const std::vector<SteadinessRow>& rows) {

@@ -4,7 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "core/result.h"
 #include "files/toml_reader.h"
+#include "lab/force/standing_cop.h"
 #include "posturography/measure.h"
 
 namespace dts::lab::steadiness {
@@ -26,6 +28,10 @@ struct SteadinessRow {
 
 /// Reads a table. `label` is the name of its required label column; empty: none. Adds every error to `problems` with its position.
 [[nodiscard]] std::vector<SteadinessRow> read_rows(const std::string& file, const std::string& label, files::Problems& problems);
+
+/// Measures a file of force plates as `dtslab sway --profile PROFILE` does, and returns its one row.
+[[nodiscard]] core::Result<SteadinessRow> row_of_plates(const std::string& file, const force::CopChoice& choice,
+                                                        const std::string& profile);
 
 /// Returns the properties that affect the values and differ between the rows: "lp10 and asis", "duration 20 to 60 s"; empty if there are
 /// none.

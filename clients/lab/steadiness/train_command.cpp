@@ -176,6 +176,11 @@ SteadinessModel model_of(const std::string& label, const std::vector<SteadinessR
 
 int run_train(const TrainArguments& arguments, cli::Console& console) {
   if (const auto free = check_out(arguments.out, {arguments.table}); !free) return fail_with(console, free.error());
+  if (force::is_force_file(arguments.table)) {
+    return fail_with(console,
+                     core::Error{core::ErrorCode::InvalidArgument, arguments.table + " is one trial on force plates, not a table",
+                                 "make a table of all trials: dtslab sway FILES --label " + arguments.label + "=.. --table OUT.csv"});
+  }
   files::Problems problems;
   auto read = read_rows(arguments.table, arguments.label, problems);
   if (!problems.empty()) return report_problems(console, problems);

@@ -44,9 +44,23 @@ std::optional<posturography::CopSeries> read_csv(const std::string& file, files:
   return std::nullopt;
 }
 
-MeasuredFile measure_csv(const SwayInput& input, const AnalysisOptions& options) {
+/// Fails as `force::read_standing_cop` and `posturography::even_series`.
+core::Result<posturography::CopSeries> read_plates(const std::string& file, const force::CopChoice& choice) {
+  DTS_TRY_ASSIGN(const auto cop, force::read_standing_cop(file, choice));
+  return posturography::even_series(cop.t_s, cop.ml_mm, cop.ap_mm, cop.load_n);
+}
+
+/// Measures a file without trials: a CSV file, or one of force plates.
+MeasuredFile measure_one(const SwayInput& input, const SwayArguments& arguments, const AnalysisOptions& options) {
   MeasuredFile measured;
-  const auto series = read_csv(input.file, measured.problems);
+  std::optional<posturography::CopSeries> series;
+  if (force::has_plates(input.file, arguments.cop)) {
+    auto read = read_plates(input.file, arguments.cop);
+    if (!read) measured.error = read.error();
+    if (read) series = std::move(*read);
+  } else {
+    series = read_csv(input.file, measured.problems);
+  }
   if (!series) return measured;
   auto analysis = posturography::analyse(*series, options);
   if (!analysis) {
@@ -144,7 +158,7 @@ AnalysisOptions options_of(const SwayArguments& arguments, bool is_recording) {
 
 MeasuredFile measure_file(const SwayInput& input, const SwayArguments& arguments, const std::function<void(double)>& progress) {
   const AnalysisOptions options = options_of(arguments, input.is_recording());
-  return input.is_recording() ? measure_recording(input, arguments, options, progress) : measure_csv(input, options);
+  return input.is_recording() ? measure_recording(input, arguments, options, progress) : measure_one(input, arguments, options);
 }
 
 bool is_same(const Analysis& a, const Analysis& b) {

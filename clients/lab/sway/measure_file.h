@@ -18,7 +18,7 @@ namespace dts::lab::sway {
 struct MeasuredFile {
   std::vector<MeasuredTrial> trials;
   files::Problems problems;          ///< Of a CSV file, each with its position.
-  std::optional<core::Error> error;  ///< Of a recording.
+  std::optional<core::Error> error;  ///< Of a recording, or of a file of force plates.
   std::string damage;                ///< Of a recording that was read up to a torn place, or was recovered.
 };
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "lab/force/standing_cop.h"
+
 namespace dts::lab::sway {
 
 /// Arguments of `dtslab sway`.
@@ -19,7 +21,8 @@ struct SwayArguments {
   std::vector<std::uint32_t> trials;  ///< Of recordings; empty: all.
   bool is_all = false;                ///< Includes redone and rejected trials.
   bool is_comparing = false;
-  std::string table;  ///< CSV to write; empty: none.
+  std::string table;     ///< CSV to write; empty: none.
+  force::CopChoice cop;  ///< Of files of force plates.
   bool is_json = false;
 };
 

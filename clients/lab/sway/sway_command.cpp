@@ -242,9 +242,12 @@ void add_commands(cli::CommandLine& line) {
                   "dtslab sway session.xdf | each trial of a recording, as dtsd measures it\n"
                   "dtslab sway sessions/ --table sway.csv | all recordings below a folder, one row per trial\n"
                   "dtslab sway open.csv closed.csv --label eyes=open,closed --compare | side by side, with Romberg quotients\n"
-                  "dtslab sway session.xdf --trials 1,2 --compare | two trials of a recording\n",
+                  "dtslab sway session.xdf --trials 1,2 --compare | two trials of a recording\n"
+                  "dtslab sway standing.c3d --plate 2 --ml +x --ap -y | one force plate of a file\n",
                   run_sway);
-  command.add_option("FILE", arguments.inputs, "CSV files with t_s,x_mm,y_mm, recordings of dtsd (.xdf, .xdf.part), folders of either")
+  command
+      .add_option("FILE", arguments.inputs,
+                  "CSV files with t_s,x_mm,y_mm, recordings of dtsd (.xdf, .xdf.part), files of force plates, folders of these")
       ->required()
       ->option_text("...");
   add_definition(command, arguments);
@@ -257,6 +260,7 @@ void add_commands(cli::CommandLine& line) {
       ->allow_extra_args(false)
       ->check(cli::whole_number_between(1, 4294967295));
   command.add_flag("--all", arguments.is_all, "Also measure trials that were redone, rejected or aborted, recordings only");
+  force::add_cop_choice(command, arguments.cop);
   command.add_flag("--compare", arguments.is_comparing, "Show two trials side by side");
   command.add_option("--table", arguments.table, "CSV file to write: one row per trial, all measures")
       ->option_text("OUT.csv")

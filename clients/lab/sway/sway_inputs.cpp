@@ -2,8 +2,10 @@
 #include "lab/sway/sway_inputs.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
+#include <string_view>
 
 #include "lab/sway/sway_table.h"
 #include "record/xdf/recovery.h"
@@ -48,7 +50,8 @@ core::Result<Label> label_of(const std::string& text, std::size_t inputs) {
 
 bool is_measurable(const fs::path& path) {
   const std::string name = path.filename().string();
-  return name.ends_with(".csv") || name.ends_with(".xdf") || name.ends_with(".xdf.part");
+  constexpr std::array<std::string_view, 6> kEnds{".csv", ".xdf", ".xdf.part", ".c3d", ".mot", ".sto"};
+  return std::ranges::any_of(kEnds, [&name](std::string_view end) { return name.ends_with(end); });
 }
 
 /// Removes duplicates: a recording left open by a crash and its repaired copy are the same recording.
@@ -71,7 +74,8 @@ core::Result<std::vector<std::string>> files_below(const std::string& folder, co
   }
   if (error) return core::fail(core::ErrorCode::Failed, folder + " cannot be read: " + error.message(), "give another folder");
   if (files.empty()) {
-    return core::fail(core::ErrorCode::InvalidArgument, folder + " has no .csv and no .xdf files", "give a folder of recordings");
+    return core::fail(core::ErrorCode::InvalidArgument, folder + " has no .csv, .xdf, .c3d, .mot and .sto files",
+                      "give a folder of recordings");
   }
   leave_out_repaired(files);
   std::ranges::sort(files);

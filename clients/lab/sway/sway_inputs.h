@@ -23,10 +23,10 @@ struct SwayInput {
   [[nodiscard]] bool is_recording() const { return file.ends_with(".xdf") || file.ends_with(".xdf.part"); }
 };
 
-/// Returns the files that the command line names. Searches folders recursively for *.csv, *.xdf and *.xdf.part, in the order of names,
-/// without the table to be written. Fails with InvalidArgument if a file does not exist, a folder has no such file, a label is invalid or
-/// has the name of a column or measure, or the number of values differs from the number of files. Fails with LimitExceeded for more than
-/// `kMostFiles`.
+/// Returns the files that the command line names. Searches folders recursively for *.csv, *.xdf, *.xdf.part, *.c3d, *.mot and *.sto, in
+/// the order of names, without the table to be written. Fails with InvalidArgument if a file does not exist, a folder has no such file, a
+/// label is invalid or has the name of a column or measure, or the number of values differs from the number of files. Fails with
+/// LimitExceeded for more than `kMostFiles`.
 [[nodiscard]] core::Result<std::vector<SwayInput>> sway_inputs(const SwayArguments& arguments);
 
 }  // namespace dts::lab::sway

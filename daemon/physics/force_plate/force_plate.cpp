@@ -88,7 +88,7 @@ core::Result<ForcePlate> ForcePlate::create(const KistlerPlate& plate) {
 }
 
 core::Result<ForcePlate> ForcePlate::create(const SixComponentPlate& plate) {
-  for (const double offset_mm : plate.surface_mm) DTS_TRY(check_number("surface_mm", offset_mm, -1000.0, 1000.0));
+  for (const double offset_mm : plate.surface_mm) DTS_TRY(check_number("surface_mm", offset_mm, -5000.0, 5000.0));
   std::vector<Column> columns;
   for (std::size_t channel = 0; channel < kSixComponents; ++channel) {
     Wrench unit;
@@ -128,7 +128,9 @@ core::Result<ForcePlate> ForcePlate::create(const LoadCellPlate& plate) {
 Wrench ForcePlate::wrench(std::span<const double> channels) const noexcept {
   Column sum{};
   for (std::size_t channel = 0; channel < columns_.size(); ++channel) {
-    for (std::size_t row = 0; row < kSixComponents; ++row) sum[row] += columns_[channel][row] * channels[channel];
+    for (std::size_t row = 0; row < kSixComponents; ++row) {
+      if (columns_[channel][row] != 0.0) sum[row] += columns_[channel][row] * channels[channel];  // NaN spreads no further than its channel
+    }
   }
   return {.force_n = {sum[0], sum[1], sum[2]}, .moment_nm = {sum[3], sum[4], sum[5]}};
 }

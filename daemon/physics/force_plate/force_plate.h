@@ -57,7 +57,8 @@ class ForcePlate {
   [[nodiscard]] std::size_t channel_count() const noexcept { return columns_.size(); }
   /// Returns false for load cells: they measure Fz, Mx and My only. The other components of their wrenches are 0 and mean nothing.
   [[nodiscard]] bool measures_shear() const noexcept { return measures_shear_; }
-  /// `channels` has `channel_count()` values. Realtime-safe: yes.
+  /// `channels` has `channel_count()` values. A NaN makes only the components undefined to which its channel contributes. Realtime-safe:
+  /// yes.
   [[nodiscard]] Wrench wrench(std::span<const double> channels) const noexcept;
 
  private:

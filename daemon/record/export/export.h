@@ -36,4 +36,11 @@ struct Exported {
 [[nodiscard]] core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress = {},
                                                  const Corrections& corrections = {});
 
+/// Writes `<session>.c3d`: the streams `cop` and `force` as one force plate of type 1 (32-bit real numbers, Intel), with markers, trials and
+/// triggers as events, at most 255. Axes of the subject: x to the right, y forward, z up; the force on the person. Undefined values, and
+/// samples in gaps, are NaN; the vertical force without `force` is the load. Never overwrites. Fails with Unsupported if the recording has
+/// neither stream, or if their rates differ, and with LimitExceeded if it has more than 8 million samples.
+[[nodiscard]] core::Result<Exported> export_c3d(Recording& recording, const std::string& folder, const Progress& progress = {},
+                                                const Corrections& corrections = {});
+
 }  // namespace dts::record

@@ -30,6 +30,25 @@ TEST_F(WholeFile, NewFile_IsThereWithItsRightsAndNothingElse) {
   }
 }
 
+TEST_F(WholeFile, PieceByPiece_IsThereOnlyAfterTheCommit) {
+  {
+    auto writer = WholeFileWriter::create(path("pieces"));
+    ASSERT_TRUE(writer.has_value());
+    ASSERT_TRUE(writer->append("one "));
+    ASSERT_TRUE(writer->append("two"));
+    EXPECT_FALSE(std::filesystem::exists(path("pieces")));
+    WholeFileWriter moved = std::move(*writer);
+    ASSERT_TRUE(moved.commit());
+    EXPECT_EQ(content_of(path("pieces")), "one two");
+  }
+  {
+    auto abandoned = WholeFileWriter::create(path("pieces"));
+    ASSERT_TRUE(abandoned->append("three"));
+  }
+  EXPECT_EQ(content_of(path("pieces")), "one two");
+  EXPECT_EQ(entries(), 1);
+}
+
 TEST_F(WholeFile, OldFile_KeepsItsRights) {
   for (const mode_t mode : {0600U, 0666U}) {
     ASSERT_EQ(::chmod(write("old", "before").c_str(), mode), 0);

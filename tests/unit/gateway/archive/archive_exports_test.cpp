@@ -52,6 +52,15 @@ TEST_F(ArchiveExportsTest, Bids_IsADatasetInAFolder) {
   EXPECT_TRUE(files.contains(kId + "-bids/participants.tsv"));
 }
 
+TEST_F(ArchiveExportsTest, C3dOfARecordingWithoutCentreOfPressure_SaysWhy) {
+  add_two_parts();
+
+  const HttpResponse answer = get("export/c3d");
+
+  EXPECT_NE(answer.status, 200U);
+  EXPECT_THAT(text_of(answer), HasSubstr("has no centre of pressure and no force"));
+}
+
 TEST_F(ArchiveExportsTest, ExportMadeAgain_IsTheSameBytes) {
   add_two_parts();
   const auto bytes_of = [](const HttpResponse& answer) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace dts::physics {
@@ -18,6 +19,14 @@ SixBySix identity() {
   SixBySix matrix{};
   for (std::size_t i = 0; i < kSixComponents; ++i) matrix.at(i).at(i) = 1.0;
   return matrix;
+}
+
+TEST(ForcePlate, UndefinedChannel_LeavesTheOtherComponentsDefined) {
+  const Wrench wrench =
+      ForcePlate::create(SixComponentPlate{.matrix = identity()})->wrench(std::array{std::nan(""), 2.0, 3.0, 4.0, 5.0, 6.0});
+  EXPECT_TRUE(std::isnan(wrench.force_n[0]));
+  EXPECT_EQ(wrench.force_n[1], 2.0);
+  EXPECT_EQ(wrench.moment_nm[2], 6.0);
 }
 
 TEST(KistlerPlateTest, PublishedExample_GivesForcesMomentsAboutTheSurfaceAndTheFreeMoment) {

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// Files of every encoding, files that contradict themselves, and files that our writer made.
+#include "c3d/c3d_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "c3d/c3d_writer.h"
+#include "c3d/force_platform.h"
+#include "support/made_c3d.h"
+
+namespace dts::c3d {
+namespace {
+
+using test::MadeC3d;
+using test::MadeEncoding;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+
+C3dFile read(const MadeC3d& made) {
+  auto file = C3dFile::read(made.bytes());
+  EXPECT_TRUE(file.has_value()) << file.error().what;
+  return file.value();
+}
+
+/// Two channels, two samples in a frame, one point; 3 frames, a channel counts from 0, the other from 100.
+MadeC3d small(MadeEncoding encoding, bool is_real) {
+  MadeC3d made(encoding, is_real);
+  made.points = 1;
+  made.channels = 2;
+  made.samples_per_frame = 2;
+  made.group("POINT");
+  made.words("USED", {}, {1});
+  made.reals("RATE", {}, {100.0});
+  made.group("ANALOG");
+  made.words("USED", {}, {2});
+  made.reals("GEN_SCALE", {}, {0.5});
+  made.reals("SCALE", {2}, {2.0, -4.0});
+  made.words("OFFSET", {2}, {0, 10});
+  for (int frame = 0; frame < 3; ++frame) {
+    made.frame({9, 9, 9, 9, 2.0 * frame, 100.0 + 2.0 * frame, 2.0 * frame + 1, 101.0 + 2.0 * frame});
+  }
+  return made;
+}
+
+TEST(C3dFile, EveryEncoding_GivesTheSameValues) {
+  for (const MadeEncoding encoding : {MadeEncoding::Intel, MadeEncoding::Dec, MadeEncoding::Sgi}) {
+    for (const bool is_real : {true, false}) {
+      const C3dFile file = read(small(encoding, is_real));
+      EXPECT_EQ(file.samples(), 6U);
+      EXPECT_EQ(file.channels(), 2U);
+      EXPECT_DOUBLE_EQ(file.analogue_rate_hz(), 200.0);
+      EXPECT_THAT(file.warnings(), IsEmpty());
+      for (std::size_t sample = 0; sample < 6; ++sample) {
+        EXPECT_DOUBLE_EQ(file.analogue(sample, 0), static_cast<double>(sample));
+        EXPECT_DOUBLE_EQ(file.analogue(sample, 1), (100.0 + static_cast<double>(sample) - 10.0) * -2.0);
+      }
+    }
+  }
+}
+
+TEST(C3dFile, RealsOfDec_AreThoseOfVax) {
+  EXPECT_EQ(real(Encoding::Dec, std::string("\x80\x40\0\0", 4).data()), 1.0);
+  EXPECT_EQ(real(Encoding::Dec, std::string("\x80\xC0\0\0", 4).data()), -1.0);
+  EXPECT_EQ(real(Encoding::Dec, std::string("\0\0\0\0", 4).data()), 0.0);
+  EXPECT_NEAR(real(Encoding::Dec, std::string("\xFF\x7F\xFF\xFF", 4).data()), 1.70141173e38, 1e31) << "no infinity";
+}
+
+TEST(C3dFile, NumbersWithoutSign_ByFormatOrByAnOffsetOfHalfTheRange) {
+  for (const bool has_format : {true, false}) {
+    MadeC3d made(MadeEncoding::Intel, false);
+    made.channels = 1;
+    made.group("ANALOG");
+    if (has_format) made.text("FORMAT", "unsigned");
+    made.reals("SCALE", {1}, {1.0});
+    made.words("OFFSET", {1}, {32768});
+    made.frame({32768});
+    made.frame({65535});
+    made.frame({0});
+    const C3dFile file = read(made);
+    EXPECT_EQ(file.analogue(0, 0), 0.0);
+    EXPECT_EQ(file.analogue(1, 0), 32767.0);
+    EXPECT_EQ(file.analogue(2, 0), -32768.0);
+  }
+}
+
+TEST(C3dFile, HeaderAndParametersDiffer_TheHeaderIsUsedAndAWarningNamesBoth) {
+  MadeC3d made = small(MadeEncoding::Intel, true);
+  made.group("TRIAL");
+  made.words("ACTUAL_START_FIELD", {2}, {1, 0});
+  made.words("ACTUAL_END_FIELD", {2}, {50, 0});
+  made.group("SECOND");
+  MadeC3d other = small(MadeEncoding::Intel, true);
+  other.points = 0;
+  other.channels = 4;
+  EXPECT_THAT(read(made).warnings(), Contains(HasSubstr("50 frames, but the header says 3")));
+  EXPECT_EQ(read(made).frames(), 3U);
+  EXPECT_THAT(read(other).warnings(), Contains(HasSubstr("POINT:USED is 1, but the header says 0")));
+  EXPECT_THAT(read(other).warnings(), Contains(HasSubstr("ANALOG:USED is 2, but the header says 4")));
+}
+
+TEST(C3dFile, MoreFramesThanAHeaderCounts_AreThoseOfTheParameters) {
+  MadeC3d made(MadeEncoding::Intel, false);
+  made.channels = 1;
+  made.last_frame = 65535;
+  made.group("TRIAL");
+  made.words("ACTUAL_START_FIELD", {2}, {1, 0});
+  made.words("ACTUAL_END_FIELD", {2}, {70000 - 65536, 1});
+  for (int frame = 0; frame < 70001; ++frame) made.frame({1.0 * (frame % 100)});
+  EXPECT_EQ(read(made).frames(), 70000U);
+}
+
+TEST(C3dFile, FileThatEndsEarly_HasTheFramesBefore) {
+  std::string bytes = small(MadeEncoding::Intel, true).bytes();
+  bytes.resize(bytes.size() - 1);
+  const auto file = C3dFile::read(bytes);
+  ASSERT_TRUE(file.has_value());
+  EXPECT_EQ(file->frames(), 2U);
+  EXPECT_THAT(file->warnings(), Contains(HasSubstr("ends after frame 2 of 3")));
+}
+
+TEST(C3dFile, BrokenParameters_LeaveOutTheRecordAndSayWhere) {
+  struct Case {
+    int type;
+    std::vector<int> dimensions;
+    std::string says;
+  };
+  for (const Case& broken : {Case{3, {1}, "unknown type 3"}, Case{4, {255, 255, 255, 255, 255, 255, 255}, "the section has fewer"},
+                             Case{2, std::vector<int>(8, 1), "8 dimensions"}}) {
+    MadeC3d made = small(MadeEncoding::Intel, true);
+    made.parameter("BAD", broken.type, broken.dimensions, "");
+    made.words("AFTER", {}, {5});
+    const C3dFile file = read(made);
+    EXPECT_THAT(file.warnings(), Contains(HasSubstr(broken.says)));
+    EXPECT_EQ(file.parameters().number("ANALOG", "AFTER"), 5.0);
+  }
+  MadeC3d backwards = small(MadeEncoding::Intel, true);
+  backwards.raw_record("LOOP", 2, "\4", -20);
+  EXPECT_THAT(read(backwards).warnings(), Contains(HasSubstr("would be outside")));
+  MadeC3d outside = small(MadeEncoding::Intel, true);
+  outside.raw_record("FAR", 2, "\2", 32000);
+  EXPECT_THAT(read(outside).warnings(), Contains(HasSubstr("would be outside")));
+  MadeC3d orphan = small(MadeEncoding::Intel, true);
+  orphan.raw_record("ALONE", 99, std::string("\2\0\1\0\0", 5));
+  EXPECT_THAT(read(orphan).warnings(), Contains(HasSubstr("ALONE belongs to group 99")));
+}
+
+TEST(C3dFile, NoC3dFile_IsRejectedWithItsPlace) {
+  const auto reason = [](const std::string& bytes) { return C3dFile::read(bytes).error().what; };
+  EXPECT_THAT(reason("t_s,x_mm"), HasSubstr("byte 2"));
+  EXPECT_THAT(reason(std::string("\2\x50", 2)), HasSubstr("within its header"));
+  std::string bytes = small(MadeEncoding::Intel, true).bytes();
+  std::string far = bytes;
+  far[0] = '\xFF';
+  EXPECT_THAT(reason(far), HasSubstr("behind the end"));
+  std::string processor = bytes;
+  processor[512 + 3] = 'x';
+  EXPECT_THAT(reason(processor), HasSubstr("processor 120"));
+  EXPECT_THAT(reason(bytes.substr(0, 1024)), HasSubstr("has no frame"));
+  MadeC3d empty;
+  empty.frame({});
+  EXPECT_THAT(reason(empty.bytes()), HasSubstr("no points and no channels"));
+  MadeC3d timeless = small(MadeEncoding::Intel, true);
+  timeless.rate_hz = 0.0;
+  EXPECT_EQ(read(timeless).point_rate_hz(), 100.0) << "of POINT:RATE";
+}
+
+TEST(C3dFile, EventsOfTheHeader_AreReadIfThereAreNoOthers) {
+  std::string bytes = small(MadeEncoding::Intel, true).bytes();
+  std::string words;
+  test::put_word(words, MadeEncoding::Intel, 12345);
+  test::put_word(words, MadeEncoding::Intel, 1);
+  test::put_word(words, MadeEncoding::Intel, 0);
+  test::put_real(words, MadeEncoding::Intel, 0.25);
+  bytes.replace(298, words.size(), words);
+  bytes.replace(396, 4, "RHS ");
+  const auto file = C3dFile::read(bytes);
+  ASSERT_EQ(file->events().size(), 1U);
+  EXPECT_EQ(file->events().front().label, "RHS");
+  EXPECT_EQ(file->events().front().time_s, 0.25);
+}
+
+Corners corners_of(double x) { return {{{x + 200, 300, 0}, {x - 200, 300, 0}, {x - 200, -300, 0}, {x + 200, -300, 0}}}; }
+
+TEST(C3dWriter, WhatIsWritten_IsReadTheSame) {
+  const Outline outline{
+      .rate_hz = 1000.0,
+      .samples = 3,
+      .plates = {corners_of(0), corners_of(500)},
+      .events = {{.context = "Left", .label = "Foot Strike", .time_s = 61.5}, {.context = "", .label = "marker", .time_s = 0.0}},
+      .software = "test 1"};
+  std::string bytes = file_beginning(outline).value();
+  EXPECT_EQ(bytes.size() % kBlockBytes, 0U);
+  for (int sample = 0; sample < 3; ++sample) {
+    std::array<double, 12> values{};
+    for (std::size_t k = 0; k < values.size(); ++k) values.at(k) = 100.0 * sample + static_cast<double>(k) + 0.1;
+    values[3] = sample == 1 ? kUndefined : values[3];
+    append_sample(bytes, values);
+  }
+  const C3dFile file = C3dFile::read(bytes).value();
+  EXPECT_THAT(file.warnings(), IsEmpty());
+  EXPECT_EQ(file.samples(), 3U);
+  EXPECT_EQ(file.analogue_rate_hz(), 1000.0);
+  EXPECT_EQ(file.analogue(2, 11), static_cast<double>(211.1F));
+  EXPECT_TRUE(std::isnan(file.analogue(1, 3)));
+  ASSERT_EQ(file.events().size(), 2U);
+  EXPECT_EQ(file.events()[0].label, "Foot Strike");
+  EXPECT_EQ(file.events()[0].context, "Left");
+  EXPECT_EQ(file.events()[0].time_s, 61.5);
+  const ForcePlatforms platforms = force_platforms(file.parameters());
+  ASSERT_EQ(platforms.plates.size(), 2U);
+  EXPECT_EQ(platforms.plates[1].type, 1);
+  EXPECT_EQ(platforms.plates[1].corners, corners_of(500));
+  EXPECT_EQ(platforms.plates[1].channels, (std::vector<std::size_t>{7, 8, 9, 10, 11, 12}));
+  EXPECT_EQ(platforms.zero_frames, (std::array<int, 2>{1, 0}));
+}
+
+TEST(C3dWriter, ManySamples_AreDividedSoThatTheHeaderCountsThem) {
+  for (const std::size_t samples : {std::size_t{70000}, std::size_t{65537}}) {  // the second is a prime
+    std::string bytes = file_beginning({.rate_hz = 1000.0, .samples = samples, .plates = {corners_of(0)}}).value();
+    for (std::size_t sample = 0; sample < samples; ++sample) append_sample(bytes, std::array<double, 6>{static_cast<double>(sample)});
+    const C3dFile file = C3dFile::read(bytes).value();
+    EXPECT_THAT(file.warnings(), IsEmpty());
+    EXPECT_EQ(file.samples(), samples);
+    EXPECT_EQ(file.analogue_rate_hz(), 1000.0);
+    EXPECT_EQ(file.analogue(samples - 1, 0), static_cast<double>(samples - 1));
+  }
+}
+
+TEST(C3dWriter, NothingToWrite_IsRejected) {
+  const auto reason = [](const Outline& outline) { return file_beginning(outline).error().what; };
+  const std::vector<Corners> one{corners_of(0)};
+  EXPECT_THAT(reason({.rate_hz = 0.0, .samples = 1, .plates = one}), HasSubstr("rate"));
+  EXPECT_THAT(reason({.rate_hz = kUndefined, .samples = 1, .plates = one}), HasSubstr("rate"));
+  EXPECT_THAT(reason({.rate_hz = 1.0, .samples = 0, .plates = one}), HasSubstr("one sample"));
+  EXPECT_THAT(reason({.rate_hz = 1.0, .samples = 1}), HasSubstr("1 to 42 plates"));
+  EXPECT_THAT(reason({.rate_hz = 1.0, .samples = 1, .plates = one, .events = std::vector<Event>(256)}), HasSubstr("255 events"));
+}
+
+}  // namespace
+}  // namespace dts::c3d

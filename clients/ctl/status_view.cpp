@@ -246,7 +246,7 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
                {cli::decimal(channel.minimum(), 4)},
                {cli::decimal(channel.maximum(), 4)},
                {channel.unit()},
-               {channel.is_sensor() ? cli::decimal(channel.gap_mm(), 3) : "-"},
+               {channel.has_gap_mm() ? cli::decimal(channel.gap_mm(), 3) : "-"},
                {doubts.empty() ? "good" : cli::join(doubts, " "), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
   }
   if (test.channels_size() > 0) table.print(console);

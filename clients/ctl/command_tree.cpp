@@ -75,7 +75,7 @@ void add_actions(CommandTree& tree) {
       ->option_text(" ")
       ->check(text_of(1, 200));
   add_rig(*mark, arguments.rig, "Mark only this rig");
-  CLI::App* tare = add(tree, tree.line.app, "tare", "Tare a rig: the present deflections become zero. The plate or chair must be empty",
+  CLI::App* tare = add(tree, tree.line.app, "tare", "Tare a rig: what it reads now becomes zero. The plate or chair must be empty",
                        "dtsctl tare --rig floor | when no one is on the plate\n", run_tare);
   add_rig(*tare, arguments.rig, "Rig to tare")->required();
 }

@@ -117,8 +117,8 @@ std::string session_line(const v1::SessionInfo& session) {
 
 std::string tare_line(const std::string& rig, const v1::TareResponse& tare) {
   std::string line = rig + ": tared, zero is now at";
-  for (const double baseline : tare.baseline_mm()) line += " " + cli::decimal(baseline, 3);
-  return cli::printable(line + " mm");
+  for (const double baseline : tare.baseline()) line += " " + cli::decimal(baseline, 3);
+  return cli::printable(line + " " + tare.unit());
 }
 
 void print_status(cli::Console& console, const v1::StatusSnapshot& status) {
@@ -166,6 +166,14 @@ std::string clock_text(const v1::RigStatus& status) {
   return drift + ", host times within " + cli::decimal(static_cast<double>(status.host_time_uncertainty_ns()) * 1e-6, 2) + " ms";
 }
 
+/// Returns "done, zero drifts by +0.21 N/min"; the drift is that of a force plate.
+std::string tare_text(const v1::RigStatus& status) {
+  std::string text = word(status.tare(), v1::TareState_descriptor());
+  if (!status.has_zero_drift_n_per_min()) return text;
+  const double drift = status.zero_drift_n_per_min();
+  return text + ", zero drifts by " + (drift > 0.0 ? "+" : "") + cli::decimal(drift, 2) + " N/min";
+}
+
 cli::Style style_of(v1::CheckOutcome outcome) {
   if (outcome == v1::CHECK_OUTCOME_PASSED) return cli::Style::Good;
   return outcome == v1::CHECK_OUTCOME_SKIPPED ? cli::Style::Plain : cli::Style::Bad;
@@ -179,9 +187,9 @@ void print_rig(cli::Console& console, const v1::RigStatus& status) {
   print_field(console, "kind", rig.kind());
   print_field(console, "device", rig.device_uri() + ", " + device_cell(status.device()).text);
   print_field(console, "problem", status.device_message());
-  print_field(
-      console, "plate",
-      cli::decimal(rig.plate_a_mm(), 1) + " x " + cli::decimal(rig.plate_b_mm(), 1) + " x " + cli::decimal(rig.plate_h_mm(), 1) + " mm");
+  print_field(console, rig.is_force_plate() ? "force plate" : "plate",
+              cli::decimal(rig.plate_a_mm(), 1) + " x " + cli::decimal(rig.plate_b_mm(), 1) +
+                  (rig.is_force_plate() ? "" : " x " + cli::decimal(rig.plate_h_mm(), 1)) + " mm");
   print_field(console, "rate",
               (status.measured_rate_hz() > 0.0 ? cli::decimal(status.measured_rate_hz(), 2) : "-") + " of " +
                   cli::decimal(status.nominal_rate_hz(), 2) + " Hz");
@@ -192,9 +200,10 @@ void print_rig(cli::Console& console, const v1::RigStatus& status) {
                   std::to_string(status.restarts_total()) + ", reconnects " + std::to_string(status.reconnects_total()));
   print_field(console, "calibration",
               rig.kind() != "floor"       ? ""
+              : rig.is_force_plate()      ? "the maker's, in the rig file"
               : rig.calibration().empty() ? "none: the plate model is used"
                                           : rig.calibration());
-  print_field(console, "tare", word(status.tare(), v1::TareState_descriptor()));
+  print_field(console, "tare", tare_text(status));
   print_field(console, "session", session_line(status.session()));
   print_field(console, "published", cli::join(rig.published(), " "));
   for (int index = 0; index < rig.stages_size(); ++index) print_field(console, index == 0 ? "stages" : "", rig.stages(index));
@@ -237,7 +246,7 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
                {cli::decimal(channel.minimum(), 4)},
                {cli::decimal(channel.maximum(), 4)},
                {channel.unit()},
-               {channel.is_sensor() ? cli::decimal(channel.gap_mm(), 3) : "-"},
+               {channel.has_gap_mm() ? cli::decimal(channel.gap_mm(), 3) : "-"},
                {doubts.empty() ? "good" : cli::join(doubts, " "), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
   }
   if (test.channels_size() > 0) table.print(console);

@@ -119,7 +119,7 @@ Result<void> check(const v1::SessionInfo& session) {
 
 Result<void> check(const v1::MarkResponse& mark) { return check_count(mark.marks_size(), kMaxRigs, "marks"); }
 
-Result<void> check(const v1::TareResponse& tare) { return check_count(tare.baseline_mm_size(), kMaxChannels, "sensors"); }
+Result<void> check(const v1::TareResponse& tare) { return check_count(tare.baseline_size(), kMaxChannels, "sensors"); }
 
 Result<void> check(const v1::TrialStatus& trial) {
   if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("the phase of a trial is unknown");

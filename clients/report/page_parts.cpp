@@ -112,11 +112,15 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   if (!about.device_serial.empty()) device += ", serial " + about.device_serial;
   if (!about.firmware.empty()) device += ", firmware " + about.firmware;
   facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
-  facts.push_back(
-      {.name = "Calibration", .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
-  facts.push_back({.name = "Two feet",
-                   .value = session.corrects_two_feet ? "load and position are corrected for a person on two feet"
-                                                      : "not corrected: on two feet the load reads too low and sway slightly too small"});
+  if (session.is_force_plate) {
+    facts.push_back({.name = "Calibration", .value = "of the force plate's maker, as in the recorded rig"});
+  } else {
+    facts.push_back({.name = "Calibration",
+                     .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
+    facts.push_back({.name = "Two feet",
+                     .value = session.corrects_two_feet ? "load and position are corrected for a person on two feet"
+                                                        : "not corrected: on two feet the load reads too low and sway slightly too small"});
+  }
   facts.push_back({.name = "Stages", .value = about.stages.empty() ? "-" : core::join(about.stages, "; ")});
   return facts;
 }
@@ -160,10 +164,13 @@ std::vector<std::string> session_alerts(const SessionData& session) {
 }
 
 std::string accuracy_note(const SessionData& session) {
-  std::string note =
-      "Accuracy: this kind of platform differed from a force plate by 1.05 mm (RMSE; thesis, Table 4.2). The requirement for "
-      "posturography platforms is 0.1 mm (ISPGR committee, Scoppa et al. 2013; Gagey). Small differences between trials may come from "
-      "the platform.";
+  std::string note = session.is_force_plate ? "Accuracy: that of the force plate; see its maker's data. "
+                                            : "Accuracy: this kind of platform differed from a force plate by 1.05 mm (RMSE; thesis, Table "
+                                              "4.2). ";
+  note +=
+      "The requirement for posturography platforms is 0.1 mm (ISPGR committee, Scoppa et al. 2013; Gagey). Small differences between "
+      "trials "
+      "may come from the platform.";
   if (session.is_synthetic()) note += " Synthetic data have the errors of the simulator instead.";
   return note;
 }

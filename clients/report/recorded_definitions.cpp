@@ -20,7 +20,9 @@ RecordedRig recorded_rig(const record::SessionFacts& facts) {
   const PlateSize plate{.a_mm = config.model.plate.a.value, .b_mm = config.model.plate.b.value};
   const auto is_plate = [](double mm) { return std::isfinite(mm) && mm > 0.0 && mm < kLargestPlateMm; };
   if (!problems.empty() || !is_plate(plate.a_mm) || !is_plate(plate.b_mm)) return {};
-  return {.plate = plate, .corrects_two_feet = config.cop_calibration && config.cop_calibration->two_feet};
+  return {.plate = plate,
+          .is_force_plate = config.model.force_plate.has_value(),
+          .corrects_two_feet = config.cop_calibration && config.cop_calibration->two_feet};
 }
 
 session::Protocol recorded_protocol(const record::SessionFacts& facts) {

@@ -13,6 +13,7 @@ namespace dts::report {
 /// What a report needs of the recorded rig; nothing is known if the definition is missing or not readable.
 struct RecordedRig {
   std::optional<PlateSize> plate{};
+  bool is_force_plate = false;
   bool corrects_two_feet = false;  ///< Its calibration has a correction for two feet.
 };
 [[nodiscard]] RecordedRig recorded_rig(const record::SessionFacts& facts);

@@ -213,6 +213,7 @@ core::Result<SessionData> read_session(const ReportSource& source, const ReportP
   if (session.facts) {
     const RecordedRig rig = recorded_rig(*session.facts);
     session.plate = rig.plate;
+    session.is_force_plate = rig.is_force_plate;
     session.corrects_two_feet = rig.corrects_two_feet;
     session.protocol = recorded_protocol(*session.facts);
     session.planned_trials = planned_trials(*session.facts);

@@ -62,6 +62,7 @@ struct SessionData {
   std::vector<std::string> differing_results;  ///< Names of results that differ from those that the daemon recorded.
   std::optional<PlateSize> plate;
   session::Protocol protocol{};               ///< As recorded, for names.
+  bool is_force_plate = false;                ///< The rig is a force plate, not a bending plate.
   bool corrects_two_feet = false;             ///< The rig's calibration has a correction for two feet.
   std::optional<session::StandingLoad> load;  ///< Only of such a rig.
   std::uint32_t planned_trials = 0;

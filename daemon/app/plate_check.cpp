@@ -16,7 +16,7 @@ namespace {
 constexpr core::Millimetres kFootWidth{100.0};
 
 bool needs_plate_model(const pipeline::RigConfig& rig) {
-  return rig.kind == "floor" && (!rig.cop_calibration || rig.device_uri.starts_with("sim:"));
+  return rig.kind == "floor" && !rig.model.force_plate && (!rig.cop_calibration || rig.device_uri.starts_with("sim:"));
 }
 
 /// Returns how far the plate's centre bends when a subject stands there on one foot; nothing if the plate is invalid, which is reported

@@ -24,7 +24,7 @@ inline constexpr std::uint8_t kOutOfRange = 1U << 2;    ///< Outside the sensor'
 inline constexpr std::uint8_t kRotation = 1U << 3;      ///< The marker channel is wrong: channels may be rotated.
 inline constexpr std::uint8_t kNoContact = 1U << 4;     ///< No person on the plate: no centre of pressure.
 inline constexpr std::uint8_t kUncalibrated = 1U << 5;  ///< Outside the area or load range of the calibration.
-inline constexpr std::uint8_t kUntared = 1U << 6;       ///< No tare yet: the nominal unloaded gap is the baseline.
+inline constexpr std::uint8_t kUntared = 1U << 6;       ///< No tare yet, or the zero has drifted too far since.
 inline constexpr std::uint8_t kSubstituted = 1U << 7;   ///< The value of a bad sensor was estimated from the change of the others.
 }  // namespace quality
 

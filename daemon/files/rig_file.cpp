@@ -195,6 +195,7 @@ RigToCalibrate read_rig_to_calibrate(const std::string& file, Problems& problems
   if (!table) return {};
   TomlReader top(&*table, "", file, problems);
   RigToCalibrate rig{.model = read_rig_model(top, problems).model, .calibration = {}};
+  if (rig.model.force_plate) top.report("force_plate", "a force plate has the calibration of its maker: there is nothing to calibrate");
   rig.calibration = read_calibration(top, rig.model, References::Files, problems);
   for (TomlReader& stage : top.tables("stage")) {
     if (stage.text("id", "") != "cop") continue;

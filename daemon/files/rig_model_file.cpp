@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/block.h"
+#include "files/force_plate_file.h"
 #include "files/sensor_curve_file.h"
 
 namespace dts::files {
@@ -99,6 +100,94 @@ void read_sensors(TomlReader& top, RigModelFile& rig, References references, Pro
   }
 }
 
+/// Returns the default names of the channels of a kind of force plate.
+std::vector<std::string> channel_names(const std::string& kind, std::size_t count) {
+  if (kind == "kistler8") return {"fx12", "fx34", "fy14", "fy23", "fz1", "fz2", "fz3", "fz4"};
+  if (kind == "six_component") return {"fx", "fy", "fz", "mx", "my", "mz"};
+  std::vector<std::string> names;
+  for (std::size_t cell = 1; cell <= count; ++cell) names.push_back("cell" + std::to_string(cell));
+  return names;
+}
+
+physics::PlateAxis read_axis(TomlReader& reader, std::string_view key) {
+  const std::string word = reader.choice(key, {"+x", "-x", "+y", "-y"});
+  if (word == "+x") return physics::PlateAxis::PlusX;
+  if (word == "-x") return physics::PlateAxis::MinusX;
+  return word == "+y" ? physics::PlateAxis::PlusY : physics::PlateAxis::MinusY;
+}
+
+/// Reads `channels`: the device channel of each channel of the plate; default: 0, 1, 2, ...
+std::vector<std::size_t> read_channels(TomlReader& reader, std::size_t count) {
+  std::vector<std::size_t> channels;
+  for (const std::int64_t channel : reader.integers("channels", 0, core::kMaxChannels - 1)) {
+    if (std::ranges::find(channels, static_cast<std::size_t>(channel)) != channels.end()) {
+      reader.report("channels", "channel " + std::to_string(channel) + " is named twice");
+    }
+    channels.push_back(static_cast<std::size_t>(channel));
+  }
+  if (reader.has("channels") && channels.size() != count) {
+    reader.report("channels",
+                  "the plate has " + std::to_string(count) + " channels, but " + std::to_string(channels.size()) + " are named");
+  }
+  for (std::size_t channel = channels.size(); channel < count; ++channel) channels.push_back(channel);
+  return channels;
+}
+
+/// Reads `names`: what the channels of the plate are called.
+std::vector<std::string> read_names(TomlReader& reader, const std::string& kind, std::size_t count) {
+  std::vector<std::string> names = reader.texts("names", channel_names(kind, count));
+  if (names.size() != count) {
+    reader.report("names", "the plate has " + std::to_string(count) + " channels, but " + std::to_string(names.size()) + " names");
+  }
+  for (std::size_t name = 0; name < names.size(); ++name) {
+    if (names[name].empty() || std::ranges::count(names, names[name]) > 1) {
+      reader.report("names", "each name must be there once, and not be empty");
+      break;
+    }
+  }
+  return names;
+}
+
+/// Reads `size_mm`: the sides of the surface along the plate's x and y, as sides along ML and AP.
+physics::Plate read_surface(TomlReader& reader, const physics::Mounting& mounting) {
+  physics::Plate plate;
+  reader.require("size_mm");
+  const toml::node* const found = reader.node("size_mm");
+  const std::vector<double> sides = found == nullptr ? std::vector<double>() : read_list(reader, "size_mm", found, 2, 2, kLongestSideMm);
+  if (sides.size() != 2) return plate;
+  if (*std::ranges::min_element(sides) < kShortestSideMm) reader.report("size_mm", "size_mm: a side is shorter than 10 mm");
+  const bool is_ml_along_x = mounting.ml == physics::PlateAxis::PlusX || mounting.ml == physics::PlateAxis::MinusX;
+  plate.a = {is_ml_along_x ? sides[0] : sides[1]};
+  plate.b = {is_ml_along_x ? sides[1] : sides[0]};
+  return plate;
+}
+
+/// Reads [force_plate] of a rig file: the keys of every force plate (force_plate_file.h), and those of its place in the rig: size_mm, ml,
+/// ap, channels, names.
+void read_force_plate_rig(TomlReader& top, RigModelFile& rig, Problems& problems) {
+  for (const char* key : {"plate", "support", "sensor"}) {
+    if (!top.has(key)) continue;
+    static_cast<void>(top.node(key));
+    top.report(key, std::string("a rig with [force_plate] has no [") + key + "]: remove it");
+  }
+  TomlReader reader = top.table("force_plate");
+  for (const char* key : {"ml", "ap"}) reader.require(key);
+  physics::Mounting mounting{.ml = read_axis(reader, "ml"), .ap = read_axis(reader, "ap")};
+  rig.model.plate = read_surface(reader, mounting);
+  for (const char* key : {"channels", "names"}) static_cast<void>(reader.node(key));  // known, although read after the plate
+  const auto file = read_force_plate(reader, problems);
+  if (!file) return;
+  mounting.is_z_down = file->is_z_down;
+  if (const auto checked = physics::check(mounting); !checked) reader.report("ml", core::to_string(checked.error()));
+  const std::size_t count = file->plate.channel_count();
+  rig.sensor_channels = read_channels(reader, count);
+  rig.model.force_plate = physics::ForcePlateModel{.plate = file->plate,
+                                                   .channel_names = read_names(reader, file->kind, count),
+                                                   .mounting = mounting,
+                                                   .polynomial = file->polynomial,
+                                                   .tare_v = file->tare_volts};
+}
+
 }  // namespace
 
 physics::Plate read_plate(TomlReader reader) {
@@ -135,6 +224,10 @@ physics::Support read_support(TomlReader reader, const physics::Plate& plate) {
 
 RigModelFile read_rig_model(TomlReader& top, Problems& problems, References references) {
   RigModelFile rig;
+  if (top.has("force_plate")) {
+    read_force_plate_rig(top, rig, problems);
+    return rig;
+  }
   rig.model.plate = read_plate(top.table("plate"));
   auto support = top.table("support");
   if (references == References::Files) support.require("kind");  // definitions in older recordings may lack it: corners, then

@@ -94,8 +94,9 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
     case pipeline::TareOutcome::Running: return std::nullopt;
     case pipeline::TareOutcome::Done:
       for (std::size_t sensor = 0; sensor < std::min(report->channel_count, core::kMaxChannels); ++sensor) {
-        response.mutable_tare()->add_baseline_mm(report->baseline_mm[sensor]);
+        response.mutable_tare()->add_baseline(report->baseline[sensor]);
       }
+      response.mutable_tare()->set_unit(report->unit == pipeline::ZeroUnit::Volts ? "V" : "mm");
       return response;
     case pipeline::TareOutcome::Loaded:
       return error_response(
@@ -225,8 +226,9 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
     channel.set_maximum(measured.maximum);
     const auto sensor = std::ranges::find(config.sensor_channels, index);
     if (sensor == config.sensor_channels.end()) continue;
-    const auto& model = config.model.sensors[static_cast<std::size_t>(sensor - config.sensor_channels.begin())];
     channel.set_is_sensor(true);
+    if (config.model.force_plate) continue;  // its channels have no curve
+    const auto& model = config.model.sensors[static_cast<std::size_t>(sensor - config.sensor_channels.begin())];
     if (const double gap_mm = model.curve.gap({measured.mean}).value; std::isfinite(gap_mm)) channel.set_gap_mm(gap_mm);
     if (!model.curve.contains({measured.mean})) channel.set_quality(core::quality::kOutOfRange);
   }

@@ -61,6 +61,7 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   if (state.acquisition.clock_drift_ppm != 0.0) out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);
   out.set_host_time_uncertainty_ns(state.acquisition.host_time_uncertainty_ns);
   out.set_tare(tare_state(state.tare));
+  if (state.tare.drift_n_per_min) out.set_zero_drift_n_per_min(*state.tare.drift_n_per_min);
   add_health(state, out);
   *out.mutable_session() = session_info(state.rig.config().name, state.session);
   *out.mutable_session()->mutable_recording() = recording_status(state.recording, state.part);
@@ -139,7 +140,8 @@ dts::v1::RigInfo rig_info(const session::Rig& rig) {
   out.set_device_uri(config.device_uri);
   out.set_plate_a_mm(config.model.plate.a.value);
   out.set_plate_b_mm(config.model.plate.b.value);
-  out.set_plate_h_mm(config.model.plate.h.value);
+  out.set_is_force_plate(config.model.force_plate.has_value());
+  if (!config.model.force_plate) out.set_plate_h_mm(config.model.plate.h.value);
   for (std::size_t index = 0; index < config.model.sensors.size(); ++index) {
     const physics::SensorModel& sensor = config.model.sensors[index];
     auto& info = *out.add_sensors();

@@ -17,8 +17,9 @@ tl::unexpected<core::Error> refuse(std::string what) {
 }
 
 core::Status check_channels(const PipelineInput& input, const physics::RigModel& rig) {
-  if (input.sensor_channels.size() != rig.sensors.size()) {
-    return refuse("the rig has " + std::to_string(rig.sensors.size()) + " sensors, but " + std::to_string(input.sensor_channels.size()) +
+  const std::size_t inputs = physics::input_names(rig).size();
+  if (input.sensor_channels.size() != inputs) {
+    return refuse("the rig has " + std::to_string(inputs) + " sensors, but " + std::to_string(input.sensor_channels.size()) +
                   " device channels are given for them");
   }
   if (input.aux_channels.size() != input.aux_formats.size()) {
@@ -40,7 +41,7 @@ core::Status check_channels(const PipelineInput& input, const physics::RigModel&
 /// Returns the input format of the first stage.
 core::StreamFormat device_format(const PipelineInput& input, const physics::RigModel& rig) {
   core::StreamFormat format{.name = "device", .rate = input.rate, .channels = {}};
-  for (const physics::SensorModel& sensor : rig.sensors) format.channels.push_back({.name = sensor.label + "_v", .unit = "V"});
+  for (const std::string& name : physics::input_names(rig)) format.channels.push_back({.name = name + "_v", .unit = "V"});
   format.channels.insert(format.channels.end(), input.aux_formats.begin(), input.aux_formats.end());
   return format;
 }

@@ -20,7 +20,7 @@ namespace dts::pipeline {
 /// The device channels that the pipeline of a rig uses.
 struct PipelineInput {
   core::Rate rate;
-  std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the rig, in sensor order.
+  std::vector<std::size_t> sensor_channels;  ///< Device channel of each input of the rig (`physics::input_names`), in that order.
   std::vector<std::size_t> aux_channels;     ///< Further channels, published as stream "aux"; the guard's marker is one of them.
   std::vector<core::ChannelFormat> aux_formats;
   std::optional<TriggerInput> trigger;  ///< Its channel is one of `aux_channels`.

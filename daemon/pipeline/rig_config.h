@@ -26,7 +26,7 @@ struct RigConfig {
   /// The model that classifies the trunk movement in a reach; absent: the rig classifies no reaches.
   std::optional<classifier::TrunkModel> trunk_model;
   std::string trunk_model_text{};            ///< The same model as text; its hash identifies the model in recordings.
-  std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
+  std::vector<std::size_t> sensor_channels;  ///< Device channel of each input of the model (`physics::input_names`).
   core::Rate rate;                           ///< The configured rate; in a rig, the device's exact rate.
   std::size_t block_scans = 1;               ///< Scans per block on the way from the device to the socket.
   std::vector<StageConfig> stages;

@@ -11,6 +11,8 @@
 #include "core/suggest.h"
 #include "pipeline/stages/classify.h"
 #include "pipeline/stages/cop.h"
+#include "pipeline/stages/force_cop.h"
+#include "pipeline/stages/force_plate.h"
 #include "pipeline/stages/guard.h"
 #include "pipeline/stages/linearise.h"
 #include "pipeline/stages/reach.h"
@@ -30,8 +32,8 @@ constexpr StageEntry entry() {
 }
 
 constexpr std::array kStages = {
-    entry<Guard>(),      entry<WindowFilter>(), entry<Linearise>(), entry<Cop>(),
-    entry<Steadiness>(), entry<Transient>(),    entry<Reach>(),     entry<Classify>(),
+    entry<Guard>(),     entry<WindowFilter>(), entry<Linearise>(), entry<Cop>(),        entry<Steadiness>(),
+    entry<Transient>(), entry<Reach>(),        entry<Classify>(),  entry<ForcePlate>(), entry<ForceCop>(),
 };
 
 const StageEntry* find_stage(std::string_view id) {

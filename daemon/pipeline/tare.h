@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 
 #include "core/block.h"
 #include "core/latest_value.h"
@@ -13,18 +14,27 @@ namespace dts::pipeline {
 enum class TareOutcome : std::uint8_t {
   None,       ///< No tare was requested, or it was cancelled.
   Running,    ///< Averaging.
-  Done,       ///< `baseline_mm` is in use.
-  Loaded,     ///< Rejected: a sensor is farther from its nominal unloaded gap than the limit. There is a load on the plate.
+  Done,       ///< `baseline` is in use.
+  Loaded,     ///< Rejected: there is a load on the plate; the stage's limit says from what on.
   Unsteady,   ///< Rejected: the plate moved while averaging.
   BadSensor,  ///< Rejected: a sensor has a quality fault.
+};
+
+/// The unit in which a stage has its zero.
+enum class ZeroUnit : std::uint8_t {
+  Millimetres,  ///< Of deflection.
+  Volts,        ///< Of the channels of a force plate.
 };
 
 struct TareReport {
   std::uint64_t request = 0;  ///< Number of the request that this report answers.
   TareOutcome outcome = TareOutcome::None;
-  bool is_older_in_use = false;  ///< The tare was rejected or cancelled, and the earlier `baseline_mm` stays in use.
+  bool is_older_in_use = false;  ///< The tare was rejected or cancelled, and the earlier `baseline` stays in use.
   std::size_t channel_count = 0;
-  std::array<double, core::kMaxChannels> baseline_mm{};  ///< Zero of the deflection in use, per sensor.
+  ZeroUnit unit = ZeroUnit::Millimetres;
+  std::array<double, core::kMaxChannels> baseline{};  ///< The zero in use, by channel, in `unit`.
+  /// How fast the vertical force on the empty plate changes, N/min; absent: not known yet, or not a force plate.
+  std::optional<double> drift_n_per_min{};
 };
 
 /// Passes tare requests from the control thread to the stage that executes them, and reports back.

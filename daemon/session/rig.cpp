@@ -44,6 +44,10 @@ constexpr std::string_view kBeyondTravel =
     "the load bends the plate further than its sensors measure, so load and centre of pressure are less exact: ask the person to stand in "
     "the middle of the plate; a person who is too heavy for this plate needs a stiffer one";
 
+constexpr std::string_view kSensorAdvice = "check plug, supply and distance to the plate";
+constexpr std::string_view kForcePlateAdvice =
+    "check plug, supply and range of the force plate's amplifier, and reset it while the plate is empty";
+
 std::optional<std::size_t> cop_stream_of(const pipeline::Pipeline& pipeline) {
   const auto found = std::ranges::find(pipeline.formats(), std::string_view("cop"), &core::StreamFormat::name);
   if (found == pipeline.formats().end() || found->channels.size() != kCopChannels) return std::nullopt;
@@ -194,7 +198,8 @@ std::string Rig::sensor_problems() {
   if (!has_scans || !sensor_stream_) return {};
   std::vector<std::string> names;
   for (const std::size_t channel : config_->sensor_channels) names.push_back(device_->describe().channels[channel].name);
-  std::string problems = session::sensor_problems(sensor_watch_.latest(), names);
+  std::string problems =
+      session::sensor_problems(sensor_watch_.latest(), names, config_->model.force_plate ? kForcePlateAdvice : kSensorAdvice);
   const auto& beyond_ns = pipeline_report().beyond_travel_ns;
   if (problems.empty() && beyond_ns && clock_.now_ns() - *beyond_ns < kTravelShownNs) return std::string(kBeyondTravel);
   return problems;

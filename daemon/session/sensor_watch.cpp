@@ -32,7 +32,7 @@ void SensorWatch::add(const core::Block& sensors) noexcept {
   scans_ = 0;
 }
 
-std::string sensor_problems(const SensorDoubts& doubts, const std::vector<std::string>& names) {
+std::string sensor_problems(const SensorDoubts& doubts, const std::vector<std::string>& names, std::string_view advice) {
   std::string text;
   std::uint8_t reported = 0;
   for (const auto& [bit, problem] : kProblems) {
@@ -44,7 +44,7 @@ std::string sensor_problems(const SensorDoubts& doubts, const std::vector<std::s
     reported |= bit;
     if (!concerned.empty()) text += (text.empty() ? "sensors that do not measure: " : "; ") + concerned + " (" + std::string(problem) + ")";
   }
-  return text.empty() ? "" : text + ": check plug, supply and distance to the plate";
+  return text.empty() ? "" : text + ": " + std::string(advice);
 }
 
 }  // namespace dts::session

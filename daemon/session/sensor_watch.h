@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/block.h"
@@ -35,7 +36,8 @@ class SensorWatch {
   core::LatestValue<SensorDoubts> latest_;
 };
 
-/// Returns which sensors do not measure, why, and what to do; empty if all measure. `names`: the names of the sensors' channels.
-[[nodiscard]] std::string sensor_problems(const SensorDoubts& doubts, const std::vector<std::string>& names);
+/// Returns which sensors do not measure, why, and what to do; empty if all measure. `names`: the names of the sensors' channels; `advice`:
+/// "check plug and supply".
+[[nodiscard]] std::string sensor_problems(const SensorDoubts& doubts, const std::vector<std::string>& names, std::string_view advice);
 
 }  // namespace dts::session

@@ -233,9 +233,10 @@ core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
                       "tare before the next session, or stop this one first: dtsctl session stop --rig " + rig);
   }
   const auto formats = entry->rig->formats();
-  if (std::ranges::find(formats, "deflection", &core::StreamFormat::name) == formats.end()) {
+  const auto is_tared = [](const core::StreamFormat& format) { return format.name == "deflection" || format.name == "force"; };
+  if (std::ranges::none_of(formats, is_tared)) {
     return core::fail(core::ErrorCode::Unsupported, "rig '" + rig + "' has no stage that tares",
-                      "add [[stage]] id = \"linearise\" to its file");
+                      "add [[stage]] id = \"linearise\" to its file, or \"force_plate\" for a force plate");
   }
   return entry->tare_request = entry->rig->tare().request();
 }

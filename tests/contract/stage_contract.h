@@ -19,6 +19,7 @@
 #include "unit/pipeline/stage_runner.h"
 
 #include "unit/pipeline/standing_cop.h"
+#include "unit/pipeline/standing_force.h"
 #include "unit/pipeline/standing_signal.h"
 
 namespace dts::pipeline::contract {
@@ -31,13 +32,16 @@ using Options = std::map<std::string, OptionValue, std::less<>>;
 /// A stage with its surroundings, prepared for the first kind of input that it takes.
 class PreparedStage {
  public:
-  PreparedStage(const std::string& id, const Options& options) : stage_(surroundings_.make({.id = id, .options = options})) {
+  PreparedStage(const std::string& id, const Options& options) {
+    surroundings_.rig.force_plate = kistler_plate();  // for the stages that need one; the others do not look at it
+    stage_ = surroundings_.make({.id = id, .options = options});
     surroundings_.windows.open(1, 0, {10}, {310});  // a trial, for who wants to know
     prepare();
   }
 
   void prepare() {
-    for (const auto maker : {&standing_volts, &standing_millimetres, &reaching_transient, &standing_cop}) {
+    for (const auto maker :
+         {&standing_volts, &standing_millimetres, &reaching_transient, &standing_cop, &standing_force_volts, &standing_force}) {
       const auto format = stage_->prepare(maker(0, 1, Faults::None).format, kLargestBlock);
       if (!format) continue;
       make_signal_ = maker;

@@ -38,15 +38,19 @@ TEST_P(StageContract, Description_IsComplete) {
 
 TEST_P(StageContract, Identity_IsUniqueAndToldByTheStageItself) {
   std::multiset<std::string_view> ids;
-  std::multiset<std::string_view> streams;
-  for (const StageEntry& entry : stage_registry()) {
-    ids.insert(entry.describe().id);
-    streams.insert(entry.describe().output_stream);
-  }
+  for (const StageEntry& entry : stage_registry()) ids.insert(entry.describe().id);
 
   EXPECT_EQ(ids.count(GetParam()), 1U);
-  EXPECT_TRUE(description().output_stream.empty() || streams.count(description().output_stream) == 1U);
   EXPECT_EQ(&PreparedStage(GetParam(), {})->describe(), &description());
+}
+
+/// What is behind the stream must not need to know which stage made it.
+TEST_P(StageContract, StagesOfTheSameStream_MakeTheSameChannels) {
+  const PreparedStage stage(GetParam(), {});
+  for (const StageEntry& entry : stage_registry()) {
+    if (description().output_stream.empty() || entry.describe().output_stream != description().output_stream) continue;
+    EXPECT_EQ(PreparedStage(std::string(entry.describe().id), {}).format().channels, stage.format().channels) << entry.describe().id;
+  }
 }
 
 TEST_P(StageContract, PreparedOutput_NamesItsChannelsAndUnits) {

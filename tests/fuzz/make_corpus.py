@@ -266,7 +266,7 @@ def bus(control_module, stream) -> dict[str, bytes]:
     answers = [{"rigs": {"rigs": [rig]}}, {"error": {"code": 5, "what": "x"}}, {"session": {"session_id": "s", "trial": {"phase": 1}}},
                {"sessions": {"sessions": [{"session_id": "s", "parts": [{"state": 1, "duration_s": 1.5}]}]}},
                {"subject": {"about": {"subject": "s"}, "sessions": [{"session_id": "s", "corrections": [{"field": "label"}]}]}}, {"erased": {"left": ["x"]}},
-               {"protocols": {"protocols": [{"name": "free", "fields": [{"name": "a", "maximum": 2.0}]}]}}, {"tare": {"baseline_mm": [0.1]}}]
+               {"protocols": {"protocols": [{"name": "free", "fields": [{"name": "a", "maximum": 2.0}]}]}}, {"tare": {"baseline": [0.1]}}]
     return {
         "in-order": heard(*said.items(), (5, gap)),
         "held": heard((2, block), (5, gap), (1, status), (2, block)),

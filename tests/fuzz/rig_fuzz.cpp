@@ -10,7 +10,6 @@
 namespace dts::fuzz::rig {
 namespace {
 
-
 constexpr std::size_t kMostSensors = 16;
 constexpr std::size_t kLargestDefinition = std::size_t{1} << 20U;
 
@@ -20,8 +19,10 @@ void check_rig(const pipeline::RigConfig& rig) {
     promise(std::isfinite(size) && size > 0.0, "a plate has a size");
   promise(rig.rate.hz() >= 1.0 && rig.rate.hz() <= 20000.0, "a rate in range");
   promise(rig.block_scans >= 1 && rig.block_scans <= core::kMaxBlockScans, "a block has 1 to 4096 scans");
-  promise(!rig.stages.empty() && !rig.model.sensors.empty() && rig.model.sensors.size() <= kMostSensors, "stages and sensors");
-  promise(rig.sensor_channels.size() == rig.model.sensors.size(), "a channel for each sensor");
+  const std::size_t inputs = physics::input_names(rig.model).size();
+  promise(!rig.stages.empty() && inputs > 0 && inputs <= kMostSensors, "stages and sensors");
+  promise(rig.sensor_channels.size() == inputs, "a channel for each sensor");
+  promise(!rig.model.force_plate || rig.model.sensors.empty(), "a force plate has no sensors");
   for (const std::size_t channel : rig.sensor_channels) promise(channel < core::kMaxChannels, "a channel that a block can have");
   for (const physics::SensorModel& sensor : rig.model.sensors) {
     promise(sensor.position.x.value >= 0.0 && sensor.position.x.value <= plate.a.value, "sensors are under the plate");

@@ -72,7 +72,7 @@ LISTS: dict[str, tuple[int, Answer]] = {
     "test: checks": (1000, lambda n: {"device_test": {"checks": [{}] * n}}),
     "test: channels": (256, lambda n: {"device_test": {"channels": [{}] * n}}),
     "marks": (64, lambda n: {"mark": {"marks": [{}] * n}}),
-    "tare": (256, lambda n: {"tare": {"baseline_mm": [0.0] * n}}),
+    "tare": (256, lambda n: {"tare": {"baseline": [0.0] * n}}),
     "sessions": (10_000, lambda n: {"sessions": {"sessions": [{"session_id": "s"}] * n}}),
     "parts": (1000, lambda n: record(parts=[PART] * n)),
     "corrections": (10_000, lambda n: record(corrections=[{}] * n)),

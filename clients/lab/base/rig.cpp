@@ -12,7 +12,9 @@ physics::RigModel read_rig(const std::string& file, files::Problems& problems) {
   const auto table = files::parse_toml(file, problems);
   if (!table) return thesis_setup::floor_platform();
   files::TomlReader top(&*table, "", file, problems);
-  return files::read_rig_model(top, problems).model;
+  physics::RigModel rig = files::read_rig_model(top, problems).model;
+  if (rig.force_plate) top.report("force_plate", "this command needs a plate that bends, with sensors, not a force plate");
+  return rig;
 }
 
 core::Result<pipeline::RigConfig> rig_of(const record::Recording& recording, const std::string& name) {

@@ -187,4 +187,9 @@ Wrench in_subject_frame(const Wrench& of_plate, const Mounting& mounting) noexce
   return {.force_n = turn(of_plate.force_n), .moment_nm = turn(of_plate.moment_nm)};
 }
 
+PointPolynomial in_subject_frame(const PointPolynomial& of_plate, const Mounting& mounting) noexcept {
+  if (axis_index(mounting.ml) == 0) return of_plate;
+  return {.x = of_plate.y, .y = of_plate.x};
+}
+
 }  // namespace dts::physics

@@ -89,5 +89,8 @@ struct Mounting {
 
 /// Returns the reaction on the person in the subject's frame: x to the right, y forward, z up.
 [[nodiscard]] Wrench in_subject_frame(const Wrench& of_plate, const Mounting& mounting) noexcept;
+/// Returns the same correction for a point in the subject's frame. Only an exchange of the axes matters: the polynomials are odd in their
+/// own coordinate and even in the other one.
+[[nodiscard]] PointPolynomial in_subject_frame(const PointPolynomial& of_plate, const Mounting& mounting) noexcept;
 
 }  // namespace dts::physics

@@ -58,18 +58,18 @@ void BaselineAverage::restore(StateReader& reader, std::size_t channel_count, st
   }
 }
 
-TareOutcome BaselineAverage::outcome(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept {
-  for (std::size_t c = 0; c < channel_count; ++c) {
+TareOutcome BaselineAverage::outcome(std::size_t first, std::size_t end, double limit, double noise) const noexcept {
+  for (std::size_t c = first; c < end; ++c) {
     if ((sums_[c].bits & kFaultBits) != 0) return TareOutcome::BadSensor;
   }
-  for (std::size_t c = 0; c < channel_count; ++c) {
-    if (std::abs(mean(c)) > limit_mm) return TareOutcome::Loaded;
+  for (std::size_t c = first; c < end; ++c) {
+    if (std::abs(mean(c)) > limit) return TareOutcome::Loaded;
   }
   const auto scans = static_cast<double>(scans_);
-  for (std::size_t c = 0; c < channel_count; ++c) {
+  for (std::size_t c = first; c < end; ++c) {
     const double mean_offset = sums_[c].sum / scans;
     const double variance = sums_[c].squares / scans - mean_offset * mean_offset;
-    if (variance > noise_mm * noise_mm) return TareOutcome::Unsteady;
+    if (variance > noise * noise) return TareOutcome::Unsteady;
   }
   return TareOutcome::Done;
 }

@@ -21,9 +21,10 @@ class BaselineAverage {
   /// Adds scans [first, first + scans) of `block`; at most `remaining_scans()`.
   void add(const core::Block& block, std::size_t first, std::size_t scans) noexcept;
 
-  /// Returns Done if no value had a fault bit, every mean is within `limit_mm` of zero and every rms about its mean is within `noise_mm`;
-  /// otherwise the reason, with a sensor fault before all others. Valid when no scans remain.
-  [[nodiscard]] TareOutcome outcome(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept;
+  /// Judges the columns [first, end). Returns Done if no value had a fault bit, every mean is within `limit` of zero and every rms about
+  /// its mean is within `noise`, both in the unit of the columns; otherwise the reason, with a sensor fault before all others. Valid when
+  /// no scans remain.
+  [[nodiscard]] TareOutcome outcome(std::size_t first, std::size_t end, double limit, double noise) const noexcept;
   [[nodiscard]] double mean(std::size_t channel) const noexcept;
 
   /// Returns the number of values that `save` writes and `restore` reads for so many columns. `scans`: the argument of `start`.

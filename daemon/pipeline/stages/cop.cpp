@@ -16,9 +16,6 @@ namespace {
 
 using core::kNaN;
 
-/// Contact ends below this part of the threshold, so that it does not flicker near the threshold.
-constexpr double kReleaseRatio = 0.8;
-
 constexpr double kWidestStanceMm = 1e4;                         // limit for a value from a file
 constexpr std::uint64_t kLatestScan = std::uint64_t{1} << 53U;  // the largest that a state can hold
 constexpr std::size_t kStanceNumbers = 2;                       // of the stance used now
@@ -30,7 +27,7 @@ Cop::Cop(const StageOptions& options, const StageContext& context)
     : rig_(&context.rig),
       calibration_(context.cop_calibration),
       method_(options.word("estimator")),
-      contact_threshold_n_(options.number("contact_threshold_n")),
+      contact_(options.number("contact_threshold_n")),
       two_feet_(calibration_ != nullptr && calibration_->two_feet ? &*calibration_->two_feet : nullptr),
       stances_(context.stances),
       given_rate_(context.raw_rate) {}
@@ -106,7 +103,7 @@ std::array<Cop::Value, 3> Cop::evaluate(std::span<const double> deflection_mm, s
   if ((bits & kFaultBits) != 0) return {Value{kNaN, bits}, Value{kNaN, bits}, Value{kNaN, bits}};
   physics::CopEstimate estimate = estimator_->estimate(deflection_mm);
   const double load_n = std::isfinite(estimate.load_n) ? estimate.load_n : 0.0;  // the plate is not bent downwards
-  if (!update_contact(load_n)) {
+  if (!contact_.update(load_n)) {
     settled_.reset();
     const auto no_contact = static_cast<std::uint8_t>(bits | core::quality::kNoContact);
     return {Value{kNaN, no_contact}, Value{kNaN, no_contact}, Value{load_n, bits}};
@@ -149,17 +146,17 @@ bool Cop::is_due(const SubjectStance& stance, std::uint32_t segment, std::uint64
 }
 
 void Cop::reset() noexcept {
-  is_in_contact_ = false;
+  contact_.reset();
   settled_.reset();
 }
 
 std::size_t Cop::state_size() const noexcept {
-  return two_feet_ == nullptr ? 1 : 1 + SettledStance::kStateSize + kStanceNumbers + kUpcomingNumbers;
+  return two_feet_ == nullptr ? Contact::kStateSize : Contact::kStateSize + SettledStance::kStateSize + kStanceNumbers + kUpcomingNumbers;
 }
 
 void Cop::save(std::span<double> state) const noexcept {
   StateWriter writer(state);
-  writer.put(is_in_contact_ ? 1.0 : 0.0);
+  contact_.save(writer);
   if (two_feet_ == nullptr) return;
   settled_.save(writer);
   writer.put(stance_.width_mm);
@@ -176,7 +173,7 @@ void Cop::save(std::span<double> state) const noexcept {
 
 bool Cop::restore(std::span<const double> state) noexcept {
   StateReader reader(state, state_size());
-  is_in_contact_ = reader.flag();
+  contact_.restore(reader);
   if (two_feet_ == nullptr) return reader.is_right();
   settled_.restore(reader);
   forget_stance();
@@ -200,11 +197,6 @@ void Cop::forget_stance() noexcept {
   stance_ = {};
   upcoming_.reset();
   letter_ = 0;
-}
-
-bool Cop::update_contact(double load_n) noexcept {
-  is_in_contact_ = load_n >= (is_in_contact_ ? kReleaseRatio : 1.0) * contact_threshold_n_;
-  return is_in_contact_;
 }
 
 }  // namespace dts::pipeline

@@ -9,6 +9,7 @@
 
 #include "physics/cop/cop_estimator.h"
 #include "pipeline/stage.h"
+#include "pipeline/stages/contact.h"
 #include "pipeline/stages/settled_stance.h"
 
 namespace dts::pipeline {
@@ -48,7 +49,6 @@ class Cop final : public Stage {
   [[nodiscard]] core::Result<physics::CopEstimator> make_estimator() const;
   /// Returns ml, ap and load of one scan; `bits` are those of all sensors.
   std::array<Value, 3> evaluate(std::span<const double> deflection_mm, std::uint8_t bits) noexcept;
-  bool update_contact(double load_n) noexcept;
   void read_stance() noexcept;
   void forget_stance() noexcept;
   void update_stance(const core::Block& in, std::size_t scan) noexcept;
@@ -58,9 +58,8 @@ class Cop final : public Stage {
   const physics::RigModel* rig_;
   const physics::CopCalibration* calibration_;
   std::string method_;
-  double contact_threshold_n_;
+  Contact contact_;
   std::optional<physics::CopEstimator> estimator_;
-  bool is_in_contact_ = false;
 
   // For the correction for two feet.
   const physics::TwoFeetCorrection* two_feet_ = nullptr;  ///< nullptr: the calibration has none.

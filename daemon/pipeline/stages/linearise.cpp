@@ -102,7 +102,7 @@ void Linearise::handle_request() noexcept {
 void Linearise::finish_average() noexcept {
   const std::size_t sensors = rig_->sensors.size();
   if (tare_->is_cancelled(request_)) return report(TareOutcome::None);
-  const TareOutcome outcome = average_.outcome(sensors, tare_limit_mm_, tare_noise_mm_);
+  const TareOutcome outcome = average_.outcome(0, sensors, tare_limit_mm_, tare_noise_mm_);
   if (outcome == TareOutcome::Done) {
     for (std::size_t c = 0; c < sensors; ++c) baseline_mm_[c] = average_.mean(c);
     is_tared_ = true;
@@ -124,7 +124,8 @@ void Linearise::report(TareOutcome outcome) noexcept {
                  .outcome = outcome,
                  .is_older_in_use = is_tared_ && outcome != TareOutcome::Running && outcome != TareOutcome::Done,
                  .channel_count = rig_->sensors.size(),
-                 .baseline_mm = baseline_mm_});
+                 .unit = ZeroUnit::Millimetres,
+                 .baseline = baseline_mm_});
 }
 
 std::size_t Linearise::state_size() const noexcept {

@@ -46,5 +46,15 @@ TEST(PlateWarnings, RealRigWithItsOwnCalibration_NeedsNoPlateModel) {
   EXPECT_TRUE(plate_warnings(config).empty());
 }
 
+TEST(PlateWarnings, ForcePlate_NeedsNoPlateModel) {
+  DaemonConfig config = shipped(1.0);
+  const physics::LoadCellPlate cells{.cells = {{200, 150, 100}, {-200, 150, 100}, {0, -150, 100}}};
+  for (ConfiguredRig& configured : config.rigs) {
+    configured.rig.model.force_plate = physics::ForcePlateModel{
+        .plate = physics::ForcePlate::create(cells).value(), .channel_names = {"cell1", "cell2", "cell3"}, .tare_v = {0.0, 0.0, 0.0}};
+  }
+  EXPECT_TRUE(plate_warnings(config).empty());
+}
+
 }  // namespace
 }  // namespace dts::app

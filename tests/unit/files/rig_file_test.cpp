@@ -198,7 +198,8 @@ TEST_F(RigFile, Limits_AreReportedWithPlaceAndRange) {
           {"id = \"guard\"", "id = \"gard\"", "rig:50:6: unknown stage 'gard'; did you mean 'guard'?"},
           {"id = \"guard\"", "",
            "rig:49:1: [[stage]] id is missing\n"
-           "rig:49:1: unknown stage ''; known: guard, window_filter, linearise, cop, steadiness, transient, reach, classify"},
+           "rig:49:1: unknown stage ''; known: guard, window_filter, linearise, cop, steadiness, transient, reach, classify, force_plate, "
+           "force_cop"},
           {"window_scans", "window_scans = true", "rig:53:16: an option must be a number or a text in quotes"},
           {"window_scans", "window_scans = 5\nwindow = 5",
            "rig:52:6: unknown option 'window' of stage window_filter; known: window_scans, window_ms, shift_scans"},

@@ -303,9 +303,11 @@ TEST_F(CommandsTest, Tare_IsAnsweredOnceItsOwnReportIsThere) {
   EXPECT_EQ(answer({.request = 2, .outcome = TareOutcome::Running}), "not yet");
   EXPECT_EQ(answer({.request = 2, .outcome = TareOutcome::None}), "not yet");
   for (const std::uint64_t request : {2U, 3U}) {
-    EXPECT_EQ(answer({.request = request, .outcome = TareOutcome::Done, .channel_count = 3, .baseline_mm = {0.5, 0.25, 2}}),
-              "tare { baseline_mm: [0.5, 0.25, 2] }");
+    EXPECT_EQ(answer({.request = request, .outcome = TareOutcome::Done, .channel_count = 3, .baseline = {0.5, 0.25, 2}}),
+              "tare { baseline: [0.5, 0.25, 2] unit: \"mm\" }");
   }
+  EXPECT_EQ(answer({.request = 2, .outcome = TareOutcome::Done, .channel_count = 1, .unit = pipeline::ZeroUnit::Volts, .baseline = {0.5}}),
+            "tare { baseline: [0.5] unit: \"V\" }");
   const std::string refused = error("WRONG_STATE") + " what: \"tare rejected: ";
   EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::Loaded}).starts_with(refused + "the plate of rig \\'floor\\' is loaded"));
   EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::Unsteady}).starts_with(refused + "the plate of rig \\'floor\\' moved"));

@@ -109,6 +109,12 @@ TEST_F(StatusTest, SensorProblems_AreShownWhereTheDeviceItselfHasNone) {
   EXPECT_EQ(status().device_message(), "the device fell silent");
 }
 
+TEST_F(StatusTest, TheDriftOfAForcePlate_IsShownOnceItIsKnown) {
+  EXPECT_FALSE(status().has_zero_drift_n_per_min());
+  state_.tare.drift_n_per_min = -0.25;
+  EXPECT_EQ(status().zero_drift_n_per_min(), -0.25);
+}
+
 TEST_F(StatusTest, Words_OfDeviceAndTare) {
   using device::DeviceState;
   using pipeline::TareOutcome;

@@ -229,7 +229,7 @@ std::vector<Command> commands() {
        [](Client& dts) { return text_of(dts.resume_session("s4")); }},
       {"mark { text: \"hello\" rig: \"floor\" }", "mark { marks { rig: \"floor\" scan: 5 } }",
        [](Client& dts) { return text_of(dts.mark("hello", "floor")); }},
-      {"tare { rig: \"floor\" }", "tare { baseline_mm: 9.5 }", [](Client& dts) { return text_of(dts.tare("floor")); }},
+      {"tare { rig: \"floor\" }", "tare { baseline: 9.5 }", [](Client& dts) { return text_of(dts.tare("floor")); }},
       {"get_devices { }", "devices { kinds: \"sim:floor\" }", [](Client& dts) { return text_of(dts.devices()); }},
       {"test_device { rig: \"chair\" }", "device_test { scans: 7 }", [](Client& dts) { return text_of(dts.test_device("chair")); }},
       {"list_sessions { subject: \"P017\" }", "sessions { sessions { session_id: \"s5\" } }",

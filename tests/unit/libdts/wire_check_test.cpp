@@ -42,7 +42,7 @@ TEST(WireCheck, ListOfTheGreatestLength_IsAcceptedAndALongerOneIsRefused) {
                               {"device_test { ", "checks { } ", 1000, "}", "checks"},
                               {"device_test { ", "channels { } ", 256, "}", "channels"},
                               {"mark { ", "marks { } ", 64, "}", "marks"},
-                              {"tare { ", "baseline_mm: 0 ", 256, "}", "sensors"},
+                              {"tare { ", "baseline: 0 ", 256, "}", "sensors"},
                               {"session_record { session_id: 's' ", "parts { state: 2 } ", 1000, "}", "parts"},
                               {"session_record { session_id: 's' parts { state: 2 ", "losses { } ", 1000, "} }", "causes of losses"},
                               {"session_record { session_id: 's' ", "trials { } ", 10'000, "}", "trials"},

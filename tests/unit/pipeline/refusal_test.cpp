@@ -10,6 +10,7 @@
 #include "support/committed_text.h"
 #include "unit/pipeline/chair_chain.h"
 #include "unit/pipeline/standing_cop.h"
+#include "unit/pipeline/standing_force.h"
 
 namespace dts::pipeline {
 namespace {
@@ -47,6 +48,9 @@ TEST(StageRefusal, OfEachInput_IsThatOfTheFile) {
   renamed.channels[1].name = "y_mm";
   core::StreamFormat two_units = format_of(100, "mm", 4);
   two_units.channels[3].unit = "V";
+  const auto on_force_plate = [](StageSurroundings& has) { has.rig = with_force_plate(kistler_plate()); };
+  core::StreamFormat of_cells = standing_force(0, 1, Faults::None).format;
+  of_cells.channels = force_channels(false);
   std::string text;
   for (const Row& row : {
            Row{{"guard", {}}, format_of(100, "V", 3)},
@@ -86,6 +90,14 @@ TEST(StageRefusal, OfEachInput_IsThatOfTheFile) {
            Row{{"steadiness", {}}, swaying_cop(20.001, 0, 1).format},
            Row{{"classify", {}}, transient_of({}, 0.0).format},
            Row{{"classify", {}}, transient_of({}, 0.0).format, [](StageSurroundings& has) { has.trunk_model.reset(); }},
+           Row{{"force_plate", {}}, format_of(100, "V", 8)},
+           Row{{"force_plate", {}}, format_of(100, "V", 7), on_force_plate},
+           Row{{"force_plate", {}}, format_of(100, "N", 8), on_force_plate},
+           Row{{"force_plate", {}}, format_of(100, "V", 8), on_force_plate},
+           Row{{"force_cop", {}}, format_of(100, "N", 6), on_force_plate},
+           Row{{"force_cop", {}}, standing_force(0, 1, Faults::None).format, on_force_plate},
+           Row{{"force_cop", {{"top_mm", 50.0}}}, standing_force(0, 1, Faults::None).format, on_force_plate},
+           Row{{"force_cop", {{"top_mm", 50.0}}}, of_cells, on_force_plate},
        }) {
     StageSurroundings has;
     if (row.change) row.change(has);

@@ -25,7 +25,7 @@ TEST(CheckStage, OneProblem_IsOneSentence) {
   const std::vector<std::pair<StageConfig, std::string>> rows{
       {{.id = "window_filtr", .options = {}}, "unknown stage 'window_filtr'; did you mean 'window_filter'?"},
       {{.id = "xyz", .options = {}},
-       "unknown stage 'xyz'; known: guard, window_filter, linearise, cop, steadiness, transient, reach, classify"},
+       "unknown stage 'xyz'; known: guard, window_filter, linearise, cop, steadiness, transient, reach, classify, force_plate, force_cop"},
       {{.id = "window_filter", .options = {{"window_scan", 3.0}}},
        "unknown option 'window_scan' of stage window_filter; did you mean 'window_scans'?"},
       {{.id = "window_filter", .options = {{"window_scans", "three"}}},

@@ -35,8 +35,8 @@ TEST(Tare, AnswersFromAnotherThread_ArriveWholeAndInOrder) {
         continue;
       }
       answered = requested;
-      TareReport report{.request = answered, .outcome = TareOutcome::Done, .channel_count = 4, .baseline_mm = {}};
-      report.baseline_mm.fill(static_cast<double>(answered));
+      TareReport report{.request = answered, .outcome = TareOutcome::Done, .channel_count = 4, .baseline = {}};
+      report.baseline.fill(static_cast<double>(answered));
       tare.report(report);
     }
   });
@@ -46,7 +46,7 @@ TEST(Tare, AnswersFromAnotherThread_ArriveWholeAndInOrder) {
     const TareReport& report = tare.latest();
     ASSERT_GE(report.request, last);
     last = report.request;
-    for (const double baseline_mm : report.baseline_mm) ASSERT_EQ(baseline_mm, static_cast<double>(report.request));
+    for (const double baseline : report.baseline) ASSERT_EQ(baseline, static_cast<double>(report.request));
   }
 }
 

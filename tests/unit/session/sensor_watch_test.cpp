@@ -48,17 +48,17 @@ TEST(SensorWatch, BlockOfAnotherShape_IsIgnored) {
 }
 
 TEST(SensorProblems, SensorsThatMeasure_HaveNone) {
-  EXPECT_EQ(sensor_problems({.sensor_count = 2, .bits = {0, quality::kUntared | quality::kSubstituted}}, {"ch0", "ch1"}), "");
-  EXPECT_EQ(sensor_problems({}, {"ch0"}), "") << "no period is over yet";
+  EXPECT_EQ(sensor_problems({.sensor_count = 2, .bits = {0, quality::kUntared | quality::kSubstituted}}, {"ch0", "ch1"}, "check"), "");
+  EXPECT_EQ(sensor_problems({}, {"ch0"}, "check"), "") << "no period is over yet";
 }
 
 TEST(SensorProblems, EachSensorIsNamedOnceWithItsReason) {
   const SensorDoubts doubts{.sensor_count = 4,
                             .bits = {quality::kStuck | quality::kOutOfRange, quality::kOutOfRange, quality::kRail | quality::kOutOfRange,
                                      quality::kStuck | quality::kRail}};
-  EXPECT_EQ(sensor_problems(doubts, {"ch0", "ch1", "ch2", "ch3"}),
+  EXPECT_EQ(sensor_problems(doubts, {"ch0", "ch1", "ch2", "ch3"}, "check plug and supply"),
             "sensors that do not measure: ch0, ch3 (unchanged); ch2 (at the end of the range); ch1 (outside the calibration curve): "
-            "check plug, supply and distance to the plate");
+            "check plug and supply");
 }
 
 }  // namespace

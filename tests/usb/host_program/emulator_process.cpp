@@ -46,6 +46,8 @@ void EmulatorProcess::write_files(const Options& options) const {
   std::filesystem::create_directory(directory_ / "rigs");
   std::ifstream shipped(config / "rigs" / "floor-sim.toml");
   std::ofstream rig(directory_ / "rigs" / "floor.toml");
+  rig << options.rig_text;
+  if (!options.rig_text.empty()) shipped.setstate(std::ios::eofbit);
   for (std::string line; std::getline(shipped, line);) {
     if (!line.starts_with("calibration = ")) rig << line << '\n';  // weights have the point calibration
   }

@@ -22,6 +22,7 @@ class EmulatorProcess {
     std::string uri = "mcc:1608fs-plus?channels=0,1,2,3&range_v=5";
     std::string scene;
     std::string rig_tables;             ///< Appended to the rig's file.
+    std::string rig_text{};             ///< The whole file of the rig; empty: the shipped floor platform.
     std::vector<std::string> wiring{};  ///< Further arguments of usb_emulator.
     std::string weights;                ///< Lines of the file "weights.csv" that `scene` may name as $DIR/weights.csv.
   };

@@ -10,8 +10,10 @@
 #include <array>
 #include <cstdlib>
 #include <iostream>
+#include <memory>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "usb/emulator/fs_plus_emulator.h"
@@ -96,9 +98,14 @@ int run(const Options& options) {
   sigprocmask(SIG_BLOCK, &signals, nullptr);
   const int signal_fd = ::signalfd(-1, &signals, SFD_CLOEXEC);
 
-  auto rig = RigSource::create(options.rig, options.scene);
-  if (!rig) return refuse(rig.error());
-  auto daq = create_daq(options.device, options.serial, (*rig)->source());
+  std::unique_ptr<RigSource> rig;
+  HeldInputs held;
+  if (options.scene != "hold") {
+    auto made = RigSource::create(options.rig, options.scene);
+    if (!made) return refuse(made.error());
+    rig = std::move(*made);
+  }
+  auto daq = create_daq(options.device, options.serial, rig ? rig->source() : held.source());
   if (!daq) return refuse(daq.error());
   if (!options.loop_back.empty()) {
     unsigned bit = 0;
@@ -116,7 +123,7 @@ int run(const Options& options) {
   if (!options.is_unplugged) {
     if (auto plugged = (*bus)->plug(*daq->device); !plugged) return refuse(plugged.error());
   }
-  Commands commands(**bus, *daq, **rig);
+  Commands commands(**bus, *daq, rig.get(), rig ? nullptr : &held);
   const pid_t child = options.command.empty() ? -1 : start_child(options.command, (*bus)->environment(), signals);
   const int status = serve(commands, child, signal_fd);
   (*bus)->unplug(*daq->device);
@@ -134,12 +141,13 @@ int main(int argc, char** argv) {
       "  usb_emulator umockdev 1608fs-plus -- dtsd --config dtsd.toml    no root, no kernel module: only the command sees it\n"
       "  usb_emulator vhci 1608fs-plus                                   on this machine's kernel (root, modprobe vhci-hcd)\n\n"
       "Commands on standard input, one line each, answered by one line: plug, unplug, replug, fault NAME VALUE,\n"
-      "truth [MONOTONIC_NS], story, quit."};
+      "truth [MONOTONIC_NS], story, hold VOLTS ..., quit."};
   app.add_option("BUS", options.bus, "umockdev or vhci")->required();
   app.add_option("DEVICE", options.device, "1608fs-plus, 1208fs-plus, 1408fs-plus, usb-201, usb-202, usb-204, usb-205, 1608g or u6")
       ->required();
   app.add_option("--rig", options.rig, "Rig file: plate and sensors")->capture_default_str();
-  app.add_option("--scene", options.scene, "What is on the plate")->capture_default_str();
+  app.add_option("--scene", options.scene, "What is on the plate; hold: nothing, the inputs stay at what the command hold sets")
+      ->capture_default_str();
   app.add_option("--serial", options.serial, "Serial number");
   app.add_option("--loop-back", options.loop_back, "Wire a digital output to an analogue input (not 1608g, u6)")->type_name("BIT:INPUT");
   app.add_flag("--unplugged", options.is_unplugged, "Plugged in only when asked for");

@@ -111,8 +111,9 @@ class ControlClient {
   /// Marks the newest scan of a rig, or of every rig if `rig` is empty. `text` has 1..200 bytes. Fails with InvalidArgument for another
   /// length, with NotFound for an unknown rig, and with WrongState if there are no scans to mark.
   [[nodiscard]] Result<v1::MarkResponse> mark(const std::string& text, const std::string& rig);
-  /// Tares the rig: the present deflections become zero. The plate or chair must be empty. Returns the baseline of each sensor (mm).
-  /// Fails with NotFound for an unknown rig, with WrongState if the device does not stream, if the rig has a session, or if the deflections
+  /// Tares the rig: what it reads now becomes zero. The plate or chair must be empty. Returns the baseline of each sensor (mm), or of each
+  /// channel of a force plate (V).
+  /// Fails with NotFound for an unknown rig, with WrongState if the device does not stream, if the rig has a session, or if the values
   /// are not steady or show a load, with Unsupported if the rig has no stage that tares, and with Timeout if the average is not complete
   /// after 10 s.
   [[nodiscard]] Result<v1::TareResponse> tare(const std::string& rig);

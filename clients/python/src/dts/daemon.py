@@ -211,12 +211,13 @@ class Daemon:
         return self._control.call(control_pb2.Request(trial=sessions_pb2.TrialRequest(rig=rig, action=actions[action]))).trial
 
     def tare(self, rig: str) -> NDArray[np.float64]:
-        """Tares a rig: the present deflections become zero. Returns the baseline of each sensor in mm.
+        """Tares a rig: what the empty rig reads now becomes zero. Returns the baseline of each sensor in mm; of a force plate, that of
+        each channel in V.
 
         The plate or chair must be empty. Raises `WrongState` if the device does not stream, if the rig has a session, or if the
-        deflections are not steady or show a load.
+        values are not steady or show a load.
         """
-        return np.array(self._control.call(control_pb2.Request(tare=control_pb2.TareRequest(rig=rig))).tare.baseline_mm)
+        return np.array(self._control.call(control_pb2.Request(tare=control_pb2.TareRequest(rig=rig))).tare.baseline)
 
     def protocols(self) -> dict[str, sessions_pb2.ProtocolInfo]:
         """Returns the protocols by name, with their conditions and required fields."""

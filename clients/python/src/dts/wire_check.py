@@ -205,7 +205,7 @@ _CHECKS: dict[str, Callable[[Any], None]] = {
     "rigs": _check_rigs,
     "session": _check_session,
     "mark": lambda mark: _check_count(mark.marks, _MAX_RIGS, "marks"),
-    "tare": lambda tare: _check_count(tare.baseline_mm, _MAX_CHANNELS, "sensors"),
+    "tare": lambda tare: _check_count(tare.baseline, _MAX_CHANNELS, "sensors"),
     "devices": _check_devices,
     "device_test": _check_device_test,
     "sessions": _check_sessions,

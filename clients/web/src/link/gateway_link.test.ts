@@ -343,7 +343,7 @@ test('GatewayLink.Command gets its own answer, or its error with a hint', async 
   const bad = link.send({ case: 'mark', value: { text: 'x', rig: '' } });
   const [first, second] = socket.all('request').map(({ requestId }) => requestId);
   socket.deliver({ case: 'response', value: { requestId: second!, result: { case: 'error', value: { code: ErrorCode.WRONG_STATE, what: 'no', hint: 'so' } } } });
-  socket.deliver({ case: 'response', value: { requestId: first!, result: { case: 'tare', value: { baselineMm: [1] } } } });
+  socket.deliver({ case: 'response', value: { requestId: first!, result: { case: 'tare', value: { baseline: [1], unit: 'mm' } } } });
 
   await expect(bad).rejects.toMatchObject({ code: ErrorCode.WRONG_STATE, message: 'No', hint: 'So' });
   expect((await good).case).toBe('tare');

@@ -14,6 +14,7 @@ export const health = {
     serial: 'Serial number',
     address: 'Address',
     tare: 'Tare',
+    zeroDrift: 'Drift of the empty force plate',
     drift: 'Clock drift',
     uncertainty: 'Time uncertainty',
     rate: 'Rate (measured / nominal)',

@@ -62,7 +62,7 @@ class LiveCalibrationTest : public RunTest {
   std::vector<std::string> answer(const v1::Request& request) const {
     return {testing::reply(request, [&](v1::Response& response) {
       if (request.has_status()) *response.mutable_status() = status_;
-      if (request.has_tare()) response.mutable_tare()->add_baseline_mm(0.0);
+      if (request.has_tare()) response.mutable_tare()->add_baseline(0.0);
       if (!request.has_get_devices()) return;
       for (const char* rig : {"chair", "floor", "attic"}) {
         v1::DeviceInfo& device = *response.mutable_devices()->add_devices();

@@ -35,6 +35,7 @@ const deviceFacts = (status: RigStatus, device: DeviceInfo | undefined): Fact[] 
       value: tareStates[status.tare] ?? TareState[status.tare],
       isDoubtful: status.tare !== TareState.DONE && status.tare !== TareState.RUNNING,
     },
+    ...(status.zeroDriftNPerMin === undefined ? [] : [{ name: facts.zeroDrift, value: `${fixed(status.zeroDriftNPerMin, 2)} N/min` }]),
     { name: facts.drift, value: drift },
     { name: facts.uncertainty, value: `${fixed(Number(status.hostTimeUncertaintyNs) / 1e6, 3)} ms` },
   ];
@@ -87,11 +88,12 @@ export const RigPanel = ({ link, status, device }: { link: Link; status: RigStat
       <Facts facts={deviceFacts(status, device)} />
       <Facts facts={flowFacts(status)} />
       <Gaps gaps={gaps.value} />
-      {published.includes('raw') ? (
+      {sensors.length > 0 && published.includes('raw') && (
         <Live link={link} rig={rig}>
           <SensorTable rows={rows} range={workingRange(status.rig?.kind ?? '')} rig={rig} />
         </Live>
-      ) : (
+      )}
+      {sensors.length > 0 && !published.includes('raw') && (
         <Notice kind="plain" what={notPublished(whole(sensors.length))} hint={notPublishedHint} testId={`not-published-${rig}`} />
       )}
       <DeviceTest link={link} rig={rig} />

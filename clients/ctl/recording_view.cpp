@@ -162,7 +162,8 @@ void print_recordings(cli::Console& console, const v1::StatusSnapshot& status) {
       console.out << cli::printable(rig.rig().name()) << ": ";
       print_recording(console, session);
     }
-    if (session.has_trial() && session.state() == v1::SESSION_STATE_RUNNING) {
+    const bool leads = session.rigs().empty() || session.rigs(0) == rig.rig().name();  // companions have the same trials
+    if (leads && session.has_trial() && session.state() == v1::SESSION_STATE_RUNNING) {
       console.out << cli::printable(rig.rig().name()) << ": " << trial_line(session.trial(), rig.rig().name()) << '\n';
     }
   }

@@ -10,6 +10,7 @@ namespace dts::ctl {
 
 /// Options of the commands about sessions and their recordings.
 struct SessionArguments {
+  std::vector<std::string> rigs;  ///< Of a new session, the leading one first.
   std::string protocol;
   std::string subject;
   std::string label;

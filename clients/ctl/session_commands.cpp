@@ -35,8 +35,11 @@ Result<void> add_fields(const std::vector<std::string>& fields, v1::StartSession
 /// Prints the ID, which scripts use; for people, a sentence with the ID and the next commands.
 void print_begun(cli::Console& console, const v1::SessionInfo& session) {
   const std::string& id = session.session_id();
-  const std::string sentence = "session " + id + " has started on rig '" + session.rig() + "'" +
-                               (session.protocol().empty() ? "" : ", protocol " + session.protocol());
+  std::vector<std::string> rigs(session.rigs().begin(), session.rigs().end());
+  if (rigs.empty()) rigs.push_back(session.rig());
+  const std::string where = (rigs.size() > 1 ? "rigs '" : "rig '") + cli::join(rigs, "', '") + "'";
+  const std::string sentence =
+      "session " + id + " has started on " + where + (session.protocol().empty() ? "" : ", protocol " + session.protocol());
   console.out << cli::printable(console.is_out_terminal ? sentence : id) << '\n';
   if (session.has_trial()) cli::print_hint(console, "first trial: dtsctl session trial next --rig " + session.rig());
   cli::print_hint(console, "stop: dtsctl session stop --rig " + session.rig() + "   watch: dtsctl watch " + session.rig() + "/");
@@ -117,7 +120,8 @@ void warn_similar_subject(const v1::ListSubjectsResponse& subjects, const std::s
 int run_session_start(const Arguments& arguments, cli::Console& console) {
   const SessionArguments& wishes = arguments.session;
   v1::StartSessionRequest request;
-  request.set_rig(arguments.rig);
+  request.set_rig(wishes.rigs.front());
+  for (std::size_t rig = 1; rig < wishes.rigs.size(); ++rig) request.add_companions(wishes.rigs[rig]);
   request.set_protocol(wishes.protocol);
   request.set_subject(wishes.subject);
   request.set_label(wishes.label);
@@ -128,7 +132,9 @@ int run_session_start(const Arguments& arguments, cli::Console& console) {
       arguments, console,
       [&](ControlClient& dts) {
         const auto status = dts.status();
-        if (status) warn_untared(*status, arguments.rig, console);
+        for (const std::string& rig : wishes.rigs) {
+          if (status) warn_untared(*status, rig, console);
+        }
         if (!request.subject().empty()) {
           if (const auto subjects = dts.list_subjects()) warn_similar_subject(*subjects, request.subject(), console);
         }

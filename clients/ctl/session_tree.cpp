@@ -50,10 +50,15 @@ void add_start(CommandTree& tree, CLI::App& session) {
       "dtsctl session start --rig floor --protocol romberg --subject P017 | with the trials of a protocol\n"
       "dtsctl session start --rig floor --protocol free | runs until dtsctl session stop; no results\n"
       "dtsctl session start --rig floor --protocol free --duration 25 --settle 5 | settle for 5 s, then record 25 s\n"
+      "dtsctl session start --rig floor --rig plate --protocol romberg | one session over two rigs, started and stopped together\n"
       "dtsctl session start --rig chair --protocol free --label \"eyes closed\" | with a note\n"
       "dtsctl session start --rig floor --protocol quiet-standing --subject P017 --field weight_kg=71.5 | with the fields of a protocol\n",
       run_session_start);
-  start->add_option("--rig", tree.arguments.rig, "Rig to record")->option_text("RIG")->required();
+  start->add_option("--rig", wishes.rigs, "Rig to record. Give it again for further rigs: trials and results are those of the first")
+      ->option_text("RIG")
+      ->required()
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   start->add_option("--protocol", wishes.protocol, "Protocol to follow, see dtsctl protocol list. Required; there is no default")
       ->option_text("NAME");
   start->add_option("--subject", wishes.subject, "Subject ID from the clinic, never a name")->option_text("SUBJECT-ID");
@@ -74,10 +79,11 @@ void add_start(CommandTree& tree, CLI::App& session) {
 }
 
 void add_end(CommandTree& tree, CLI::App& session) {
-  const std::string which = "Rig of the session. Required if several rigs have a session";
+  const std::string which = "Rig of the session. Required if several sessions are under way";
   CLI::App* stop =
       add(tree, session, "stop", "Stop a session and close its recording",
-          "dtsctl session stop | the only running session\ndtsctl session stop --rig floor | the session of this rig\n", run_session_stop);
+          "dtsctl session stop | the only running session\ndtsctl session stop --rig floor | the session of this rig, on all its rigs\n",
+          run_session_stop);
   add_rig(*stop, tree, which);
   CLI::App* abort = add(tree, session, "abort", "Stop a session and list it as aborted; its recording is kept",
                         "dtsctl session abort --reason \"subject felt dizzy\" | with the reason for the list\n", run_session_abort);
@@ -99,7 +105,7 @@ void add_trial(CommandTree& tree, CLI::App& session) {
       ->required()
       ->option_text(" ")
       ->check(CLI::IsMember({"next", "redo", "reject", "undo"}));
-  add_rig(*trial, tree, "Rig of the session. Required if several rigs have a session");
+  add_rig(*trial, tree, "Rig of the session. Required if several sessions are under way");
 }
 
 void add_catalogue(CommandTree& tree, CLI::App& session) {

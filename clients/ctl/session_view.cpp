@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "cli/table.h"
 #include "ctl/json.h"
@@ -53,16 +54,29 @@ void print_corrections(cli::Console& console, const v1::SessionRecord& session) 
   }
 }
 
+/// Returns the time of the leading rig: the others recorded at the same time.
 double recorded_s(const v1::SessionRecord& session) {
   double sum_s = 0.0;
-  for (const v1::SessionPart& part : session.parts()) sum_s += part.duration_s();
+  for (const v1::SessionPart& part : session.parts()) {
+    if (part.leading_part() == 0) sum_s += part.duration_s();
+  }
   return sum_s;
 }
 
+/// Returns "floor, plate", the leading rig first.
+std::string rigs_text(const v1::SessionRecord& session) {
+  std::vector<std::string> rigs{session.rig()};
+  for (const v1::SessionPart& part : session.parts()) {
+    if (part.leading_part() != 0 && std::ranges::find(rigs, part.rig()) == rigs.end()) rigs.push_back(part.rig());
+  }
+  return cli::join(rigs, ", ");
+}
+
 void print_parts(cli::Console& console, const v1::SessionRecord& session) {
-  cli::Table parts({">PART", "STATE", ">LENGTH", ">SCANS", ">SIZE", "FILE"});
+  cli::Table parts({">PART", "RIG", "STATE", ">LENGTH", ">SCANS", ">SIZE", "FILE"});
   for (const v1::SessionPart& part : session.parts()) {
     parts.add({{std::to_string(part.part())},
+               {or_dash(part.rig())},
                state_cell(state_word(part.state())),
                {cli::duration(part.duration_s())},
                {std::to_string(part.scans())},
@@ -239,7 +253,7 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
     const std::string trials = trials_text(valid_trials(session), session.planned_trials());
     const bool is_empty = session.planned_trials() > 0 && valid_trials(session) == 0 && session.state() != "running";
     table.add({{session.session_id(), cli::Style::Bold},
-               {session.rig()},
+               {rigs_text(session)},
                {or_dash(session.protocol())},
                {or_dash(session.subject())},
                {utc_text(session.started_utc_ns())},
@@ -255,7 +269,7 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
 
 void print_session(cli::Console& console, const v1::SessionRecord& session, std::optional<double> elapsed_s) {
   print_field(console, "session", session.session_id());
-  print_field(console, "rig", session.rig());
+  print_field(console, "rig", rigs_text(session));
   print_field(console, "protocol", session.protocol());
   print_field(console, "subject", session.subject());
   for (const auto& [name, value] : std::map<std::string, std::string>(session.fields().begin(), session.fields().end())) {

@@ -114,6 +114,7 @@ Result<void> check(const v1::TestDeviceResponse& test) {
 
 Result<void> check(const v1::SessionInfo& session) {
   if (session.session_id().empty()) return damaged("a session has no ID");
+  DTS_TRY(check_count(session.rigs_size(), kMaxRigs, "rigs"));
   return session.has_trial() ? check(session.trial()) : Result<void>{};
 }
 

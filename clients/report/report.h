@@ -18,7 +18,7 @@ struct Page {
 
 /// Input of a report.
 struct ReportSource {
-  std::vector<std::string> files;  ///< The parts of one session, in order; or one recording.
+  std::vector<std::string> files;  ///< The parts of one session, in order; or one recording. Parts of companions are left out.
   std::string software;            ///< "dtsctl 0.1.0": the program that computed the values.
   bool with_html = true;
   bool with_svg = true;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <set>
 #include <utility>
 
@@ -110,6 +111,16 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
   return {};
 }
 
+/// Returns the files of the rig that leads the session: the trials and results are those of its recordings. Files of companions alone stay.
+std::vector<std::string> leading_files(const std::vector<std::string>& files) {
+  std::vector<std::string> leading;
+  std::ranges::copy_if(files, std::back_inserter(leading), [](const std::string& file) {
+    const auto facts = record::read_session_facts(file);
+    return !facts || facts->leading_part == 0;
+  });
+  return leading.empty() ? files : leading;
+}
+
 void compare_with_live(TrialData& trial) {
   if (!trial.recorded.live || !trial.recorded.live->analysis || !trial.analysis) return;
   for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {
@@ -205,10 +216,11 @@ core::Result<SessionData> read_session(const ReportSource& source, const ReportP
   SessionData session{.software = source.software};
   if (source.files.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no recording for the report");
   Waiting waiting(progress);
-  const double share = kReadingShare / static_cast<double>(source.files.size());
-  for (std::size_t part = 0; part < source.files.size(); ++part) {
+  const std::vector<std::string> files = leading_files(source.files);
+  const double share = kReadingShare / static_cast<double>(files.size());
+  for (std::size_t part = 0; part < files.size(); ++part) {
     const double begin = share * static_cast<double>(part);
-    DTS_TRY(read_part(source.files[part], waiting, {.begin = begin, .end = begin + share}, session));
+    DTS_TRY(read_part(files[part], waiting, {.begin = begin, .end = begin + share}, session));
   }
   if (session.facts) {
     const RecordedRig rig = recorded_rig(*session.facts);

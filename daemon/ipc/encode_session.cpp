@@ -37,6 +37,7 @@ dts::v1::SessionInfo session_info(const std::string& rig, const session::Session
   }
   out.set_message(clean_text(view.message));
   for (const auto& [name, value] : view.request.fields) (*out.mutable_fields())[clean_text(name)] = clean_text(value);
+  for (const std::string& one : view.rigs) out.add_rigs(one);
   return out;
 }
 
@@ -159,6 +160,8 @@ void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
   if (part.losses) add_losses(*part.losses, *out.mutable_losses());
   out.set_is_loss_unknown(!part.losses && part.state != record::PartState::Recording);
   out.set_valid_trials(part.valid_trials);
+  out.set_rig(clean_text(part.rig));
+  if (!part.leads()) out.set_leading_part(part.leading_part);
 }
 
 void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {

@@ -43,7 +43,7 @@ dts::v1::Response CommandHandler::start_session(const dts::v1::StartSessionReque
   }
   for (const auto& [field, value] : request.fields()) asked.fields.emplace_back(field, value);
   std::ranges::sort(asked.fields);  // a protobuf map has no order
-  const auto started = supervisor_.start_session(request.rig(), asked);
+  const auto started = supervisor_.start_session(request.rig(), asked, {request.companions().begin(), request.companions().end()});
   if (!started) return error_response(started.error());
   dts::v1::Response response;
   *response.mutable_session() = session_info(request.rig(), *started);

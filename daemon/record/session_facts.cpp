@@ -15,6 +15,7 @@ using Facts = std::vector<std::pair<std::string, std::string>>;
 
 constexpr std::size_t kMaxTextBytes = 1U << 20U;
 constexpr std::size_t kMaxListed = 256;  ///< Most stages, and most fields.
+constexpr std::size_t kMaxRigs = 64;
 constexpr std::string_view kField = "field.";
 constexpr const char* kVersion = "format_version";
 
@@ -69,6 +70,14 @@ core::Status read_stages(const Facts& facts, SessionFacts& session) {
   return {};
 }
 
+core::Status read_rigs(const Facts& facts, SessionFacts& session) {
+  std::uint64_t count = 0;
+  DTS_TRY(read_number(facts, "rigs", count));
+  if (count > kMaxRigs) return core::fail(core::ErrorCode::DataDamaged, "the fact rigs is " + std::to_string(count) + ", at most 64");
+  for (std::uint64_t rig = 1; rig <= count; ++rig) session.rigs.push_back(fact(facts, "rigs." + std::to_string(rig)));
+  return read_number(facts, "leading_part", session.leading_part);
+}
+
 core::Status read_fields(const Facts& facts, SessionFacts& session) {
   for (const auto& [name, text] : facts)
     if (name.starts_with(kField)) session.fields.emplace_back(name.substr(kField.size()), text);
@@ -82,11 +91,17 @@ bool is_id(std::string_view text) noexcept {
   return text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == std::string_view::npos;
 }
 
+const std::string& leading_rig(const SessionFacts& facts) noexcept { return facts.rigs.empty() ? facts.rig : facts.rigs.front(); }
+std::uint32_t leading_part(const SessionFacts& facts) noexcept { return facts.leading_part == 0 ? facts.part : facts.leading_part; }
+
 Facts to_facts(const SessionFacts& session) {
   Facts facts = {{kVersion, std::to_string(kFormatVersion)}};
   for (const auto& [name, member] : kTexts)
     if (const std::string& text = session.*member; !text.empty()) facts.emplace_back(name, text);
   facts.emplace_back("part", std::to_string(session.part));
+  if (!session.rigs.empty()) facts.emplace_back("rigs", std::to_string(session.rigs.size()));
+  for (std::size_t rig = 0; rig < session.rigs.size(); ++rig) facts.emplace_back("rigs." + std::to_string(rig + 1), session.rigs[rig]);
+  if (session.leading_part != 0) facts.emplace_back("leading_part", std::to_string(session.leading_part));
   facts.emplace_back("started_utc_ns", std::to_string(session.started_utc_ns));
   facts.emplace_back("utc_minus_monotonic_ns", std::to_string(session.utc_minus_monotonic_ns));
   facts.emplace_back("plan_seed", std::to_string(session.plan_seed));
@@ -109,7 +124,7 @@ core::Result<SessionFacts> session_facts(const Facts& facts) {
        {read_version(facts), read_number(facts, "part", session.part), read_number(facts, "started_utc_ns", session.started_utc_ns),
         read_number(facts, "utc_minus_monotonic_ns", session.utc_minus_monotonic_ns), read_number(facts, "plan_seed", session.plan_seed),
         read_number(facts, "duration_s", session.duration_s), read_number(facts, "settle_s", session.settle_s), read_stages(facts, session),
-        read_fields(facts, session)})
+        read_rigs(facts, session), read_fields(facts, session)})
     if (!status) return tl::make_unexpected(status.error());
   return session;
 }

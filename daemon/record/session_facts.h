@@ -22,11 +22,13 @@ inline constexpr std::size_t kLongestSubject = 64;
 /// can be rebuilt from the files and a replay needs no other file. It contains no name of a person.
 struct SessionFacts {
   std::string session_id;  ///< "20261121T144525Z-floor-1"
-  std::uint32_t part = 1;  ///< Rises by 1 each time that an interrupted session is resumed.
+  std::uint32_t part = 1;  ///< Unique in the session. Rises with each rig, and each time that an interrupted session is resumed.
   std::string rig;
-  std::string kind;      ///< "floor"
-  std::string protocol;  ///< "free"
-  std::string subject;   ///< Subject ID that the clinic assigned; may be empty.
+  std::vector<std::string> rigs{};  ///< Of a session over several rigs, the leading one first; empty: one rig.
+  std::uint32_t leading_part = 0;   ///< Of a companion: part of the leading rig that was recorded at the same time; 0: this part leads.
+  std::string kind;                 ///< "floor"
+  std::string protocol;             ///< "free"
+  std::string subject;              ///< Subject ID that the clinic assigned; may be empty.
   std::string label;
   std::vector<std::pair<std::string, std::string>> fields{};  ///< The protocol's fields about the subject: {"arm_length_cm", "71"}.
   std::int64_t started_utc_ns = 0;
@@ -48,6 +50,11 @@ struct SessionFacts {
 
   friend bool operator==(const SessionFacts&, const SessionFacts&) = default;
 };
+
+/// Returns the rig that leads the session: its trials and results are those of the session.
+[[nodiscard]] const std::string& leading_rig(const SessionFacts& facts) noexcept;
+/// Returns the number of the part that has the session's trials of the same time: this part, or that of the leading rig.
+[[nodiscard]] std::uint32_t leading_part(const SessionFacts& facts) noexcept;
 
 /// Returns the facts as pairs for a file header.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> to_facts(const SessionFacts& session);

@@ -57,6 +57,7 @@ bool has_trial_results(const record::SessionRow& session) {
 core::Result<std::vector<record::ResultRow>> corrected_results(const record::SessionRow& session) {
   std::vector<record::ResultRow> results;
   for (const record::PartRow& part : session.parts) {
+    if (!part.leads()) continue;
     DTS_TRY_ASSIGN(const auto figures, figures_of(session, part));
     for (const SessionFigure& figure : figures) {
       results.push_back({.session_id = session.id,

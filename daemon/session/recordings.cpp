@@ -54,6 +54,25 @@ std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
   return part.started_utc_ns + (is_possible ? static_cast<std::int64_t>(part.duration_s * 1e9) : 0);
 }
 
+/// How a session ended.
+struct ShownEnd {
+  std::string state = "complete";
+  std::string message;
+  std::int64_t utc_ns = 0;
+};
+
+/// Returns the end of a session as its newest parts show it.
+ShownEnd end_shown_by(const std::vector<record::PartRow>& newest) {
+  ShownEnd end;
+  for (const record::PartRow& part : newest) {
+    const bool is_closed = part.state == record::PartState::Complete || part.state == record::PartState::Incomplete;
+    end.state = record::worse_state(end.state, is_closed ? std::string(record::name(part.state)) : "interrupted");
+    if (end.message.empty()) end.message = part.reason;
+    end.utc_ns = std::max(end.utc_ns, end_of_data_utc_ns(part));
+  }
+  return end;
+}
+
 }  // namespace
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock,
@@ -117,26 +136,22 @@ core::Status Recordings::enter(const record::FoundRecording& found) {
   complain(sum_up(part.session_id));
   DTS_TRY_ASSIGN(const auto session, catalogue_->session(part.session_id));
   const bool is_open = session.state == "interrupted" || (session.state == "running" && !under_way_.contains(session.rig));
-  if (!is_open || session.parts.back().part != part.part) return {};
-  return catalogue_->end_session(part.session_id, found.session_state, part.reason, found.ended_utc_ns);
+  const auto newest = record::newest_parts(session);
+  if (!is_open || newest.front().leading_part != part.leading_part) return {};
+  const ShownEnd end = end_shown_by(newest);
+  const std::string state = found.session_state == "aborted" ? found.session_state : end.state;
+  return catalogue_->end_session(part.session_id, state, end.message, end.utc_ns);
 }
 
-/// Ends a session that is listed as "running" although no session can run yet: it ended with its newest part, before the catalogue was
+/// Ends a session that is listed as "running" although no session can run yet: it ended with its newest parts, before the catalogue was
 /// updated.
 void Recordings::end_left_running(record::SessionRow& session) {
   if (session.state != "running") return;
-  session.state = "interrupted";
-  std::string message = "the daemon or the power failed";
-  std::int64_t ended_utc_ns = session.started_utc_ns;
-  if (!session.parts.empty()) {
-    const record::PartRow& part = session.parts.back();
-    ended_utc_ns = end_of_data_utc_ns(part);
-    if (part.state == record::PartState::Complete || part.state == record::PartState::Incomplete) {
-      session.state = record::name(part.state);
-      message = part.reason;
-    }
-  }
-  complain(catalogue_->end_session(session.id, session.state, message, ended_utc_ns));
+  ShownEnd end = end_shown_by(record::newest_parts(session));
+  if (session.parts.empty()) end = {.state = "interrupted", .message = {}, .utc_ns = session.started_utc_ns};
+  if (end.state == "interrupted") end.message = "the daemon or the power failed";
+  session.state = end.state;
+  complain(catalogue_->end_session(session.id, end.state, end.message, end.utc_ns));
   if (session.state == "interrupted") audit("interrupted", session.id, "failed");
 }
 
@@ -146,22 +161,27 @@ void Recordings::audit(const std::string& what, const std::string& target, const
       {.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = what, .target = target, .result = result});
 }
 
-/// Finds the last session of each rig, if a crash ended it recently. This may be an earlier crash, if the daemon ended again before it
-/// resumed the session.
+/// Finds the sessions that are the last of each of their rigs, if a crash ended them recently. This may be an earlier crash, if the daemon
+/// ended again before it resumed the session.
 void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions) {
-  std::map<std::string_view, const record::SessionRow*> last;
+  std::map<std::string, const record::SessionRow*, std::less<>> last;
   for (const record::SessionRow& session : sessions) {
     if (session.parts.empty()) continue;
-    const record::SessionRow*& known = last[session.rig];
-    if (known == nullptr || known->parts.back().started_utc_ns < session.parts.back().started_utc_ns) known = &session;
+    for (const std::string& rig : record::rigs_of(session)) {
+      const record::SessionRow*& known = last[rig];
+      if (known == nullptr || known->parts.back().started_utc_ns < session.parts.back().started_utc_ns) known = &session;
+    }
   }
-  for (const auto& [rig, session] : last) {
-    if (session->state != "interrupted" || !is_recent(session->parts.back())) continue;
-    if (is_suspicious(*session)) {
-      log_.error("session " + session->id +
-                 " was interrupted too often, so dtsd does not resume it by itself; resume it: dtsctl session resume " + session->id);
+  for (const record::SessionRow& session : sessions) {
+    const bool is_last = !session.parts.empty() &&
+                         std::ranges::all_of(record::rigs_of(session), [&](const std::string& rig) { return last.at(rig) == &session; });
+    if (!is_last || session.state != "interrupted") continue;
+    if (std::ranges::none_of(record::newest_parts(session), [this](const record::PartRow& part) { return is_recent(part); })) continue;
+    if (is_suspicious(session)) {
+      log_.error("session " + session.id +
+                 " was interrupted too often, so dtsd does not resume it by itself; resume it: dtsctl session resume " + session.id);
     } else {
-      resumable_.push_back(session->id);
+      resumable_.push_back(session.id);
     }
   }
 }
@@ -176,12 +196,14 @@ std::optional<std::int64_t> Recordings::cut_off_utc_ns(const record::PartRow& pa
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::file_clock::to_sys(written).time_since_epoch()).count();
 }
 
-/// Returns whether the last three parts were each cut off within 1 min: the session itself may cause the crashes.
+/// Returns whether the last three parts of the leading rig were each cut off within 1 min: the session itself may cause the crashes.
 bool Recordings::is_suspicious(const record::SessionRow& session) {
   constexpr std::ptrdiff_t kMostShortParts = 3;
   constexpr std::int64_t kShortNs = 60'000'000'000;
-  if (std::ssize(session.parts) < kMostShortParts) return false;
-  return std::all_of(session.parts.end() - kMostShortParts, session.parts.end(), [&](const record::PartRow& part) {
+  std::vector<record::PartRow> leading;
+  std::ranges::copy_if(session.parts, std::back_inserter(leading), &record::PartRow::leads);
+  if (std::ssize(leading) < kMostShortParts) return false;
+  return std::all_of(leading.end() - kMostShortParts, leading.end(), [&](const record::PartRow& part) {
     const auto end_ns = cut_off_utc_ns(part);
     return end_ns && *end_ns - part.started_utc_ns < kShortNs;
   });
@@ -286,26 +308,47 @@ void Recordings::collect_recovered() {
   }
 }
 
-core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
+core::Status Recordings::begin(const std::vector<RecordingStart>& starts) {
   const DiskView view = disk();
   if (view.state == DiskState::Full) return core::fail(core::ErrorCode::LimitExceeded, "no session can start: " + view.problem);
   if (view.state == DiskState::Unusable) return core::fail(core::ErrorCode::Failed, "no session can start: " + view.problem);
   if (view.state == DiskState::Low) log_.warning(view.problem);
-  if (!rig.tap().is_done()) {
+  for (const auto& [rig, facts] : starts) {
+    if (rig.tap().is_done()) continue;
     return core::fail(core::ErrorCode::WrongState, "rig '" + facts.rig + "': the previous recording, which failed, is still being closed",
                       "try again in a second");
   }
-  const std::string file = file_of(config_, facts);
-  DTS_TRY_ASSIGN(auto recorder, record::Recorder::create(file, facts, streams_of(rig)));
-  if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
-    recorder.reset();  // the file is empty, and the next start would enter it as a session
-    for (const char* ending : {".part", ".idx"}) ::unlink((file + ending).c_str());
-    return explained(std::move(entered));
+  std::vector<std::unique_ptr<record::Recorder>> recorders;
+  std::vector<record::NewPart> parts;
+  core::Status begun;
+  for (const auto& [rig, facts] : starts) {
+    auto recorder = record::Recorder::create(file_of(config_, facts), facts, streams_of(rig));
+    if (!recorder) {
+      begun = tl::make_unexpected(recorder.error());
+      break;
+    }
+    recorders.push_back(std::move(*recorder));
+    parts.push_back({.facts = facts, .file = file_of(config_, facts) + ".part"});
   }
-  under_way_[facts.rig] = {
-      .session_id = facts.session_id, .part = facts.part, .file = file + ".part", .started_utc_ns = facts.started_utc_ns};
-  thread_.begin(facts.rig, std::move(recorder), file, rig.tap().next_take());
-  rig.tap().open();
+  if (begun) begun = explained(catalogue_->begin_parts(parts));
+  if (!begun) {
+    recorders.clear();  // the files are empty, and the next start would enter them as a session
+    for (const record::NewPart& part : parts) {
+      for (const char* ending : {".part", ".idx"}) ::unlink((file_of(config_, part.facts) + ending).c_str());
+    }
+    return begun;
+  }
+  for (std::size_t index = 0; index < starts.size(); ++index) {
+    const auto& [rig, facts] = starts[index];
+    under_way_[facts.rig] = {.session_id = facts.session_id,
+                             .part = facts.part,
+                             .file = parts[index].file,
+                             .started_utc_ns = facts.started_utc_ns,
+                             .rig = facts.rig,
+                             .leading_part = leading_part(facts)};
+    thread_.begin(facts.rig, std::move(recorders[index]), file_of(config_, facts), rig.tap().next_take());
+  }
+  for (const RecordingStart& start : starts) start.rig.tap().open();  // one right after the other: they begin together
   return {};
 }
 
@@ -354,8 +397,9 @@ void Recordings::end_session(const std::string& id, const std::string& state, co
 }
 
 bool Recordings::is_being_closed(const record::SessionRow& row) const {
-  const auto recorded = under_way_.find(row.rig);
-  return recorded != under_way_.end() && recorded->second.session_id == row.id && recorded->second.state == record::PartState::Recording;
+  return std::ranges::any_of(under_way_, [&row](const auto& recorded) {
+    return recorded.second.session_id == row.id && recorded.second.state == record::PartState::Recording;
+  });
 }
 
 record::SessionRow Recordings::corrected(record::SessionRow row) const {

@@ -32,6 +32,12 @@ struct Mentions {
   std::size_t unsearched = 0;           ///< Further sessions that may be among them.
 };
 
+/// A rig whose recording begins.
+struct RecordingStart {
+  Rig& rig;
+  record::SessionFacts facts;
+};
+
 /// Manages all recordings of a daemon: the folder, the catalogue, the record thread, and the recovery of recordings interrupted by a crash.
 ///
 ///     open: folder, catalogue, rebuild --> begin (file on the disk) --> note ... note --> end --> take_finished
@@ -54,9 +60,10 @@ class Recordings {
   void start();
   void stop() noexcept;
 
-  /// Creates the file of a session's first or next part; the file is on the disk when this returns. Fails with LimitExceeded if the disk
-  /// has too little room, and with WrongState while an erasure writes the catalogue again.
-  [[nodiscard]] core::Status begin(Rig& rig, record::SessionFacts facts);
+  /// Creates the files of a session's first or next parts, one for each of its rigs; they are on the disk when this returns. Fails with
+  /// LimitExceeded if the disk has too little room, and with WrongState while an erasure writes the catalogue again. After an error, no rig
+  /// records and nothing is left on the disk.
+  [[nodiscard]] core::Status begin(const std::vector<RecordingStart>& starts);
   /// Ends the recording: queued data are written, then the file is closed. The recording is incomplete if the device is away at this
   /// moment.
   void end(Rig& rig);
@@ -152,7 +159,7 @@ class Recordings {
   void collect_recovered();
   [[nodiscard]] core::Status enter(const record::FoundRecording& found);
   void enter(const FinishedRecording& finished);
-  /// Returns whether the file of the session's newest part is still open.
+  /// Returns whether a file of the session's newest parts is still open.
   [[nodiscard]] bool is_being_closed(const record::SessionRow& row) const;
   void complain(const core::Status& status);
   void enter_or_owe(std::function<core::Status()> entry);

@@ -12,6 +12,7 @@
 #include "record/recording.h"
 #include "record/sha256.h"
 #include "record/utf8_text.h"
+#include "session/judges.h"
 #include "session/session_events.h"
 #include "session/trial_stance.h"
 
@@ -31,22 +32,12 @@ std::uint64_t seed_of(const std::string& id) {
   return hash;
 }
 
-/// Reads the facts of the session from its newest readable part; all parts agree on the facts used here, and unreadable parts are skipped.
-core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
-  core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to continue");
-  for (const record::PartRow& part : std::views::reverse(row.parts)) {
-    auto read = record::read_session_facts(part.file);
-    if (read) return read;
-    if (&part == &row.parts.back()) facts = core::fail(read.error().code, part.file + ": " + read.error().what, read.error().hint);
-  }
-  return facts;
-}
-
-/// Returns the duration of all parts without their settling. A part that is not repaired yet counts from its start to the last write to its
-/// file.
+/// Returns the duration of all parts of the leading rig without their settling. A part that is not repaired yet counts from its start to
+/// the last write to its file.
 double recorded_s(const record::SessionRow& row, double settle_s) {
   double sum_s = 0.0;
   for (const record::PartRow& part : row.parts) {
+    if (!part.leads()) continue;
     double length_s = part.duration_s;
     std::error_code error;
     const auto written = std::filesystem::last_write_time(part.file, error);
@@ -76,6 +67,21 @@ std::vector<EarlierTrial> earlier_trials(const record::SessionRow& row, const st
 }
 
 }  // namespace
+
+DataPosition position_of(Rig& rig) {
+  const AcquisitionReport& report = rig.acquisition();
+  return {.segment = report.segment, .scan = {report.next_scan > 0 ? report.next_scan - 1 : 0}, .host_time_ns = report.last_scan_host_ns};
+}
+
+core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
+  core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to continue");
+  for (const record::PartRow& part : std::views::reverse(row.parts)) {
+    auto read = record::read_session_facts(part.file);
+    if (read) return read;
+    if (&part == &row.parts.back()) facts = core::fail(read.error().code, part.file + ": " + read.error().what, read.error().hint);
+  }
+  return facts;
+}
 
 void place(v1::Event& event, const DataPosition& at) {
   event.set_segment(at.segment);
@@ -107,12 +113,8 @@ tl::unexpected<core::Error> RigSession::no_protocol() const {
 
 record::SessionFacts RigSession::facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
                                        const Moment& moment) const {
-  const pipeline::RigConfig& config = rig_.config();
-  const device::DeviceReport report = rig_.device_report();
   record::SessionFacts facts{.session_id = id,
                              .part = 1,
-                             .rig = config.name,
-                             .kind = config.kind,
                              .protocol = protocol.name,
                              .subject = request.subject,
                              .label = request.label,
@@ -123,6 +125,18 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
   facts.started_utc_ns = moment.now_ns + facts.utc_minus_monotonic_ns;
   facts.boot_id = services_.boot_id;
   facts.software = services_.software;
+  facts.protocol_definition = protocol.definition;
+  facts.plan_seed = seed_of(id);
+  set_rig(facts);
+  return facts;
+}
+
+/// Sets the facts that differ between the rigs of a session.
+void RigSession::set_rig(record::SessionFacts& facts) const {
+  const pipeline::RigConfig& config = rig_.config();
+  const device::DeviceReport report = rig_.device_report();
+  facts.rig = config.name;
+  facts.kind = config.kind;
   facts.device_uri = config.device_uri;
   facts.device_model = rig_.device().model;
   facts.device_serial = report.serial.empty() ? rig_.device().serial : report.serial;
@@ -130,13 +144,11 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
   facts.calibration_id = config.cop_calibration ? config.cop_calibration->id : "";
   facts.stages = rig_.stage_texts();
   facts.rig_definition = config.definition;
-  facts.protocol_definition = protocol.definition;
-  facts.plan_seed = seed_of(id);
-  if (!config.trunk_model_text.empty()) facts.model_sha256 = record::sha256_of(config.trunk_model_text);
-  return facts;
+  facts.model_sha256 = config.trunk_model_text.empty() ? "" : record::sha256_of(config.trunk_model_text);
 }
 
-core::Status RigSession::start(std::string id, const SessionRequest& request, const Moment& moment) {
+core::Status RigSession::start(const std::string& id, const SessionRequest& request, const std::vector<RigSession*>& companions,
+                               const Moment& moment) {
   DTS_TRY(check(request));
   DTS_TRY(check_label(services_.label_rule, "label", request.label));
   DTS_TRY_ASSIGN(const auto protocol, find_protocol(request.protocol));
@@ -145,11 +157,11 @@ core::Status RigSession::start(std::string id, const SessionRequest& request, co
                                                       rig_.config().name + "' is a " + rig_.config().kind);
   }
   DTS_TRY(check_fields(*protocol, request.fields));
-  return begin(facts(id, request, *protocol, moment), request, *protocol, {}, moment);
+  return begin(facts(id, request, *protocol, moment), request, *protocol, {}, companions, moment);
 }
 
-core::Status RigSession::resume(const record::SessionRow& row, const Moment& moment) {
-  DTS_TRY_ASSIGN(const auto earlier, facts_of(row));
+core::Status RigSession::resume(const record::SessionRow& row, const record::SessionFacts& earlier,
+                                const std::vector<RigSession*>& companions, const Moment& moment) {
   DTS_TRY_ASSIGN(const auto protocol, find_protocol(earlier.protocol));
   if (protocol->definition != earlier.protocol_definition) {
     return core::fail(ErrorCode::WrongState, "protocol '" + earlier.protocol + "' has changed since session " + row.id + " began",
@@ -184,33 +196,67 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   next.duration_s = earlier.duration_s;
   next.plan_seed = earlier.plan_seed;
   next.part = row.parts.back().part + 1;
-  return begin(next, request, *protocol, begun, moment);
+  return begin(next, request, *protocol, begun, companions, moment);
 }
 
-core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
-                               const std::vector<EarlierTrial>& earlier, const Moment& moment) {
+core::Status RigSession::begin(record::SessionFacts facts, SessionRequest request, const Protocol& protocol,
+                               const std::vector<EarlierTrial>& earlier, const std::vector<RigSession*>& companions, const Moment& moment) {
   if (request.settle_s == 0.0) request.settle_s = protocol.settle_s;
   if (request.duration_s == 0.0) request.duration_s = protocol.duration_s;
-  DTS_TRY(session_.check_free());
-  rig_.stances().begin(stance_width_mm(facts.fields));  // before the recording, which begins with the state of the stages
-  if (const auto begun = services_.recordings.begin(rig_, facts); !begun) {
-    rig_.stances().begin(0.0);
+  std::vector<RigSession*> all{this};
+  all.insert(all.end(), companions.begin(), companions.end());
+  if (!companions.empty()) {
+    for (const RigSession* one : all) facts.rigs.push_back(one->rig());
+  }
+  std::vector<RecordingStart> starts;
+  for (RigSession* one : all) {
+    DTS_TRY(one->session_.check_free());
+    starts.push_back({.rig = one->rig_, .facts = facts});
+    if (one == this) continue;
+    one->set_rig(starts.back().facts);
+    starts.back().facts.part = facts.part + static_cast<std::uint32_t>(starts.size() - 1);
+    starts.back().facts.leading_part = facts.part;
+  }
+  // Before the recording, which begins with the state of the stages.
+  for (RigSession* one : all) one->rig_.stances().begin(stance_width_mm(facts.fields));
+  if (const auto begun = services_.recordings.begin(starts); !begun) {
+    for (RigSession* one : all) one->rig_.stances().begin(0.0);
     return begun;
   }
+  enter(facts, protocol, nullptr);
+  companions_ = companions;
+  if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, earlier);
+  judges_ = protocol.trials ? make_judges(rig_, facts, services_.software, services_.worker) : decltype(judges_){};
+  auto started = session_.start(facts.session_id, request, moment.now_ns);
+  collect(moment.at);
+  request.duration_s = 0.0;  // the leading rig stops all
+  for (std::size_t index = 1; index < all.size(); ++index) {
+    all[index]->enter(starts[index].facts, protocol, this);
+    static_cast<void>(all[index]->session_.start(facts.session_id, request, moment.now_ns));  // cannot fail: it is free
+    all[index]->collect(position_of(all[index]->rig_));
+  }
+  return started;
+}
+
+/// Prepares this rig for a session whose recording has begun. Skips the frames from before the session.
+void RigSession::enter(const record::SessionFacts& facts, const Protocol& protocol, RigSession* leader) {
   is_recording_ = true;
   is_aborted_ = false;
   is_next_wanted_ = false;
   end_reason_.clear();
+  incomplete_.clear();
+  has_ended_ = false;
   utc_minus_monotonic_ns_ = facts.utc_minus_monotonic_ns;
   trials_entered_.clear();
   markers_ = 0;
   trials_.reset();
-  if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, earlier);
-  prepare_results(protocol, facts);
+  judges_.clear();
+  rigs_ = facts.rigs;
+  leader_ = leader;
+  companions_.clear();
+  if (protocol.trials) plan_ = *protocol.trials;
+  drain();
   rig_.windows().restart();
-  auto started = session_.start(facts.session_id, request, moment.now_ns);
-  collect(moment.at);
-  return started;
 }
 
 core::Status RigSession::stop(bool is_abort, const std::string& reason, const Moment& moment) {
@@ -224,6 +270,7 @@ core::Status RigSession::stop(bool is_abort, const std::string& reason, const Mo
 void RigSession::end_trials(const Moment& moment) {
   is_next_wanted_ = false;
   if (trials_) trials_->abort(moment.now_ns);
+  stop_companions(moment);
   collect(moment.at);
   follow(moment.at);
   for (const auto& judge : judges_) judge->finish();
@@ -242,6 +289,15 @@ void RigSession::end_recording_if_judged(const Moment& moment) {
   if (!is_awaiting_results_ || is_analysing()) return;
   is_awaiting_results_ = false;
   conclude(moment.at);
+  end_recording(moment);
+  for (RigSession* companion : companions_)
+    companion->end_recording(
+        {.now_ns = moment.now_ns, .utc_minus_monotonic_ns = moment.utc_minus_monotonic_ns, .at = position_of(companion->rig_)});
+}
+
+/// Ends the recording of this rig, if that was not done before.
+void RigSession::end_recording(const Moment& moment) {
+  if (std::exchange(has_ended_, true)) return;
   if (is_aborted_) {  // in the recording too, because the catalogue may be rebuilt from it
     v1::Event aborted = to_event(session_.view(moment.now_ns));
     aborted.mutable_session()->set_is_aborted(true);
@@ -282,7 +338,15 @@ core::Status RigSession::trial(TrialAction action, const Moment& moment) {
   return done;
 }
 
+SessionView RigSession::view(std::int64_t now_ns) const {
+  SessionView view = session_.view(now_ns);
+  view.rigs = rigs_;
+  if (is_companion() && view.message.empty()) view.message = leader_->session_.view(now_ns).message;
+  return view;
+}
+
 std::optional<TrialView> RigSession::trial_view(std::int64_t now_ns) const {
+  if (is_companion()) return leader_->trial_view(now_ns);
   if (!trials_) return std::nullopt;
   TrialView view = trials_->view(now_ns);
   view.is_next_wanted = is_next_wanted_;
@@ -301,23 +365,24 @@ void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
     trials_->tick(moment.now_ns);
     if (std::exchange(is_next_wanted_, false)) static_cast<void>(trials_->next(moment.now_ns));  // the plan is waiting for its first trial
   }
+  report_lost(moment.now_ns);
   collect(moment.at);
   follow(moment.at);
-  if (!was_stopping && state == SessionState::Stopping) return end_trials(moment);
+  if (!was_stopping && state == SessionState::Stopping) return is_companion() ? end_recording(moment) : end_trials(moment);
   end_recording_if_judged(moment);
 }
 
 void RigSession::recording_finished(const FinishedRecording& finished, const Moment& moment) {
   is_recording_ = false;
   rig_.stances().begin(0.0);  // the next person may stand differently
+  if (is_companion()) return leave(finished, moment);
+  note_incomplete(rig(), finished);
   if (session_.is_under_way() && session_.view(moment.now_ns).state != SessionState::Stopping) {
     session_.fail(moment.now_ns, "the recording stopped: " + finished.incomplete);  // a session must be recorded
     end_trials(moment);
   }
   wait_for_results(moment);  // rare: the recording failed while an analysis runs
-  session_.closed(moment.now_ns);
-  collect(moment.at);
-  enter_end(finished, moment.now_ns);
+  close_if_all_ended(moment);
 }
 
 void RigSession::revise(const record::SessionRow& row, const Moment& moment) {
@@ -331,6 +396,7 @@ void RigSession::forget(const std::string& subject, const Moment& moment) {
   session_.forget(moment.now_ns);
   services_.recordings.forget(rig_.config().name);
   trials_.reset();
+  rigs_.clear();
   collect(moment.at);
 }
 
@@ -344,6 +410,7 @@ void RigSession::publish(v1::Event event, const DataPosition& at) {
 void RigSession::mark(const std::string& text, const DataPosition& at) {
   if (!is_recording_) return;
   note(marker_event(text), at);
+  if (is_companion()) return;
   services_.recordings.enter_marker({.session_id = session_.view(0).id,
                                      .part = services_.recordings.part(rig_.config().name),
                                      .number = ++markers_,
@@ -368,13 +435,21 @@ void RigSession::collect(const DataPosition& at) {
   if (!trials_) return;
   for (const TrialEvent& event : trials_->take_events()) {
     const DataPosition due = position_at(event.at_ns, at);
-    publish(to_event(event, session_.view(0).id), due);
+    take_step(event, due);
     enter_trial(event, due);
     for (const auto& judge : judges_) judge->take(event, due.segment, due.scan);
-    open_window(event, due);
-    announce_feet(rig_.stances(), event, due.segment, due.scan, rig_.config().rate);
-    give_cue(event);
+    for (RigSession* companion : companions_) {
+      companion->take_step(event, companion->position_at(event.at_ns, position_of(companion->rig_)));
+    }
   }
+}
+
+/// Executes a step of a trial on this rig: in its recording, on the bus, in its stages, and for its simulated subject.
+void RigSession::take_step(const TrialEvent& event, const DataPosition& at) {
+  publish(to_event(event, session_.view(0).id), at);
+  open_window(event, at);
+  announce_feet(rig_.stances(), event, at.segment, at.scan, rig_.config().rate);
+  give_cue(event);
 }
 
 /// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even if
@@ -431,10 +506,10 @@ void RigSession::put_trial(record::TrialRow& row) {
   services_.recordings.enter_trial(row);
 }
 
-void RigSession::enter_end(const FinishedRecording& finished, std::int64_t now_ns) {
+void RigSession::enter_end(std::int64_t now_ns) {
   const SessionView view = session_.view(now_ns);
-  std::string state = finished.incomplete.empty() ? "complete" : "incomplete";
-  std::string message = finished.incomplete.empty() ? view.message : finished.incomplete;
+  std::string state = incomplete_.empty() ? "complete" : "incomplete";
+  std::string message = incomplete_.empty() ? view.message : incomplete_;
   if (is_aborted_) state = "aborted";
   if (!end_reason_.empty()) message = end_reason_;
   services_.recordings.end_session(view.id, state, message, now_ns + utc_minus_monotonic_ns_);

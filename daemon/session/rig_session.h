@@ -29,6 +29,8 @@ struct DataPosition {
   std::int64_t host_time_ns = 0;
 };
 
+/// Returns the position of the newest scan of a rig.
+[[nodiscard]] DataPosition position_of(Rig& rig);
 /// Writes the position of an event into it. The host time is unknown before the first scan.
 void place(v1::Event& event, const DataPosition& at);
 
@@ -53,17 +55,28 @@ struct SessionServices {
   std::function<std::uint32_t(const std::string&)> planned_trials = [](const std::string&) { return 0U; };
 };
 
+/// Returns the facts of a session from its newest readable recording; all of them agree on what a resumed session needs.
+[[nodiscard]] core::Result<record::SessionFacts> facts_of(const record::SessionRow& row);
+
 /// One rig's session: its state, its recording and its trials. Thread: control.
+///
+/// A session over several rigs has a RigSession for each. One of them leads: it has the trials, their results and the end of the session.
+/// The others are its companions: they record at the same time, with the steps of the same trials at their own scans, and end with it.
+/// Commands go to the leading one. A companion whose recording fails leaves the session, which continues; if the recording of the leading
+/// rig fails, the session fails, because the results are those of its recording. A device that is away ends nothing.
 class RigSession {
  public:
   RigSession(Rig& rig, SessionServices& services)
       : rig_(rig), services_(services), frames_(rig.frames(), rig.frames().capacity()), session_(rig.config().name) {}
 
   /// Starts a session; its recording is safe on the disk when this returns. Fails with InvalidArgument (request, no protocol or an unknown
-  /// one, fields), WrongState, or the error of the recording.
-  [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, const Moment& moment);
-  /// Continues an interrupted, incomplete or aborted session of this rig as a new part; valid trials are not repeated.
-  [[nodiscard]] core::Status resume(const record::SessionRow& row, const Moment& moment);
+  /// one, fields), WrongState, or the error of the recording. After an error, no rig records.
+  [[nodiscard]] core::Status start(const std::string& id, const SessionRequest& request, const std::vector<RigSession*>& companions,
+                                   const Moment& moment);
+  /// Continues an interrupted, incomplete or aborted session that this rig led, with new parts; valid trials are not repeated. `earlier`:
+  /// see `facts_of`.
+  [[nodiscard]] core::Status resume(const record::SessionRow& row, const record::SessionFacts& earlier,
+                                    const std::vector<RigSession*>& companions, const Moment& moment);
   /// Enters Stopping; the recording ends when the results of the last trials are known and written, and `view` shows when it is closed. The
   /// catalogue lists an abort as aborted, and in both cases `reason`.
   [[nodiscard]] core::Status stop(bool is_abort, const std::string& reason, const Moment& moment);
@@ -77,7 +90,7 @@ class RigSession {
   void wait_for_results(const Moment& moment);
   /// Ends the session if the rig's recording ended for any reason.
   void recording_finished(const FinishedRecording& finished, const Moment& moment);
-  /// Writes a marker to the recording and the catalogue.
+  /// Writes a marker to the recording, and if this rig leads, to the catalogue.
   void mark(const std::string& text, const DataPosition& at);
   /// Writes an event of the rig to the recording.
   void note(v1::Event event, const DataPosition& at);
@@ -87,9 +100,14 @@ class RigSession {
   /// Forgets the last session if it was one of this subject.
   void forget(const std::string& subject, const Moment& moment);
 
+  [[nodiscard]] const std::string& rig() const noexcept { return rig_.config().name; }
   [[nodiscard]] bool is_under_way() const noexcept { return session_.is_under_way(); }
-  [[nodiscard]] SessionView view(std::int64_t now_ns) const { return session_.view(now_ns); }
-  /// Returns nothing if the protocol has no trials.
+  [[nodiscard]] bool is_companion() const noexcept { return leader_ != nullptr; }
+  /// Returns who leads the session under way: this or the one whose companion it is.
+  [[nodiscard]] RigSession& leading() noexcept { return is_companion() ? *leader_ : *this; }
+  [[nodiscard]] const std::vector<RigSession*>& companions() const noexcept { return companions_; }
+  [[nodiscard]] SessionView view(std::int64_t now_ns) const;
+  /// Returns the trials of the session, also for a companion; nothing if the protocol has none.
   [[nodiscard]] std::optional<TrialView> trial_view(std::int64_t now_ns) const;
   /// Returns the events to publish since the last call, oldest first: changes of the session, steps and results of its trials. They are
   /// already in the recording, unless it has failed.
@@ -100,18 +118,26 @@ class RigSession {
   [[nodiscard]] tl::unexpected<core::Error> no_protocol() const;
   [[nodiscard]] record::SessionFacts facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
                                            const Moment& moment) const;
-  core::Status begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
-                     const std::vector<EarlierTrial>& earlier, const Moment& moment);
+  void set_rig(record::SessionFacts& facts) const;
+  core::Status begin(record::SessionFacts facts, SessionRequest request, const Protocol& protocol, const std::vector<EarlierTrial>& earlier,
+                     const std::vector<RigSession*>& companions, const Moment& moment);
+  void enter(const record::SessionFacts& facts, const Protocol& protocol, RigSession* leader);
+  void take_step(const TrialEvent& event, const DataPosition& at);
+  void stop_companions(const Moment& moment);
+  void end_recording(const Moment& moment);
+  void leave(const FinishedRecording& finished, const Moment& moment);
+  void close_if_all_ended(const Moment& moment);
+  void report_lost(std::int64_t now_ns);
+  void note_incomplete(const std::string& rig, const FinishedRecording& finished);
   void end_trials(const Moment& moment);
   void end_recording_if_judged(const Moment& moment);
   void collect(const DataPosition& at);
   [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
-  void enter_end(const FinishedRecording& finished, std::int64_t now_ns);
+  void enter_end(std::int64_t now_ns);
   void enter_trial(const TrialEvent& event, const DataPosition& at);
   void put_trial(record::TrialRow& row);
   void give_cue(const TrialEvent& event);
   [[nodiscard]] bool is_analysing() const;
-  void prepare_results(const Protocol& protocol, const record::SessionFacts& facts);
   void drain();
   void follow(const DataPosition& at);
   void open_window(const TrialEvent& event, const DataPosition& at);
@@ -134,8 +160,13 @@ class RigSession {
     v1::TrialFault fault = v1::TRIAL_FAULT_UNSPECIFIED;
   };
   std::map<std::pair<std::uint32_t, std::uint32_t>, EnteredTrial> trials_entered_;  ///< By trial and attempt.
-  std::uint32_t markers_ = 0;                                                       ///< In the recording of this part.
+  std::vector<std::string> rigs_;        ///< Of a session over several rigs, the leading one first; empty: one rig.
+  RigSession* leader_ = nullptr;         ///< Of a companion in a session under way; the supervisor owns both.
+  std::vector<RigSession*> companions_;  ///< Those that still record.
+  std::string incomplete_;               ///< Why a recording of the session that has ended is not complete; empty: all are.
+  std::uint32_t markers_ = 0;            ///< In the recording of this part.
   bool is_recording_ = false;
+  bool has_ended_ = false;            ///< The end of the recording was ordered.
   bool is_awaiting_results_ = false;  ///< The trials have ended; the recording ends when their results are known.
   bool is_aborted_ = false;
   bool is_next_wanted_ = false;  ///< Start the first trial as soon as the session runs.

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "dts/wire/event_json.h"
-#include "session/judges.h"
 #include "session/rig_session.h"
 #include "session/session_events.h"
 
@@ -14,15 +13,6 @@ namespace dts::session {
 void RigSession::give_cue(const TrialEvent& event) {
   if (event.kind != TrialEventKind::Ready && event.kind != TrialEventKind::Go) return;
   rig_.hear({.is_go = event.kind == TrialEventKind::Go, .at_ns = event.at_ns, .target_cm = event.target_cm.value_or(0.0)});
-}
-
-/// Prepares the results of a new session. Skips the frames from before the session.
-void RigSession::prepare_results(const Protocol& protocol, const record::SessionFacts& facts) {
-  judges_.clear();
-  drain();
-  if (!protocol.trials) return;
-  plan_ = *protocol.trials;
-  judges_ = make_judges(rig_, facts, services_.software, services_.worker);
 }
 
 /// Passes the new frames and their events to the judges.

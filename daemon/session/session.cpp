@@ -83,6 +83,12 @@ void Session::fail(std::int64_t now_ns, std::string message) {
   if (state_ != SessionState::Stopping) static_cast<void>(stop(now_ns));  // cannot fail: a session is under way
 }
 
+void Session::report(std::int64_t now_ns, std::string message) {
+  if (!is_under_way() || message == message_) return;
+  message_ = std::move(message);
+  changes_.push_back(view(now_ns));
+}
+
 void Session::closed(std::int64_t now_ns) {
   if (state_ == SessionState::Stopping) enter(failure_.empty() ? SessionState::Idle : SessionState::Failed, now_ns, failure_);
 }

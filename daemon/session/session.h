@@ -36,6 +36,7 @@ struct SessionView {
   SessionRequest request;
   double elapsed_s = 0.0;
   std::string message;
+  std::vector<std::string> rigs{};  ///< Of a session over several rigs, the leading one first; empty: one rig.
 };
 
 /// The state machine of one rig's session. Uses only the times passed to it, so that tests need not wait. Thread: control.
@@ -51,6 +52,8 @@ class Session {
   [[nodiscard]] core::Status stop(std::int64_t now_ns);
   /// Stops the session because of an error: it ends as Failed. No effect if no session is under way.
   void fail(std::int64_t now_ns, std::string message);
+  /// Sets the message of a session under way: a rig of it is lost, or (empty) back.
+  void report(std::int64_t now_ns, std::string message);
   /// Ends Stopping: the recording is closed.
   void closed(std::int64_t now_ns);
   /// Replaces subject ID and label of the last session, which has ended.

@@ -42,7 +42,7 @@ void Supervisor::start() {
 
 void Supervisor::stop() {
   for (auto& [rig_name, entry] : entries_) {
-    if (entry.session.is_under_way())
+    if (entry.session.is_under_way() && !entry.session.is_companion())
       static_cast<void>(entry.session.stop(false, "the daemon was stopped", moment(entry)));  // fails only if it is stopping already
     entry.session.wait_for_results(moment(entry));
   }
@@ -116,22 +116,51 @@ core::Status Supervisor::check_startable(Entry& entry) {
   return core::fail(core::ErrorCode::WrongState, where + "is being tared", "wait until the tare ends");
 }
 
-core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& status) {
+/// Several rigs begin together, so each of them must stream already.
+core::Status Supervisor::check_startable(const std::vector<Entry*>& entries) {
+  for (Entry* entry : entries) {
+    DTS_TRY(check_startable(*entry));
+    if (entries.size() == 1 || entry->rig->acquisition().device == device::DeviceState::Streaming) continue;
+    return core::fail(core::ErrorCode::WrongState, "rig '" + entry->rig->config().name + "' does not stream yet",
+                      "wait for its device: dtsctl status");
+  }
+  return {};
+}
+
+core::Result<SessionView> Supervisor::begun(const std::vector<Entry*>& entries, const core::Status& status) {
   if (!status) return tl::make_unexpected(status.error());
-  entry.has_pulse_due = entry.rig->config().sync_pulse_ms > 0.0;
-  const SessionView view = entry.session.view(clock_.now_ns());
-  forget_resumable(entry.rig->config().name);
-  log_.info("session " + view.id + " starts on rig '" + entry.rig->config().name + "'");
-  collect_session_changes(entry);
+  const SessionView view = entries.front()->session.view(clock_.now_ns());
+  for (Entry* entry : entries) {
+    entry->has_pulse_due = entry->rig->config().sync_pulse_ms > 0.0;
+    forget_resumable(entry->rig->config().name);
+    log_.info("session " + view.id + " starts on rig '" + entry->rig->config().name + "'");
+    collect_session_changes(*entry);
+  }
   return view;
 }
 
-core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request) {
-  DTS_TRY_ASSIGN(auto entry, find(rig));
-  DTS_TRY(check_startable(*entry));
-  auto started = entry->session.start(new_session_id(rig), request, moment(*entry));
+namespace {
+
+/// Returns the sessions of all but the first, which leads.
+template <class Entry>
+std::vector<RigSession*> companions_in(const std::vector<Entry*>& entries) {
+  std::vector<RigSession*> companions;
+  for (std::size_t index = 1; index < entries.size(); ++index) companions.push_back(&entries[index]->session);
+  return companions;
+}
+
+}  // namespace
+
+core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request,
+                                                    const std::vector<std::string>& companions) {
+  std::vector<std::string> names{rig};
+  names.insert(names.end(), companions.begin(), companions.end());
+  DTS_TRY_ASSIGN(const auto entries, find_all(names));
+  DTS_TRY(check_startable(entries));
+  Entry& leading = *entries.front();
+  auto started = leading.session.start(new_session_id(rig), request, companions_in(entries), moment(leading));
   if (started) ++sessions_started_;
-  return begun(*entry, started);
+  return begun(entries, started);
 }
 
 core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(const std::string& id) {
@@ -141,23 +170,40 @@ core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(con
                       row.is_deleted ? "restore it first: dtsctl session restore " + row.id
                                      : "start a new session: dtsctl session start --rig " + row.rig);
   }
-  DTS_TRY_ASSIGN(auto entry, find(row.rig));
-  DTS_TRY(check_startable(*entry));
-  DTS_TRY_ASSIGN(auto view, begun(*entry, entry->session.resume(row, moment(*entry))));
+  DTS_TRY_ASSIGN(const auto earlier, facts_of(row));
+  DTS_TRY_ASSIGN(const auto entries, find_all(earlier.rigs.empty() ? std::vector{row.rig} : earlier.rigs));
+  DTS_TRY(check_startable(entries));
+  Entry& leading = *entries.front();
+  DTS_TRY_ASSIGN(auto view, begun(entries, leading.session.resume(row, earlier, companions_in(entries), moment(leading))));
   return std::pair{row.rig, view};
 }
 
+core::Result<std::vector<Supervisor::Entry*>> Supervisor::find_all(const std::vector<std::string>& names) {
+  std::vector<Entry*> entries;
+  for (const std::string& name : names) {
+    DTS_TRY_ASSIGN(auto entry, find(name));
+    if (std::ranges::find(entries, entry) != entries.end()) {
+      return core::fail(core::ErrorCode::InvalidArgument, "rig '" + name + "' is given twice");
+    }
+    entries.push_back(entry);
+  }
+  return entries;
+}
+
 core::Result<Supervisor::Entry*> Supervisor::find_with_session(const std::string& name) {
-  if (!name.empty()) return find(name);
+  if (!name.empty()) {
+    DTS_TRY_ASSIGN(auto entry, find(name));
+    return find(entry->session.leading().rig());
+  }
   Entry* only = nullptr;
   std::string rigs;
   for (auto& [rig_name, entry] : entries_) {
-    if (!entry.session.is_under_way()) continue;
+    if (!entry.session.is_under_way() || entry.session.is_companion()) continue;
     rigs += (rigs.empty() ? "" : " or --rig ") + rig_name;
     only = rigs == rig_name ? &entry : nullptr;
   }
   if (only == nullptr && !rigs.empty()) {
-    return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "choose one: --rig " + rigs);
+    return core::fail(core::ErrorCode::InvalidArgument, "several sessions are under way", "choose one: --rig " + rigs);
   }
   if (only == nullptr) return core::fail(core::ErrorCode::WrongState, "no rig has a session");
   return only;
@@ -199,21 +245,26 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
     return core::fail(core::ErrorCode::InvalidArgument, "a marker's text has 1..200 bytes, this one " + std::to_string(text.size()));
   }
   DTS_TRY(check_label(services_.label_rule, "marker", text));
-  std::vector<std::string> chosen;
+  std::vector<Entry*> chosen;
   if (rig.empty()) {
-    for (const auto& [rig_name, entry] : entries_) chosen.push_back(rig_name);
+    for (auto& [rig_name, entry] : entries_) chosen.push_back(&entry);
   } else {
-    chosen.push_back(rig);
+    DTS_TRY_ASSIGN(auto entry, find_with_session(rig));
+    std::vector<std::string> names{entry->rig->config().name};
+    for (const RigSession* companion : entry->session.companions()) names.push_back(companion->rig());
+    DTS_TRY_ASSIGN(chosen, find_all(names));
   }
   std::vector<std::pair<std::string, DataPosition>> marks;
-  for (const std::string& rig_name : chosen) {
-    DTS_TRY_ASSIGN(auto entry, find(rig_name));
+  for (Entry* entry : chosen) {
     const AcquisitionReport& report = entry->rig->acquisition();
-    if (report.device != device::DeviceState::Streaming || report.scans_total == 0) {
+    const bool has_scans = report.device == device::DeviceState::Streaming && report.scans_total > 0;
+    // All recordings of a session have the same markers, so that their numbers agree.
+    const bool is_of_several = entry->session.is_under_way() && !entry->session.view(0).rigs.empty();
+    if (!has_scans && !is_of_several) {
       if (rig.empty()) continue;
-      return core::fail(core::ErrorCode::WrongState, "rig '" + rig_name + "' delivers no scans to mark", "see dtsctl status");
+      return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' delivers no scans to mark", "see dtsctl status");
     }
-    marks.emplace_back(rig_name, position(*entry));
+    marks.emplace_back(entry->rig->config().name, position_of(*entry->rig));
   }
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {
@@ -282,11 +333,6 @@ void Supervisor::log_gaps(Entry& entry, const AcquisitionReport& report) {
 
 std::vector<Notice> Supervisor::take_notices() { return std::exchange(notices_, {}); }
 
-DataPosition Supervisor::position(Entry& entry) {
-  const AcquisitionReport& report = entry.rig->acquisition();
-  return {.segment = report.segment, .scan = {report.next_scan > 0 ? report.next_scan - 1 : 0}, .host_time_ns = report.last_scan_host_ns};
-}
-
 void Supervisor::report_event(const std::string& rig, const DataPosition& at, v1::Event event) {
   place(event, at);
   notices_.push_back({.rig = rig, .event = std::move(event)});
@@ -309,8 +355,8 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
     log_.warning(line);
   }
   const v1::Event event = device_event(report.device, entry.rig->config().device_uri, entry.reported_message);
-  report_event(entry.rig->config().name, position(entry), event);
-  entry.session.note(event, position(entry));
+  report_event(entry.rig->config().name, position_of(*entry.rig), event);
+  entry.session.note(event, position_of(*entry.rig));
 }
 
 void Supervisor::measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns) {

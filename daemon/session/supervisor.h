@@ -64,18 +64,20 @@ class Supervisor {
 
   [[nodiscard]] std::vector<RigState> states();
   [[nodiscard]] std::vector<Rig*> rigs();
-  [[nodiscard]] core::Result<SessionView> start_session(const std::string& rig, const SessionRequest& request);
-  /// Continues a session of the catalogue as a new part.
+  /// Starts a session on a rig, and on `companions`: see RigSession. If a rig cannot start, none does.
+  [[nodiscard]] core::Result<SessionView> start_session(const std::string& rig, const SessionRequest& request,
+                                                        const std::vector<std::string>& companions = {});
+  /// Continues a session of the catalogue as a new part on each of its rigs. Fails if one of them is missing.
   [[nodiscard]] core::Result<std::pair<std::string, SessionView>> resume_session(const std::string& id);
   /// Resumes the sessions that a crash interrupted, if configured. Retries for up to a minute while this can still succeed. Call it once,
   /// after `start`.
   void resume_interrupted();
-  /// Stops a session. An empty rig name means the only rig with a session. The session ends later, when its recording is closed: see
+  /// Stops the session of a rig. An empty rig name means the only session. The session ends later, when its recording is closed: see
   /// `session`.
   [[nodiscard]] core::Result<std::pair<std::string, SessionView>> stop_session(const std::string& rig, bool is_abort = false,
                                                                                const std::string& reason = {});
   [[nodiscard]] core::Result<SessionView> session(const std::string& rig);
-  /// Executes a step of a session with trials. An empty rig name means the only rig with a session.
+  /// Executes a step of a session with trials. An empty rig name means the only session.
   [[nodiscard]] core::Result<TrialView> trial(const std::string& rig, TrialAction action);
   [[nodiscard]] const std::vector<Protocol>& protocols() const noexcept { return services_.protocols; }
   [[nodiscard]] const LabelRule& label_rule() const noexcept { return services_.label_rule; }
@@ -95,7 +97,7 @@ class Supervisor {
   /// Begins to erase a subject: see `Recordings::begin_erasure`.
   [[nodiscard]] core::Status erase_subject(const std::string& subject, const std::string& who);
 
-  /// Sets a marker at the newest scan of one rig, or of every rig for an empty name.
+  /// Sets a marker at the newest scan of one rig and of the other rigs of its session, or of every rig for an empty name.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
   /// Requests a tare. Fails with WrongState during a session, because the recorded values would change their meaning. The tare is done when
   /// `RigState::tare.request` equals the returned number and the outcome is no longer Running.
@@ -132,15 +134,16 @@ class Supervisor {
     std::uint64_t tare_request = 0;   ///< The newest request that was not cancelled.
   };
   [[nodiscard]] core::Result<Entry*> find(const std::string& name);
-  /// Returns the rig with this name, or for an empty name the only rig with a session.
+  /// Returns the rigs with these names. Fails with NotFound, and with InvalidArgument if one is named twice.
+  [[nodiscard]] core::Result<std::vector<Entry*>> find_all(const std::vector<std::string>& names);
+  /// Returns the rig that leads the session of the rig with this name, or for an empty name that of the only session.
   [[nodiscard]] core::Result<Entry*> find_with_session(const std::string& name);
-  [[nodiscard]] static DataPosition position(Entry& entry);
   [[nodiscard]] Moment moment(Entry& entry) {
-    return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)};
+    return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position_of(*entry.rig)};
   }
   [[nodiscard]] core::Result<record::SessionRow> corrected_session(const record::SessionRow& session,
                                                                    std::vector<record::Correction> corrections, const std::string& who);
-  [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
+  [[nodiscard]] core::Result<SessionView> begun(const std::vector<Entry*>& entries, const core::Status& status);
   /// Keeps an event for the bus.
   void report_event(const std::string& rig, const DataPosition& at, v1::Event event);
   void finish_recordings();
@@ -152,6 +155,7 @@ class Supervisor {
   void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
   [[nodiscard]] std::string new_session_id(const std::string& rig);
   [[nodiscard]] static core::Status check_startable(Entry& entry);
+  [[nodiscard]] static core::Status check_startable(const std::vector<Entry*>& entries);
   void try_resumes(std::int64_t now_ns);
   /// Stops resuming on this rig, because a person decided what runs on it.
   void forget_resumable(const std::string& rig);

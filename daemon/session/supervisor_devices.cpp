@@ -51,7 +51,7 @@ void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
   if (auto risen = entry.rig->set_sync_output(true); !risen) {
     const std::string message = "no sync pulse: " + core::to_string(risen.error());
     log_.warning("rig '" + config.name + "': " + message);
-    report_event(config.name, position(entry), device_event(entry.reported_state, config.device_uri, message));
+    report_event(config.name, position_of(*entry.rig), device_event(entry.reported_state, config.device_uri, message));
     return;
   }
   entry.sync_low_at_ns = now_ns + static_cast<std::int64_t>(config.sync_pulse_ms * core::kNanosecondsPerMillisecond);

@@ -38,9 +38,9 @@ core::Result<record::SessionRow> Supervisor::corrected_session(const record::Ses
   for (record::Correction& correction : corrections) correction.who = who;
   DTS_TRY(services_.recordings.correct(session, std::move(corrections)));
   DTS_TRY_ASSIGN(auto changed, services_.recordings.catalogue().session(session.id));
-  if (const auto entry = entries_.find(changed.rig); entry != entries_.end()) {
-    entry->second.session.revise(changed, moment(entry->second));
-    collect_session_changes(entry->second);
+  for (auto& [rig_name, entry] : entries_) {  // its rigs show it until their next session
+    entry.session.revise(changed, moment(entry));
+    collect_session_changes(entry);
   }
   return changed;
 }

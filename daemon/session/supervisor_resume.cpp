@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the supervisor resumes sessions after a crash.
+#include <algorithm>
 #include <vector>
 
 #include "session/supervisor.h"
@@ -20,16 +21,18 @@ void Supervisor::resume_interrupted() {
 void Supervisor::forget_resumable(const std::string& rig) {
   std::erase_if(resumable_, [&](const std::string& id) {
     const auto row = services_.recordings.catalogue().session(id);
-    return !row || row->rig == rig;
+    if (!row) return true;
+    const std::vector<std::string> rigs = record::rigs_of(*row);
+    return std::ranges::find(rigs, rig) != rigs.end();
   });
 }
 
-/// Returns whether the session's rig has no scans yet but may have some soon: a session without scans would begin empty.
+/// Returns whether a rig of the session has no scans yet but may have some soon: a session without scans would begin empty.
 bool Supervisor::waits_for_device(const std::string& session_id, std::int64_t now_ns) {
   if (now_ns >= resume_until_ns_) return false;
   const auto row = services_.recordings.catalogue().session(session_id);
-  const auto entry = row ? find(row->rig) : tl::make_unexpected(row.error());
-  return entry && (*entry)->rig->acquisition().scans_total == 0;
+  const auto entries = row ? find_all(record::rigs_of(*row)) : tl::make_unexpected(row.error());
+  return entries && std::ranges::any_of(*entries, [](Entry* entry) { return entry->rig->acquisition().scans_total == 0; });
 }
 
 void Supervisor::try_resumes(std::int64_t now_ns) {

@@ -19,6 +19,7 @@
 #include "fault/hours.h"
 #include "fault/injection.h"
 #include "fault/kills.h"
+#include "fault/pair_kills.h"
 #include "fault/power_cut.h"
 #include "fault/rigs.h"
 
@@ -106,6 +107,21 @@ int kills(std::size_t rounds, std::size_t jobs, double longest_s, std::uint32_t 
   table.told_s.print_row("lost at most, as the catalogue says");
   std::printf("\n%zu recoveries said less than had been lost of what was published.\n", table.too_little_told);
   return print_problems(table.problems);
+}
+
+/// Kills the daemon of one session over two rigs.
+int pair_kills(std::size_t rounds, double longest_s, std::uint32_t seed) {
+  const Reference reference = Reference::compute(floor4_rig(), 600.0);
+  PairKills line(seed);
+  std::string problem;
+  for (std::size_t round = 0; problem.empty() && round < rounds; ++round) {
+    problem = line.run_round(longest_s);
+    draw_progress(round + 1, rounds);
+  }
+  if (problem.empty()) problem = line.finish(reference);
+  std::printf("%zu SIGKILLs of a session over two rigs, seed %u: %s\n", rounds, seed,
+              problem.empty() ? "it continued each time, and all its recordings are whole" : problem.c_str());
+  return problem.empty() ? 0 : 1;
 }
 
 /// Works off every `step`-th fault and sends a line for each: no threads, so that it can fork.
@@ -246,6 +262,9 @@ int main(int argc, char** argv) {
   kills->add_option("--longest", longest_s, "record for at most so many seconds before")
       ->check(CLI::Range(0.1, 60.0))
       ->capture_default_str();
+  std::size_t pair_rounds = 20;
+  auto* pair = app.add_subcommand("pair", "kill the daemon of one session over two rigs, and let it continue each time");
+  pair->add_option("rounds", pair_rounds, "how many SIGKILLs")->check(CLI::Range(1, 1000))->capture_default_str();
   auto* inject = app.add_subcommand("inject", "fail the n-th call to the disk, for every n");
   inject->add_option("--every", every, "only every so many-th n")->check(CLI::Range(1, 1000))->capture_default_str();
   auto* power = app.add_subcommand("power", "take away what was not synchronised, at random moments");
@@ -253,12 +272,13 @@ int main(int argc, char** argv) {
   power->add_option("--seconds", seconds, "of recording")->check(CLI::Range(1.0, 300.0))->capture_default_str();
   auto* hours = app.add_subcommand("hours", "record hours in accelerated time");
   hours->add_option("hours", count, "how many; 11 GB are 16 hours")->check(CLI::Range(0.02, 100.0))->capture_default_str();
-  for (auto* command : {kills, power}) command->add_option("--seed", seed, "of the random moments");
+  for (auto* command : {kills, pair, power}) command->add_option("--seed", seed, "of the random moments");
   for (auto* command : {kills, inject})
     command->add_option("--jobs", jobs, "side by side")->check(CLI::Range(1, 64))->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     if (*kills) return dts::fault::kills(rounds, jobs, longest_s, seed);
+    if (*pair) return dts::fault::pair_kills(pair_rounds, 2.0, seed);
     if (*inject) return dts::fault::inject_all(jobs, every);
     if (*power) return dts::fault::power(cuts, seconds, seed);
     return dts::fault::hours(count);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "fault/child_process.h"
+#include "fault/pair_kills.h"
 #include "fault/recorded_session.h"
 #include "fault/rigs.h"
 
@@ -31,6 +32,15 @@ TEST(Kill, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {
     EXPECT_EQ(killed.problem, "") << "round " << round << ": " << killed.recorded_s << " s recorded, " << killed.lost_s
                                   << " s lost, of which " << killed.published_lost_s << " s had been published";
   }
+}
+
+TEST(Kill, OfASessionOverTwoRigs_ContinuesOnBothAndLeavesBothRecordingsWhole) {
+  const Reference reference = Reference::compute(floor4_rig(), 120.0);
+  PairKills kills(std::random_device()());
+
+  for (int round = 0; round < 4; ++round) ASSERT_EQ(kills.run_round(1.0), "") << "round " << round;
+
+  EXPECT_EQ(kills.finish(reference), "");
 }
 
 }  // namespace

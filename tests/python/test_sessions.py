@@ -41,6 +41,16 @@ class Sessions(WithDaemon):
         self.assertEqual((recording.session.session_id, recording.session.subject), (session.id, "P017"))
         self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P017")], [session.id])
 
+    def test_SessionOverTwoRigsIsOne(self) -> None:
+        with self.daemon.start_session("floor", "free", companions=["chair"]) as session:
+            session.mark("hello")
+            self.assertEqual(list(session.info().rigs), ["floor", "chair"])
+
+        record = self.daemon.session(session.id)
+        self.assertEqual([(part.rig, part.leading_part) for part in record.parts], [("floor", 0), ("chair", 1)])
+        for part in record.parts:
+            self.assertEqual(len(dts.load(part.file).events_of("marker")), 1)
+
     def test_SessionIsCorrectedDeletedAndErased(self) -> None:
         with self.daemon.start_session("floor", "free", subject="P071", label="first") as session:
             session.mark("hello")

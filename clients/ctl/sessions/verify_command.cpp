@@ -47,7 +47,8 @@ void count(record::Recording& recording, Verified& verified) {
   const auto corrections = record::corrections_beside(verified.file.path, recording.session().value_or(record::SessionFacts{}));
   if (!corrections) verified.problem = corrections.error();
   if (recording.session()) counts.planned_trials = report::planned_trials(*recording.session());
-  if (counts.planned_trials == 0) return;  // without planned trials there is nothing to find
+  if (counts.planned_trials == 0) return;              // without planned trials there is nothing to find
+  if (recording.session()->leading_part != 0) return;  // the trials of its session are those of the leading rig
   record::TrialCollector trials(recording.find_stream("raw"));
   for (auto item = recording.next(); item && *item; item = recording.next()) trials.add(**item);
   auto rows = trials.rows();

@@ -38,7 +38,7 @@ core::Status check_facts(const SessionFacts& facts) {
   if (facts.session_id.empty() || facts.session_id.size() > kLongestId || !is_id(facts.session_id)) {
     return core::fail(ErrorCode::InvalidArgument, "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'");
   }
-  if (facts.part == 0 || facts.rig.empty()) {
+  if (facts.part == 0 || facts.rig.empty() || leading_rig(facts).empty()) {
     return core::fail(ErrorCode::InvalidArgument, "session " + facts.session_id + " names no rig, or part 0");
   }
   return {};
@@ -110,11 +110,11 @@ core::Status Catalogue::Implementation::enter_session(const SessionFacts& facts)
     database.run(
         "INSERT INTO sessions (id, rig, protocol_id, subject_id, label, state, message, started_utc_ns, ended_utc_ns) VALUES (?, ?,"
         " (SELECT id FROM protocols WHERE name = ? AND sha256 = ?), (SELECT id FROM subjects WHERE pseudonym = ?), ?, 'running', '', ?, 0)",
-        facts.session_id, facts.rig, facts.protocol, protocol_sha256, facts.subject, facts.label, facts.started_utc_ns);
+        facts.session_id, leading_rig(facts), facts.protocol, protocol_sha256, facts.subject, facts.label, facts.started_utc_ns);
     return {};
   }
   const SessionRow& session = known.front();
-  if (session.rig != facts.rig || session.protocol != facts.protocol || session.recorded_subject != facts.subject) {
+  if (session.rig != leading_rig(facts) || session.protocol != facts.protocol || session.recorded_subject != facts.subject) {
     return core::fail(ErrorCode::WrongState, "session " + facts.session_id + " is known with another rig, protocol or subject");
   }
   database.run(
@@ -127,8 +127,9 @@ void Catalogue::Implementation::enter_part(const SessionFacts& facts, const std:
   if (!facts.calibration_id.empty()) put_calibration(facts.calibration_id, facts.rig, "cop", facts.rig_definition);
   database.run(
       "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns,"
-      " calibration_id, losses, has_events) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?, '', 1)",
-      facts.session_id, facts.part, file, static_cast<int>(PartState::Recording), facts.started_utc_ns, facts.calibration_id);
+      " calibration_id, losses, has_events, rig, leading_part) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?, '', 1, ?, ?)",
+      facts.session_id, facts.part, file, static_cast<int>(PartState::Recording), facts.started_utc_ns, facts.calibration_id, facts.rig,
+      leading_part(facts));
 }
 
 /// Sets the values of a session and its trials as its corrections say.
@@ -204,6 +205,15 @@ core::Status Catalogue::begin_part(const SessionFacts& facts, const std::string&
   }
   if (auto entered = implementation_->enter_session(facts); !entered) return entered;
   implementation_->enter_part(facts, file);
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
+}
+
+core::Status Catalogue::begin_parts(const std::vector<NewPart>& parts) try {
+  Transaction transaction(implementation_->database);
+  for (const NewPart& part : parts) DTS_TRY(begin_part(part.facts, part.file));
   transaction.commit();
   return {};
 } catch (const SQLite::Exception& exception) {
@@ -330,9 +340,11 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
   Transaction transaction(implementation_->database);
   const auto before = session(found.facts.session_id);
   if (!before && before.error().code != ErrorCode::NotFound) return tl::make_unexpected(before.error());
-  const bool is_newest = !before || before->parts.empty() || before->parts.back().part < found.facts.part;
+  const std::vector<PartRow> newest = before ? newest_parts(*before) : std::vector<PartRow>{};
+  const bool is_newest = newest.empty() || newest.front().leading_part < leading_part(found.facts);
+  const bool is_known = implementation_->has_part(found.facts.session_id, found.facts.part);
   core::Status done;
-  if (!implementation_->has_part(found.facts.session_id, found.facts.part)) done = begin_part(found.facts, found.part.file);
+  if (!is_known) done = begin_part(found.facts, found.part.file);
   if (done) done = update_part(found.part);
   if (done) {
     implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ?", found.part.session_id, found.part.part);
@@ -346,6 +358,10 @@ core::Status Catalogue::enter(const FoundRecording& found) try {
   }
   if (done && is_newest) {
     done = end_session(found.facts.session_id, found.session_state, found.part.reason, found.ended_utc_ns);
+  } else if (done && before->state != "running" && !is_known && newest.front().leading_part == leading_part(found.facts)) {
+    const std::string& reason = before->message.empty() ? found.part.reason : before->message;
+    done = end_session(before->id, worse_state(before->state, found.session_state), reason,
+                       std::max(before->ended_utc_ns, found.ended_utc_ns));
   } else if (done && before->state != "running") {  // an older part was added: `begin_part` set the state to "running"
     done = end_session(before->id, before->state, before->message, before->ended_utc_ns);
   }
@@ -373,7 +389,8 @@ core::Status Catalogue::enter_events(const FoundRecording& found) try {
 
 core::Result<std::vector<SessionRow>> Catalogue::sessions(const SessionFilter& filter) const try {
   auto found = rows_of(implementation_->database.query(std::string(kSessionColumns) +
-                                                           "WHERE (?1 = '' OR sessions.rig = ?1) AND"
+                                                           "WHERE (?1 = '' OR sessions.rig = ?1 OR EXISTS"
+                                                           " (SELECT 1 FROM parts WHERE session_id = sessions.id AND parts.rig = ?1)) AND"
                                                            " (?2 = '' OR shown_subject = ?2) AND"
                                                            " (?3 = '' OR protocols.name = ?3) AND sessions.is_deleted BETWEEN ?5 AND ?6"
                                                            " ORDER BY sessions.started_utc_ns DESC, sessions.id DESC LIMIT ?4",

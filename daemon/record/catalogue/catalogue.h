@@ -48,7 +48,12 @@ struct PartRow {
   double lost_s_at_most = 0.0;  ///< Of a recovered recording: time lost after its last scan, upper limit.
   std::string reason;           ///< Why it is not complete.
   std::int64_t started_utc_ns = 0;
-  std::uint32_t valid_trials = 0;  ///< The catalogue counts the part's valid trials; `update_part` ignores this field.
+  std::uint32_t valid_trials = 0;  ///< The catalogue counts the part's valid trials. `update_part` ignores this field and the next two.
+  std::string rig{};
+  std::uint32_t leading_part = 0;  ///< See `leading_part` of the facts.
+
+  /// Returns whether this part has the trials of its session: it is not one of a companion.
+  [[nodiscard]] bool leads() const noexcept { return leading_part == part; }
 
   friend bool operator==(const PartRow&, const PartRow&) = default;
 };
@@ -91,11 +96,11 @@ struct MarkerRow {
 
 struct SessionRow {
   std::string id;
-  std::string rig;
+  std::string rig;  ///< The leading one.
   std::string protocol;
   std::string subject;
   std::string label;
-  std::string state;  ///< "running", or how its newest part ended: "complete", "incomplete", "interrupted", "aborted".
+  std::string state;  ///< "running", or how its newest parts ended: "complete", "incomplete", "interrupted", "aborted".
   std::string message;
   std::int64_t started_utc_ns = 0;
   std::int64_t ended_utc_ns = 0;  ///< 0: not ended.
@@ -117,6 +122,13 @@ struct SessionRow {
 /// if all of those are repaired copies, else "incomplete".
 [[nodiscard]] std::string state_of(const SessionRow& session);
 
+/// Returns all rigs of a session, the leading one first.
+[[nodiscard]] std::vector<std::string> rigs_of(const SessionRow& session);
+/// Returns the parts that were recorded last, at the same time.
+[[nodiscard]] std::vector<PartRow> newest_parts(const SessionRow& session);
+/// Returns the worse of two states of an ended session, "complete" being the best.
+[[nodiscard]] std::string worse_state(const std::string& a, const std::string& b);
+
 /// A result of a session: a steadiness measure, a trunk angle.
 struct ResultRow {
   std::string session_id;
@@ -128,7 +140,8 @@ struct ResultRow {
   friend bool operator==(const ResultRow&, const ResultRow&) = default;
 };
 
-/// A recording that was found on the disk.
+/// A recording that was found on the disk. One of a companion has no trials, results and markers: those of its session are in the
+/// recording of the leading rig.
 struct FoundRecording {
   SessionFacts facts{};
   PartRow part{};  ///< Names the same session and part as `facts`.
@@ -136,14 +149,20 @@ struct FoundRecording {
   std::vector<ResultRow> results{};
   std::vector<MarkerRow> markers{};
   std::map<std::uint32_t, std::uint32_t> begun_attempts{};  ///< Newest attempt of each trial that has begun.
-  std::string session_state;                                ///< State of the session if this is its newest part.
+  std::string session_state;                                ///< State of the session if this is one of its newest parts.
   std::int64_t ended_utc_ns = 0;
+};
+
+/// A part whose recording begins.
+struct NewPart {
+  SessionFacts facts{};
+  std::string file;
 };
 
 enum class Shown : std::uint8_t { Kept = 1, Deleted, Both };
 
 struct SessionFilter {
-  std::string rig{};  ///< Empty: all.
+  std::string rig{};  ///< Empty: all; leading or not.
   std::string subject{};
   std::string protocol{};
   std::size_t limit = 100;  ///< Most sessions to return, newest first; at most 10,000.
@@ -183,9 +202,11 @@ class Catalogue {
   Catalogue& operator=(Catalogue&&) = delete;
 
   /// Adds a new session with its first part, or a further part to a known session, which then is "running" again. Adds the subject, the
-  /// protocol and the calibration too. Fails with WrongState if the part is known, or if the known session has another rig, subject or
-  /// protocol.
+  /// protocol and the calibration too. Fails with WrongState if the part is known, or if the known session has another leading rig, subject
+  /// or protocol.
   [[nodiscard]] core::Status begin_part(const SessionFacts& facts, const std::string& file);
+  /// Adds parts that begin at the same time, completely or not at all. Fails like `begin_part`.
+  [[nodiscard]] core::Status begin_parts(const std::vector<NewPart>& parts);
   /// Updates all fields of a part except when it started. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status update_part(const PartRow& part);
   /// Ends a session. Fails with NotFound if there is no such session, and with InvalidArgument if `state` is not the state of an ended one.
@@ -205,7 +226,8 @@ class Catalogue {
   /// the value is not finite.
   [[nodiscard]] core::Status put_result(const ResultRow& result);
   /// Adds a recording completely or not at all. If the part is known, replaces its row, its trials and its markers by those of the file.
-  /// Changes the session's state only if this part is newer than all known parts. The corrections of the session stay.
+  /// Changes the session's state only if this part is newer than all known parts, or recorded at the same time as the newest: then to the
+  /// worse of both. The corrections of the session stay.
   [[nodiscard]] core::Status enter(const FoundRecording& found);
   /// Replaces the markers of a known part and adds its attempts, completely or not at all; ignores the other rows. Fails with NotFound if
   /// there is no such part.

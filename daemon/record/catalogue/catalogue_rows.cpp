@@ -45,6 +45,30 @@ std::string state_of(const SessionRow& session) {
   return others == has(PartState::Recovered) ? "recovered" : "incomplete";
 }
 
+std::vector<std::string> rigs_of(const SessionRow& session) {
+  std::vector<std::string> rigs{session.rig};
+  for (const PartRow& part : session.parts) {
+    if (std::ranges::find(rigs, part.rig) == rigs.end()) rigs.push_back(part.rig);
+  }
+  return rigs;
+}
+
+std::vector<PartRow> newest_parts(const SessionRow& session) {
+  std::vector<PartRow> newest;
+  for (const PartRow& part : session.parts) {
+    if (!newest.empty() && part.leading_part > newest.front().leading_part) newest.clear();
+    if (newest.empty() || part.leading_part == newest.front().leading_part) newest.push_back(part);
+  }
+  return newest;
+}
+
+std::string worse_state(const std::string& a, const std::string& b) {
+  for (const std::string_view state : {"aborted", "interrupted", "incomplete"}) {
+    if (a == state || b == state) return std::string(state);
+  }
+  return "complete";
+}
+
 SessionRow read_session(Statement& row) {
   SessionRow session;
   session.id = row.text(0);
@@ -79,6 +103,8 @@ PartRow read_part(Statement& row) {
   part.started_utc_ns = row.integer(10);
   part.losses = losses_of_json(row.text(11));
   part.valid_trials = row.count32(12);
+  part.rig = row.text(13);
+  part.leading_part = row.count32(14);
   return part;
 }
 

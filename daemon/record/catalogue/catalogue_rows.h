@@ -26,8 +26,8 @@ inline constexpr const char* kSessionColumns =
     " LEFT JOIN subjects ON subjects.id = sessions.subject_id ";
 inline constexpr const char* kPartColumns =
     "SELECT session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns, losses,"
-    " (SELECT count(*) FROM trials WHERE trials.session_id = parts.session_id AND trials.part = parts.part AND trials.is_valid = 1)"
-    " FROM parts ";
+    " (SELECT count(*) FROM trials WHERE trials.session_id = parts.session_id AND trials.part = parts.part AND trials.is_valid = 1),"
+    " rig, leading_part FROM parts ";
 inline constexpr const char* kTrialColumns =
     "SELECT session_id, part, trial, attempt, block, condition, COALESCE(corrected_outcome, outcome), segment, first_scan, last_scan,"
     " last_segment, result, CASE WHEN corrected_outcome IS NULL THEN '' ELSE outcome END FROM trials ";

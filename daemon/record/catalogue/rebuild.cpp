@@ -131,6 +131,13 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   DTS_TRY_ASSIGN(auto recording, Recording::open(file));
   FoundRecording found = collect(*recording, facts.session_id, facts.part);
   found.facts = facts;
+  found.part.rig = facts.rig;
+  found.part.leading_part = leading_part(facts);
+  if (!found.part.leads()) {
+    found.trials.clear();
+    found.results.clear();
+    found.markers.clear();
+  }
   found.part.file = file;
   found.part.started_utc_ns = facts.started_utc_ns;
   found.part.losses = recording->losses();

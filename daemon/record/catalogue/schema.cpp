@@ -198,8 +198,15 @@ DROP TABLE corrections_before;
 ALTER TABLE parts ADD COLUMN has_events INTEGER NOT NULL DEFAULT 0 CHECK (has_events IN (0, 1));  -- attempts and markers are entered
 )sql";
 
-constexpr std::array<const char*, 9> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5,
-                                                 kVersion6, kVersion7, kVersion8, kVersion9};
+/// Parts of several rigs in one session. Earlier sessions have one rig.
+constexpr const char* kVersion10 = R"sql(
+ALTER TABLE parts ADD COLUMN rig TEXT NOT NULL DEFAULT '';
+ALTER TABLE parts ADD COLUMN leading_part INTEGER NOT NULL DEFAULT 0 CHECK (leading_part >= 0);
+UPDATE parts SET leading_part = part, rig = (SELECT rig FROM sessions WHERE id = session_id);
+)sql";
+
+constexpr std::array<const char*, 10> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5,
+                                                  kVersion6, kVersion7, kVersion8, kVersion9, kVersion10};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

@@ -28,7 +28,8 @@ BidsNames::BidsNames(const Recording& recording, const std::string& subject) {
   subject_ = "sub-" + bids_label(subject, "unknown");
   session_ = "ses-" + bids_label(session.session_id, "unknown");
   task_ = bids_label(session.protocol, "free");
-  if (session.part > 1) run_ = "_run-" + std::to_string(session.part);
+  const std::uint32_t run = leading_part(session);  // companions have the same run and a tracking system of their own
+  if (run > 1) run_ = "_run-" + std::to_string(run);
 }
 
 std::string BidsNames::tracking_system(const StreamInfo& stream) const {

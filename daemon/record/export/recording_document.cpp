@@ -45,6 +45,8 @@ Json session_json(const SessionFacts& recorded, const Corrections& corrections, 
     if (!text.empty()) json[key] = text;
   };
   put("rig", facts.rig);
+  if (!facts.rigs.empty()) json["rigs"] = facts.rigs;
+  if (facts.leading_part != 0) json["leading_part"] = facts.leading_part;
   put("kind", facts.kind);
   put("protocol", facts.protocol);
   put("subject", facts.subject);

@@ -17,7 +17,7 @@ namespace dts::record {
 class TrialTable {
  public:
   explicit TrialTable(const Recording& recording)
-      : raw_(recording.find_stream("raw")), trials_(raw_), part_(recording.session() ? recording.session()->part : 1) {}
+      : raw_(recording.find_stream("raw")), trials_(raw_), part_(recording.session() ? leading_part(*recording.session()) : 1) {}
 
   /// Thread: the stream's thread.
   void add(const RecordedScans& scans) noexcept;
@@ -31,7 +31,7 @@ class TrialTable {
   std::optional<std::size_t> raw_;
   RecordedScans newest_{};
   TrialCollector trials_;
-  std::uint32_t part_;
+  std::uint32_t part_;  ///< That corrections name.
 };
 
 }  // namespace dts::record

@@ -44,14 +44,14 @@ using core::csv_cell;
 class MarkerTexts {
  public:
   MarkerTexts(const Recording& recording, const Corrections& corrections)
-      : corrections_(&corrections), part_(recording.session() ? recording.session()->part : 1) {}
+      : corrections_(&corrections), part_(recording.session() ? leading_part(*recording.session()) : 1) {}
 
   /// Returns the event; a marker with its corrected text, which is empty if a person removed it.
   [[nodiscard]] TimedEvent corrected(TimedEvent timed);
 
  private:
   const Corrections* corrections_;
-  std::uint32_t part_;
+  std::uint32_t part_;  ///< That corrections name.
   std::uint32_t count_ = 0;
 };
 

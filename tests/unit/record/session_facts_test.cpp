@@ -45,6 +45,27 @@ TEST(SessionFacts, AllOfThem_ComeBack) {
   EXPECT_EQ(session_facts(to_facts({})).value(), SessionFacts{});
 }
 
+TEST(SessionFacts, RigsOfASession_ComeBack_AndTheFirstLeads) {
+  SessionFacts companion = whole_session();
+  EXPECT_EQ(leading_rig(companion), "floor");
+  EXPECT_EQ(leading_part(companion), 2U);
+  companion.rig = "plate";
+  companion.rigs = {"floor", "plate"};
+  companion.part = 3;
+  companion.leading_part = 2;
+  const auto read = session_facts(to_facts(companion));
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_EQ(*read, companion);
+  EXPECT_EQ(leading_rig(*read), "floor");
+  EXPECT_EQ(leading_part(*read), 2U);
+}
+
+TEST(SessionFacts, TooManyRigs_AreRejected) {
+  auto facts = to_facts(whole_session());
+  facts.emplace_back("rigs", "65");
+  EXPECT_EQ(session_facts(facts).error().what, "the fact rigs is 65, at most 64");
+}
+
 TEST(SessionFacts, FactsOfOtherPrograms_AreIgnored) {
   auto facts = to_facts(whole_session());
   facts.emplace_back("datetime", "2026-11-21");

@@ -34,7 +34,7 @@ class CorrectedResultsTest : public ::testing::Test {
     auto writer = record::XdfWriter::create(file, record::to_facts(facts));
     EXPECT_TRUE(writer && (*writer)->close());
     record::SessionRow session{.id = "s1", .rig = "chair"};
-    session.parts = {{.session_id = "s1", .part = 1, .file = file}};
+    session.parts = {{.session_id = "s1", .part = 1, .file = file, .leading_part = 1}};
     for (const ReachTrialResult& result : results.results()) {
       session.trials.push_back({.session_id = "s1",
                                 .trial = result.trial,
@@ -82,7 +82,7 @@ TEST_F(CorrectedResultsTest, ADamagedResult_IsAnError_AndAPartHasItsOwnNames) {
   ReachResults results(made::volunteer(), nullptr);
   tell_trial(results, 1, 1000, "100", 67.0, 0.125, TrunkClass::None, 1.0);
   record::SessionRow session = session_of(results);
-  session.parts[0].part = session.trials[0].part = 2;
+  session.parts[0].part = session.parts[0].leading_part = session.trials[0].part = 2;
   EXPECT_EQ(corrected_results(session).value().at(0).name, "trials_part_2");
   EXPECT_TRUE(has_trial_results(session));
   std::filesystem::remove(session.parts[0].file);

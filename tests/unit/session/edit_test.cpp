@@ -714,7 +714,7 @@ TEST_F(EditTest, DuringAnErasure_OtherErrorsOfTheCatalogueStay) {
   ASSERT_TRUE(std::filesystem::exists(folder_ / "catalogue.sqlite-wal"));
   while (std::filesystem::file_size(folder_ / "catalogue.sqlite-wal") > 0) std::this_thread::yield();  // the last step of its thread
   EXPECT_THAT(
-      why_refused(recordings_->begin(rig(), {.session_id = other, .part = 2, .rig = "floor", .protocol = "free", .subject = "P019"})),
+      why_refused(recordings_->begin({{rig(), {.session_id = other, .part = 2, .rig = "floor", .protocol = "free", .subject = "P019"}}})),
       HasSubstr("is known with another rig, protocol or subject"));
 }
 

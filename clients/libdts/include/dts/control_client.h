@@ -68,22 +68,23 @@ class ControlClient {
   /// Returns statistics of each channel of the rig's device over the last second, in the channel's unit. Fails with NotFound for an unknown
   /// rig, with DeviceGone if the device does not stream, and with WrongState in its first second.
   [[nodiscard]] Result<v1::TestDeviceResponse> test_device(const std::string& rig);
-  /// Starts a session and its recording. Fails with NotFound for an unknown rig, with InvalidArgument for an unknown protocol or an invalid
-  /// value, with WrongState if the rig already has a session, is being tared or delivers no scans, with LimitExceeded if the disk is full
-  /// or the request has more than 64 fields, and with Failed if the disk cannot be used.
+  /// Starts a session and its recordings, one for each rig: `rig` leads, `companions` record at the same time. Fails with NotFound for an
+  /// unknown rig, with InvalidArgument for an unknown protocol or an invalid value, with WrongState if the rig already has a session, is
+  /// being tared or delivers no scans, with LimitExceeded if the disk is full or the request has more than 64 fields, and with Failed if
+  /// the disk cannot be used.
   [[nodiscard]] Result<v1::SessionInfo> start_session(const v1::StartSessionRequest& request);
-  /// Stops a session and waits until its recording is closed. An empty rig means the only rig that has a session. Fails with NotFound for
-  /// an unknown rig, with WrongState if there is no session or it is stopping already, with InvalidArgument if `rig` is empty and several
-  /// rigs have a session, and with Timeout if the recording is not closed in time: the daemon continues to close it.
+  /// Stops the session of a rig, on all its rigs, and waits until its recordings are closed. An empty rig means the only session. Fails
+  /// with NotFound for an unknown rig, with WrongState if there is no session or it is stopping already, with InvalidArgument if `rig` is
+  /// empty and several sessions are under way, and with Timeout if the recording is not closed in time: the daemon continues to close it.
   [[nodiscard]] Result<v1::SessionInfo> stop_session(const std::string& rig);
   /// Stops a session with all fields of the request: it can also abort the session, with a reason. Fails like the function above.
   [[nodiscard]] Result<v1::SessionInfo> stop_session(const v1::StopSessionRequest& request);
   /// Resumes an interrupted session as a new part of its recording. Fails with NotFound for an unknown ID or a session without a recording,
   /// and with WrongState if the session is complete, its protocol has changed, or its rig cannot start a session now.
   [[nodiscard]] Result<v1::SessionInfo> resume_session(const std::string& session_id);
-  /// Executes one step of the protocol's trials and returns their new state. An empty rig means the only rig that has a session. Fails with
+  /// Executes one step of the protocol's trials and returns their new state. An empty rig means the only session. Fails with
   /// NotFound for an unknown rig, with WrongState if there is no running session with trials or the step is not possible now, and with
-  /// InvalidArgument if `rig` is empty and several rigs have a session.
+  /// InvalidArgument if `rig` is empty and several sessions are under way.
   [[nodiscard]] Result<v1::TrialStatus> trial(v1::TrialAction action, const std::string& rig);
   /// Returns sessions of the catalogue, newest first, with their parts and without their trials; 100 if the request has no limit.
   [[nodiscard]] Result<v1::ListSessionsResponse> list_sessions(const v1::ListSessionsRequest& request = {});

@@ -2,7 +2,7 @@
 """A running dtsd: its state, its streams and events, its sessions."""
 import os
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from types import TracebackType
 from typing import Literal, Self
 
@@ -153,13 +153,14 @@ class Daemon:
         duration_s: float = 0.0,
         settle_s: float = 0.0,
         fields: Mapping[str, object] | None = None,
+        companions: Iterable[str] = (),
     ) -> "Session":
-        """Starts a session and its recording, and returns the session.
+        """Starts a session and its recordings, and returns the session.
 
         `protocol` is a name from `protocols`; "free" records until stopped. `subject` is the subject ID, never a name. `label` is a note, never a
         name. `duration_s` stops the session automatically; 0 means the duration of the protocol, or no limit. `settle_s` is the settling
         time before the measurement; 0 means the time of the protocol. Both are in seconds. `fields` are the values that the protocol
-        requires.
+        requires. `companions` are further rigs that record the same session; its trials and results are those of `rig`.
 
         Raises `NotFound` for an unknown rig, `InvalidArgument` for an unknown protocol or an invalid value, and `WrongState` if the rig has
         a session.
@@ -172,6 +173,7 @@ class Daemon:
             duration_s=duration_s,
             settle_s=settle_s,
             fields={name: str(value) for name, value in (fields or {}).items()},
+            companions=companions,
         )
         return Session(self, self._control.call(control_pb2.Request(start_session=wanted)).session)
 
@@ -181,17 +183,17 @@ class Daemon:
         return Session(self, self._control.call(control_pb2.Request(resume_session=wanted)).session)
 
     def stop_session(self, rig: str = "", is_abort: bool = False, reason: str = "") -> control_pb2.SessionInfo:
-        """Stops a session, waits until its recording is closed, and returns its state.
+        """Stops the session of a rig, on all its rigs, waits until its recordings are closed, and returns its state.
 
-        An empty `rig` means the only rig that has a session. `is_abort` lists the session as aborted, with `reason` (never a name). Raises
+        An empty `rig` means the only session. `is_abort` lists the session as aborted, with `reason` (never a name). Raises
         `WrongState` if there is no session.
         """
         wanted = control_pb2.StopSessionRequest(rig=rig, is_abort=is_abort, reason=reason)
         return self._control.call(control_pb2.Request(stop_session=wanted)).session
 
     def mark(self, text: str, rig: str = "") -> list[control_pb2.MarkResponse.At]:
-        """Puts a marker at the newest scan of a rig, or of every rig if `rig` is empty. Returns the marked scans. `text` has 1 to 200
-        bytes.
+        """Puts a marker at the newest scan of a rig and of the other rigs of its session, or of every rig if `rig` is empty. Returns the
+        marked scans. `text` has 1 to 200 bytes.
         """
         return list(self._control.call(control_pb2.Request(mark=control_pb2.MarkRequest(text=text, rig=rig))).mark.marks)
 
@@ -345,7 +347,7 @@ class Session:
         """Returns the present state. Raises `WrongState` if the session has ended."""
         for rig in self._daemon.status().rigs:
             session: control_pb2.SessionInfo = rig.session
-            if session.session_id == self.id and session.state not in _OVER:
+            if rig.rig.name == self.rig and session.session_id == self.id and session.state not in _OVER:
                 return session
         raise WrongState(f"session {self.id} has ended", f"read its results: daemon.session('{self.id}')")
 
@@ -374,7 +376,7 @@ class Session:
             time.sleep(0.1)
 
     def mark(self, text: str) -> control_pb2.MarkResponse.At:
-        """Puts a marker at the newest scan of the rig and returns the scan. `text` has 1 to 200 bytes."""
+        """Puts a marker at the newest scan of all rigs of the session; returns that of `rig`. `text` has 1 to 200 bytes."""
         return self._daemon.mark(text, self.rig)[0]
 
     def trial(self, action: TrialAction) -> sessions_pb2.TrialStatus:

@@ -123,6 +123,7 @@ def _check_device_test(test: control_pb2.TestDeviceResponse) -> None:
 def _check_session(session: control_pb2.SessionInfo) -> None:
     if not session.session_id:
         raise _damaged("a session has no ID")
+    _check_count(session.rigs, _MAX_RIGS, "rigs")
     if session.HasField("trial"):
         _check_trial(session.trial)
 

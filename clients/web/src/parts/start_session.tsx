@@ -105,6 +105,25 @@ const aboutOf = ({ sentence, trials, lengthS }: ProtocolInfo): string => {
   return `${sentence}. ${lengthS === undefined ? count : words.length(count, duration(lengthS))}.`;
 };
 
+/** Check boxes of the other rigs. */
+const Companions = ({ rigs, chosen, onChange }: { rigs: readonly string[]; chosen: readonly string[]; onChange: (rigs: readonly string[]) => void }): JSX.Element => (
+  <fieldset class="column" data-testid="start-companions">
+    <legend>{words.companions}</legend>
+    {rigs.map((name) => (
+      <label key={name} class="row">
+        <input
+          type="checkbox"
+          data-testid={`companion-${name}`}
+          checked={chosen.includes(name)}
+          onChange={(event) => onChange(event.currentTarget.checked ? [...chosen, name] : chosen.filter((one) => one !== name))}
+        />
+        {name}
+      </label>
+    ))}
+    <small>{words.companionsHint}</small>
+  </fieldset>
+);
+
 /** Names of the inputs that are no fields of the protocol. */
 const ownInputs = new Set(['protocol', 'subject', 'label', 'duration']);
 
@@ -143,8 +162,10 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
   const subjects = useSignal<readonly string[]>([]);
   const values = useSignal<Values>({});
   const wrong = useSignal<Values>({});
+  const companions = useSignal<readonly string[]>([]);
   const first = useRef<HTMLSelectElement>(null);
   const commands = useCommands(link);
+  const others = (link.status.value?.rigs ?? []).map((state) => state.rig?.name ?? '').filter((name) => name !== '' && name !== rig);
   const kind = link.status.value?.rigs.find((state) => state.rig?.name === rig)?.rig?.kind;
   const fitting = protocols.value.filter(({ rigKind }) => rigKind === '' || rigKind === kind);
   const chosen = fitting.find(({ name }) => name === (typed.value ?? lastUsed.value));
@@ -191,6 +212,7 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
         label: valueOf('label').trim(),
         durationS: chosen.trials > 0 ? 0 : Number(valueOf('duration')), // 0: until it is stopped
         fields: Object.fromEntries(asked),
+        companions: companions.value.filter((name) => others.includes(name)),
       },
     });
     if (answer !== undefined) return form.close();
@@ -273,6 +295,7 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
             </Field>
           )}
           <div class="form-grid">{fields.filter(({ isRequired }) => !isRequired).map(input)}</div>
+          {others.length > 0 && <Companions rigs={others} chosen={companions.value} onChange={(rigs) => (companions.value = rigs)} />}
         </fieldset>
       </form>
     </Panel>

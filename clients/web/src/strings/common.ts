@@ -119,6 +119,8 @@ export const common = {
     duration: 'Duration (s)',
     durationHint: 'Blank: until stopped',
     durationOr: (seconds: string) => `Blank: ${seconds} s`,
+    companions: 'Record these rigs in the same session',
+    companionsHint: 'Trials and results are those of this rig',
     withUnit: (label: string, unit: string) => `${label} (${unit})`,
     optional: 'Optional',
     range: (minimum: string, maximum: string) => `${minimum} to ${maximum}`,

@@ -107,7 +107,7 @@ export const sessions = {
   facts: { ended: 'Ended', message: 'Message' },
   parts: {
     head: 'Recording',
-    heads: { part: 'Part', state: 'State', duration: 'Duration', scans: 'Scans', size: 'Size', file: 'File on the measuring computer' },
+    heads: { part: 'Part', rig: 'Rig', state: 'State', duration: 'Duration', scans: 'Scans', size: 'Size', file: 'File on the measuring computer' },
     states: { 1: 'recording', 2: 'complete', 3: 'incomplete', 4: 'interrupted', 5: 'recovered', 6: 'file missing' } as Readonly<Record<number, string>>,
     checksum: (sha256: string) => `Checksum (SHA-256) ${sha256}`,
     lost: (seconds: string) => `up to ${seconds} s lost at the end`,

@@ -39,7 +39,8 @@ TEST_F(CatalogueSessions, BeginPart_EntersTheSessionWithAll) {
   expected.started_utc_ns = 1000;
   expected.recorded_subject = expected.subject;
   expected.recorded_label = expected.label;
-  expected.parts = {{.session_id = session.session_id, .file = "/data/a.xdf.part", .started_utc_ns = 1000}};
+  expected.parts = {
+      {.session_id = session.session_id, .file = "/data/a.xdf.part", .started_utc_ns = 1000, .rig = "floor", .leading_part = 1}};
   EXPECT_EQ(*found, expected);
 }
 
@@ -96,6 +97,8 @@ TEST_F(CatalogueSessions, UpdatePart_KeepsAllButTheStart) {
   part.started_utc_ns = 99;
   ASSERT_TRUE(catalogue().update_part(part));
   part.started_utc_ns = 1000;
+  part.rig = "floor";
+  part.leading_part = 1;
   part.duration_s = 12.5;
   EXPECT_EQ(catalogue().session("s1")->parts[0], part);
 }
@@ -307,6 +310,58 @@ TEST_F(CatalogueSessions, FoundOlderPart_LeavesTheSessionAsItIs) {
             "s1 floor free P017 aborted from 1000 to 4000: fell ill\n"
             "  part 1 a interrupted 0 scans 0 s, 0 valid, lost unknown 0 s\n"
             "  part 2 b recording 0 scans 0 s, 0 valid, lost unknown 0 s\n");
+}
+
+/// Parts of two rigs: "floor" leads, "plate" records with it.
+SessionFacts of_plate(std::uint32_t part, std::uint32_t leading_part, std::int64_t started_utc_ns = 1000) {
+  SessionFacts session = facts("s1", part, started_utc_ns);
+  session.rig = "plate";
+  session.rigs = {"floor", "plate"};
+  session.leading_part = leading_part;
+  return session;
+}
+
+TEST_F(CatalogueSessions, PartsOfSeveralRigs_BeginTogetherOrNotAtAll) {
+  ASSERT_TRUE(catalogue().begin_parts({{facts(), path("a")}, {of_plate(2, 1), path("b")}}));
+  const SessionRow session = catalogue().session("s1").value();
+  EXPECT_EQ(session.rig, "floor");
+  EXPECT_THAT(rigs_of(session), ElementsAre("floor", "plate"));
+  EXPECT_TRUE(session.parts[0].leads());
+  EXPECT_FALSE(session.parts[1].leads());
+  EXPECT_THAT(ids({.rig = "plate"}), ElementsAre("s1"));
+  EXPECT_THAT(ids({.rig = "chair"}), ElementsAre());
+  const std::string before = sessions_text();
+
+  EXPECT_EQ(what(catalogue().begin_parts({{facts("s1", 3), path("c")}, {of_plate(2, 3), path("d")}})),
+            "part 2 of session s1 is known already");
+
+  EXPECT_EQ(sessions_text(), before);
+}
+
+TEST_F(CatalogueSessions, NewestParts_AreThoseOfAllRigsSinceTheLastResume) {
+  ASSERT_TRUE(catalogue().begin_parts({{facts(), path("a")}, {of_plate(2, 1), path("b")}}));
+  ASSERT_TRUE(catalogue().begin_parts({{facts("s1", 3), path("c")}, {of_plate(4, 3), path("d")}}));
+  std::vector<std::uint32_t> numbers;
+  for (const PartRow& part : newest_parts(catalogue().session("s1").value())) numbers.push_back(part.part);
+  EXPECT_THAT(numbers, ElementsAre(3U, 4U));
+}
+
+TEST_F(CatalogueSessions, FoundPartsOfSeveralRigs_EndTheSessionAsTheWorst_InAnyOrder) {
+  FoundRecording floor{.facts = facts(), .session_state = "complete", .ended_utc_ns = 5000};
+  floor.part = {.session_id = "s1", .part = 1, .file = path("a"), .state = PartState::Complete};
+  FoundRecording plate{.facts = of_plate(2, 1), .session_state = "incomplete", .ended_utc_ns = 4000};
+  plate.part = {.session_id = "s1", .part = 2, .file = path("b"), .state = PartState::Incomplete, .reason = "disk"};
+  for (const auto& [first, second] : {std::pair(floor, plate), std::pair(plate, floor)}) {
+    ASSERT_TRUE(catalogue().enter(first));
+    ASSERT_TRUE(catalogue().enter(second));
+    const SessionRow session = catalogue().session("s1").value();
+    EXPECT_EQ(session.rig + " " + session.state + ": " + session.message + " " + std::to_string(session.ended_utc_ns),
+              "floor incomplete: disk 5000");
+    ASSERT_TRUE(catalogue().erase({"s1"}));
+  }
+  EXPECT_EQ(worse_state("incomplete", "interrupted"), "interrupted");
+  EXPECT_EQ(worse_state("aborted", "complete"), "aborted");
+  EXPECT_EQ(worse_state("complete", "complete"), "complete");
 }
 
 TEST_F(CatalogueSessions, StateNames_AreAllDifferent) {

@@ -181,6 +181,7 @@ TEST_F(CatalogueRebuild, PartsOfAnOlderCatalogue_AreReadAgainForWhatTheyLack) {
   close();
   ASSERT_TRUE(
       meddle("UPDATE parts SET losses = '{}', duration_s = 3.0; PRAGMA user_version = 4;"  // as version 2 became version 3
+             "ALTER TABLE parts DROP COLUMN rig; ALTER TABLE parts DROP COLUMN leading_part;"
              "ALTER TABLE parts DROP COLUMN has_events; DROP TABLE begun_attempts; DROP TABLE markers; DROP TABLE corrections; ALTER TABLE "
              "trials DROP COLUMN corrected_outcome; "
              "ALTER TABLE sessions "

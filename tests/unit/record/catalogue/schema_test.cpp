@@ -83,7 +83,7 @@ TEST_F(CatalogueSchema, NewerVersion_IsRefusedAndNotTouched) {
   ASSERT_TRUE(meddle("PRAGMA user_version = 99"));
   const auto opened = Catalogue::open(path());
   EXPECT_EQ(code(opened), core::ErrorCode::Unsupported);
-  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 9"));
+  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 10"));
   EXPECT_EQ(open().number("PRAGMA user_version"), 99);
 }
 

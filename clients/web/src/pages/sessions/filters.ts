@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import type { SessionPart, SessionRecord } from '../../generated/dts/v1/sessions_pb';
 
 export interface Filters {
   readonly subject: string; // part of the subject ID
@@ -28,5 +28,11 @@ export const passes = (session: SessionRecord, filters: Filters): boolean => {
   );
 };
 
-/** Returns the duration of all parts in s. */
-export const durationS = (session: SessionRecord): number => session.parts.reduce((sum, part) => sum + part.durationS, 0);
+/** Returns whether a part is of the rig that leads the session: the others recorded at the same time. */
+export const leads = ({ leadingPart }: SessionPart): boolean => leadingPart === 0;
+
+/** Returns the duration of all parts of the leading rig in s. */
+export const durationS = (session: SessionRecord): number => session.parts.filter(leads).reduce((sum, part) => sum + part.durationS, 0);
+
+/** Returns "floor, plate": the rigs of a session, the leading one first. */
+export const rigsOf = (session: SessionRecord): string => [...new Set([session.rig, ...session.parts.filter((part) => !leads(part)).map(({ rig }) => rig)])].join(', ');

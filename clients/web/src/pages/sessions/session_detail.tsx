@@ -11,7 +11,7 @@ import { strings } from '../../strings';
 import { useAsked } from './asking';
 import { correctionOf } from './corrections';
 import { Exports } from './exports';
-import { durationS } from './filters';
+import { durationS, rigsOf } from './filters';
 import { Report } from './report';
 import { CorrectionTable, SessionChange } from './session_change';
 import { MarkerTable, PartTable, ResultTable, TrialsOfSession } from './session_tables';
@@ -37,7 +37,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
   const entries: readonly (readonly [string, string, string?])[] = [
     [heads.subject, session.subject, correctionOf(session, 'subject')],
     [heads.protocol, protocolName(session.protocol)],
-    [heads.rig, session.rig],
+    [heads.rig, rigsOf(session)],
     [heads.started, dateTime(session.startedUtcNs)],
     [facts.ended, dateTime(session.endedUtcNs ?? 0n)],
     [heads.duration, duration(durationS(session))],

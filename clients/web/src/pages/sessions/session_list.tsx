@@ -11,7 +11,7 @@ import { dateTime, duration, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
 import type { Filters } from './filters';
-import { durationS, noFilters, passes } from './filters';
+import { durationS, noFilters, passes, rigsOf } from './filters';
 import { LostScans, StateMark } from './state_mark';
 
 const mostListed = 500;
@@ -114,7 +114,7 @@ const Row = ({ session, choosing }: { session: SessionRecord; choosing: Choosing
         )}
       </td>
       <td data-label={heads.started}>{dateTime(session.startedUtcNs)}</td>
-      <td data-label={heads.rig}>{session.rig}</td>
+      <td data-label={heads.rig}>{rigsOf(session)}</td>
       <td data-label={heads.duration} class="number">
         {session.state === 'running' ? underWay : duration(durationS(session))}
       </td>

@@ -21,6 +21,7 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
       <thead>
         <tr>
           <th class="number">{heads.part}</th>
+          <th>{heads.rig}</th>
           <th>{heads.state}</th>
           <th class="number">{heads.duration}</th>
           <th class="number">{heads.scans}</th>
@@ -34,6 +35,7 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
             <td data-label={heads.part} class="number">
               {whole(part.part)}
             </td>
+            <td data-label={heads.rig}>{part.rig}</td>
             <td data-label={heads.state}>
               <div>
                 {states[part.state] ?? PartState[part.state]}

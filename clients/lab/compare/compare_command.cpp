@@ -2,6 +2,7 @@
 #include "lab/compare/compare_command.h"
 
 #include <cmath>
+#include <filesystem>
 #include <string>
 
 #include "cli/exit_status.h"
@@ -97,6 +98,12 @@ int run_compare(const Arguments& arguments, cli::Console& console) {
   const Recording a = read_recording(arguments.first, arguments.cop, problems);
   const Recording b = read_recording(arguments.second, arguments.cop, problems);
   if (!problems.empty()) return report_problems(console, problems);
+  if (std::error_code none;
+      std::filesystem::equivalent(arguments.first, arguments.second, none) && force::has_plates(arguments.first, arguments.cop)) {
+    return fail_with(
+        console, core::Error{core::ErrorCode::InvalidArgument, "A and B are the same plate: --plate counts for both",
+                             "write each plate as CSV and compare these: dtslab force " + arguments.first + " --plate 2 --csv plate2.csv"});
+  }
   const auto comparison = compare(a, b);
   if (!comparison) return fail_with(console, comparison.error());
   if (arguments.is_json) {
@@ -122,7 +129,13 @@ void add_commands(cli::CommandLine& line) {
                   "XDF recording, file of force plates, or CSV file with t_s,x_mm,y_mm (or ml_mm,ap_mm) and optionally trigger or marker")
       ->required()
       ->option_text(" ");
-  command.add_option("B", arguments.second, "Second recording, like A; rate and clock may differ")->required()->option_text(" ");
+  command
+      .add_option("B", arguments.second,
+                  "Second recording, like A; rate and clock may differ. --plate, --ml and --ap count for A and B: if their plates differ, "
+                  "write one "
+                  "or both in the axes of the laboratory first: dtslab force FILE --plate N --axes lab --csv OUT.csv")
+      ->required()
+      ->option_text(" ");
   force::add_cop_choice(command, arguments.cop);
   add_json(command, arguments.is_json);
 }

@@ -46,6 +46,8 @@ AxisDifference difference(const std::vector<double>& a, const std::vector<double
 Alignment on_clocks(Alignment alignment, const Recording& a, const Recording& b) {
   alignment.offset_s += a.began_s - b.began_s;
   alignment.reference_s += b.began_s;
+  for (Alignment::Piece& piece : alignment.pieces) piece.from_s += b.began_s;
+  for (PulseFault& fault : alignment.faults) fault.time_s += a.began_s;
   return alignment;
 }
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/compare/compare_command.h"
 
-#include <cmath>
 #include <string>
 
 #include "cli/exit_status.h"
-#include "cli/json.h"
-#include "cli/table.h"
 #include "lab/base/command.h"
 #include "lab/base/problems.h"
 #include "lab/compare/compare.h"
+#include "lab/compare/compare_view.h"
 
 namespace dts::lab::compare {
 namespace {
@@ -20,77 +18,6 @@ struct Arguments {
   force::CopChoice cop;  ///< Of files of force plates.
   bool is_json = false;
 };
-
-using cli::decimal;
-
-cli::Json to_json(const AxisDifference& axis) {
-  cli::Json json = cli::Json::object();
-  cli::set_number(json, "rmse_mm", axis.rmse_mm);
-  cli::set_number(json, "rmse_mean_removed_mm", axis.rmse_mean_removed_mm);
-  cli::set_number(json, "mean_difference_mm", axis.mean_difference_mm);
-  cli::set_number(json, "largest_mm", axis.largest_mm);
-  cli::set_number(json, "largest_mean_removed_mm", axis.largest_mean_removed_mm);
-  cli::set_number(json, "correlation", axis.correlation);
-  return json;
-}
-
-cli::Json to_json(const Comparison& comparison) {
-  const Alignment& alignment = comparison.alignment;
-  cli::Json aligned{{"by", name(alignment.means)}};
-  cli::set_number(aligned, "offset_s", alignment.offset_s);
-  cli::set_number(aligned, "offset_sd_s", alignment.offset_sd_s);
-  cli::set_number(aligned, "drift_ppm", alignment.drift_ppm);
-  cli::set_number(aligned, "drift_sd_ppm", alignment.drift_sd_ppm);
-  cli::set_number(aligned, "reference_s", alignment.reference_s);
-  cli::set_number(aligned, "peak_correlation", alignment.peak_correlation);
-  if (!alignment.warning.empty()) aligned["warning"] = alignment.warning;
-  if (alignment.event_count > 0) aligned["events"] = alignment.event_count;
-  cli::Json json{{"alignment", aligned}, {"overlap_s", comparison.overlap_s}, {"scans", comparison.scan_count}};
-  cli::set_number(json, "correlation", comparison.correlation);
-  json["x"] = to_json(comparison.x);
-  json["y"] = to_json(comparison.y);
-  cli::set_number(json, "rmse_total_mm", comparison.rmse_total_mm);
-  cli::set_number(json, "rmse_total_mean_removed_mm", comparison.rmse_total_mean_removed_mm);
-  return json;
-}
-
-std::string with_deviation(double value, double deviation, int decimals, const std::string& unit) {
-  return decimal(value, decimals) + " +- " + decimal(deviation, decimals) + " " + unit;
-}
-
-void print(const Comparison& comparison, cli::Console& console) {
-  const Alignment& alignment = comparison.alignment;
-  console.out << "aligned by " << name(alignment.means);
-  if (alignment.event_count > 0) console.out << " (" << alignment.event_count << (alignment.event_count == 1 ? " event)" : " events)");
-  console.out << ": add " << with_deviation(alignment.offset_s, alignment.offset_sd_s, 4, "s") << " to the times of B";
-  if (std::isfinite(alignment.drift_ppm)) {
-    console.out << ", whose clock is " << with_deviation(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm") << " slow";
-  }
-  console.out << "\ncompared: " << comparison.scan_count << " scans over " << decimal(comparison.overlap_s, 2) << " s\n\n";
-  cli::Table table({"AXIS", ">RMSE (mm)", ">MEAN REMOVED (mm)", ">B - A (mm)", ">LARGEST (mm)", ">MEAN REMOVED (mm)", ">CORRELATION"});
-  const auto add = [&](const char* axis, const AxisDifference& of) {
-    table.add({{axis},
-               {decimal(of.rmse_mm, 3)},
-               {decimal(of.rmse_mean_removed_mm, 3)},
-               {decimal(of.mean_difference_mm, 3)},
-               {decimal(of.largest_mm, 3)},
-               {decimal(of.largest_mean_removed_mm, 3)},
-               {decimal(of.correlation, 4)}});
-  };
-  add("x", comparison.x);
-  add("y", comparison.y);
-  table.add({{"both"}, {decimal(comparison.rmse_total_mm, 3)}, {decimal(comparison.rmse_total_mean_removed_mm, 3)}});
-  table.print(console);
-}
-
-void print_warnings(const Comparison& comparison, cli::Console& console) {
-  if (!comparison.alignment.warning.empty()) warn(console, comparison.alignment.warning);
-  const bool is_opposed = comparison.x.correlation < 0.0 || comparison.y.correlation < 0.0;
-  if (comparison.correlation > kLeastCorrelation && !is_opposed) return;
-  warn(console, "the recordings do not agree: correlation " + decimal(comparison.correlation, 2) + " (x " +
-                    decimal(comparison.x.correlation, 2) + ", y " + decimal(comparison.y.correlation, 2) +
-                    "); check that the axes are the same and that both are of the same trial");
-}
 
 int run_compare(const Arguments& arguments, cli::Console& console) {
   files::Problems problems;
@@ -104,7 +31,7 @@ int run_compare(const Arguments& arguments, cli::Console& console) {
   } else {
     print(*comparison, console);
   }
-  print_warnings(*comparison, console);
+  for (const std::string& warning : warnings_of(*comparison)) warn(console, warning);
   return cli::kOk;
 }
 

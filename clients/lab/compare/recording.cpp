@@ -37,7 +37,7 @@ void check_times(const std::string& file, bool is_xdf, const Recording& recordin
   problems.push_back({file, 0, 0, "too short: a recording needs at least " + std::to_string(kFewestScans) + " scans over 2 s"});
 }
 
-/// A CSV file does not name its segments: after a gap, a clock that goes on stays on its grid.
+/// A CSV file does not name its segments: after a gap, a clock that did not restart stays on its grid.
 std::vector<double> restarts_of(std::span<const double> t_s) {
   std::vector<double> restarts;
   const double step_s = median_step(t_s);

@@ -23,13 +23,22 @@ constexpr double kFollow = 0.3;       ///< How fast the tracked offset follows t
 constexpr double kGapS = 0.5;         ///< A recording without scans for so long has a gap; the pulses in it are not reported one by one.
 constexpr double kHostSdS = 0.02;     ///< Of a device's first time stamp on the computer's clock.
 
-double median_interval(std::span<const double> edges_s) {
+/// Returns the mean of the intervals near the median: a lost pulse does not count, and rounding to scans averages out.
+double period_of(std::span<const double> edges_s) {
   std::vector<double> intervals;
   for (std::size_t k = 1; k < edges_s.size(); ++k) intervals.push_back(edges_s[k] - edges_s[k - 1]);
   if (intervals.empty()) return 0.0;
   const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
   std::ranges::nth_element(intervals, middle);
-  return *middle;
+  const double median_s = *middle;
+  double sum_s = 0.0;
+  double count = 0.0;
+  for (const double interval_s : intervals) {
+    if (std::abs(interval_s - median_s) > kIrregular * median_s) continue;
+    sum_s += interval_s;
+    count += 1.0;
+  }
+  return sum_s / count;
 }
 
 /// Returns the distance from the nearest whole number of periods.
@@ -184,9 +193,8 @@ std::vector<PulseFault> faults_of(const Recording& a, const Recording& b, const 
 
 bool have_pulse_trains(const Recording& a, const Recording& b) {
   if (a.edges_s.size() < kFewestPulses || b.edges_s.size() < kFewestPulses) return false;
-  const double period_s = median_interval(a.edges_s);
-  if (!(period_s > 0.0) || std::abs(median_interval(b.edges_s) - period_s) > kMostApart * period_s + a.edge_step_s + b.edge_step_s)
-    return false;
+  const double period_s = period_of(a.edges_s);
+  if (!(period_s > 0.0) || std::abs(period_of(b.edges_s) - period_s) > kMostApart * period_s + a.edge_step_s + b.edge_step_s) return false;
   return is_regular(a.edges_s, period_s) && is_regular(b.edges_s, period_s);
 }
 
@@ -195,7 +203,7 @@ core::Result<Alignment> align_by_pulse_train(const Recording& a, const Recording
     return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostPulses) + " pulses in one recording",
                       "check that the trigger is a digital level");
   }
-  const double period_s = median_interval(a.edges_s);
+  const double period_s = period_of(a.edges_s);
   DTS_TRY_ASSIGN(const Start start, find_start(a, b, period_s));
   const Track track = follow_both_ways(a, b, start.i, start.j, kSamePulse * period_s);
   const double sd_s = std::hypot(a.edge_step_s, b.edge_step_s) / std::sqrt(12.0);

@@ -133,6 +133,8 @@ core::Result<SessionView> Supervisor::begun(const std::vector<Entry*>& entries, 
   const SessionView view = entries.front()->session.view(clock_.now_ns());
   for (Entry* entry : entries) {
     entry->has_pulse_due = entry->rig->config().sync_pulse_ms > 0.0;
+    entry->has_pulse_failed = false;
+    entry->next_pulse_ns = 0;
     forget_resumable(entry->rig->config().name);
     log_.info("session " + view.id + " starts on rig '" + entry->rig->config().name + "'");
     collect_session_changes(*entry);

@@ -147,7 +147,7 @@ def rigs() -> dict[str, str]:
     def sensors(places) -> str:
         return "".join(f'[[sensor]]\nlabel = "w{k + 1}"\nx_mm = {x}\ny_mm = {y}\n{curve}' for k, (x, y) in enumerate(places))
 
-    extras = '[acquire]\nrate_hz = 1500.0\nblock_ms = 5.0\n[trigger]\nchannel = 4\nlevel = 2.5\nhysteresis = 0.2\nedges = "both"\n[session]\nsync_pulse_ms = 10.0\n[record]\nstreams = ["raw"]\n[publish]\nstreams = ["raw", "cop"]\n'
+    extras = '[acquire]\nrate_hz = 1500.0\nblock_ms = 5.0\n[trigger]\nchannel = 4\nlevel = 2.5\nhysteresis = 0.2\nedges = "both"\n[session]\nsync_pulse_ms = 10.0\nsync_pulse_every_ms = 1000.0\n[record]\nstreams = ["raw"]\n[publish]\nstreams = ["raw", "cop"]\n'
     calibration = re.sub(r"(?s)\[\[point\]\].*", "", cop_calibrations()["thesis.toml"])
     # As a definition has it: the calibration is a table of the rig.
     inside = re.sub(r"(?m)^\[(\[?)(\w+)", r"[\1calibration.\2", "[calibration]\n" + calibration).replace("[calibration.calibration]", "[calibration]")

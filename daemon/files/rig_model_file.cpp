@@ -142,7 +142,8 @@ std::vector<std::string> read_names(TomlReader& reader, const std::string& kind,
     reader.report("names", "the plate has " + std::to_string(count) + " channels, but " + std::to_string(names.size()) + " names");
   }
   for (std::size_t name = 0; name < names.size(); ++name) {
-    if (names[name].empty() || names[name].find_first_not_of(kChannelLetters) != std::string::npos || std::ranges::count(names, names[name]) > 1) {
+    if (names[name].empty() || names[name].find_first_not_of(kChannelLetters) != std::string::npos ||
+        std::ranges::count(names, names[name]) > 1) {
       reader.report("names", "each name must be there once, and have only letters, digits, '_', '-' and '.'");
       break;
     }

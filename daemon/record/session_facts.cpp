@@ -83,7 +83,8 @@ core::Status read_rigs(const Facts& facts, SessionFacts& session) {
   }
   if (session.leading_part == 0) return {};
   if (session.rigs.empty() || session.leading_part >= session.part) {
-    return wrong("the fact leading_part is " + std::to_string(session.leading_part) + ", which is no earlier part of a session over several rigs");
+    return wrong("the fact leading_part is " + std::to_string(session.leading_part) +
+                 ", which is no earlier part of a session over several rigs");
   }
   return {};
 }

@@ -58,8 +58,8 @@ struct SessionServices {
 /// Returns the facts of a session from its newest readable recording; all of them agree on what a resumed session needs.
 [[nodiscard]] core::Result<record::SessionFacts> facts_of(const record::SessionRow& row);
 
-/// Returns the rigs of a session, the leading one first, also those on which no recording began. `facts`: see `facts_of`; without them, only
-/// the rigs that have recordings are known.
+/// Returns the rigs of a session, the leading one first, also those on which no recording began. `facts`: see `facts_of`; without them,
+/// only the rigs that have recordings are known.
 [[nodiscard]] std::vector<std::string> rigs_of(const record::SessionRow& row, const core::Result<record::SessionFacts>& facts);
 
 /// One rig's session: its state, its recording and its trials. Thread: control.

@@ -11,7 +11,7 @@
 namespace dts::pipeline {
 
 /// How far and how fast the zero of a force plate has drifted: level and slope of the vertical force over windows in which nobody is on the
-/// plate. Charge amplifiers drift linearly, so both together tell the zero of later scans. A window starts 1 s after the person has left,
+/// plate. Charge amplifiers drift linearly, so both together give the zero of later scans. A window starts 1 s after the person has left,
 /// and only whole windows count. Thread: rig. Realtime-safe: yes.
 ///
 /// Nobody is on the plate while the force is less than `kEmptyBelowN` above the drifted zero.
@@ -57,8 +57,8 @@ class ZeroDrift {
   std::uint64_t scans_ = 0;     ///< In the window so far.
   double origin_n_ = 0.0;       ///< First value of the window; the sums are of offsets from it.
   double sum_n_ = 0.0;
-  double weighted_sum_n_ = 0.0;     ///< Of offset x scan.
-  double level_n_ = 0.0;            ///< Of the empty plate at the end of the last window, or 0 at a tare.
+  double weighted_sum_n_ = 0.0;    ///< Of offset x scan.
+  double level_n_ = 0.0;           ///< Of the empty plate at the end of the last window, or 0 at a tare.
   std::uint64_t since_level_ = 0;  ///< Scans since then.
   std::optional<double> slope_n_per_scan_;
 };

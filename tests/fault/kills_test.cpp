@@ -36,11 +36,11 @@ TEST(Kill, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {
 
 TEST(Kill, OfASessionOverTwoRigs_ContinuesOnBothAndLeavesBothRecordingsWhole) {
   const Reference reference = Reference::compute(floor4_rig(), 120.0);
-  PairKills kills(std::random_device()());
+  PairKills pair{std::random_device()()};
 
-  for (int round = 0; round < 4; ++round) ASSERT_EQ(kills.run_round(1.0), "") << "round " << round;
+  for (int round = 0; round < 4; ++round) ASSERT_EQ(pair.run_round(1.0), "") << "round " << round;
 
-  EXPECT_EQ(kills.finish(reference), "");
+  EXPECT_EQ(pair.finish(reference), "");
 }
 
 }  // namespace

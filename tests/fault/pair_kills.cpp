@@ -13,7 +13,7 @@
 namespace dts::fault {
 namespace {
 
-constexpr double kShortestS = 0.05;
+constexpr double kShortestRoundS = 0.05;
 constexpr int kResumedByItself = 2;  // after three short parts the daemon leaves it to a person
 
 test::DaemonProcess::Options two_rigs() {
@@ -64,7 +64,7 @@ std::string PairKills::run_round(double longest_s) {
     });
     if (!has_started || !test::eventually([this] { return runs(); })) return "no session starts on both rigs: " + daemon_.log();
   }
-  std::this_thread::sleep_for(std::chrono::duration<double>(std::uniform_real_distribution<double>(kShortestS, longest_s)(random_)));
+  std::this_thread::sleep_for(std::chrono::duration<double>(std::uniform_real_distribution<double>(kShortestRoundS, longest_s)(random_)));
   daemon_.signal(SIGKILL);
   static_cast<void>(daemon_.wait());
   daemon_.restart();

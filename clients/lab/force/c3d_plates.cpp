@@ -42,7 +42,7 @@ struct C3dContents {
   std::vector<std::optional<C3dPlate>> plates;  ///< Absent: not usable.
 };
 
-ForceSample sample_of(const C3dPlate& /*plate*/, const PointPlate& kind, const std::array<double, kMostChannelsOfPlate>& values) {
+ForceSample plate_sample(const C3dPlate& /*plate*/, const PointPlate& kind, const std::array<double, kMostChannelsOfPlate>& values) {
   const auto& [fx, fy, fz, px, py, tz, unused_7, unused_8] = values;
   const double x_mm = px * kind.mm_per_unit;
   const double y_mm = py * kind.mm_per_unit;
@@ -55,8 +55,8 @@ ForceSample sample_of(const C3dPlate& /*plate*/, const PointPlate& kind, const s
   return sample;
 }
 
-ForceSample sample_of(const C3dPlate& plate, const ForcePlate& kind, const std::array<double, kMostChannelsOfPlate>& values) {
-  return force::sample_of(kind.wrench(std::span(values).first(plate.channels.size())), plate.polynomial);
+ForceSample plate_sample(const C3dPlate& plate, const ForcePlate& kind, const std::array<double, kMostChannelsOfPlate>& values) {
+  return sample_of(kind.wrench(std::span(values).first(plate.channels.size())), plate.polynomial);
 }
 
 ForceSample c3d_sample(const C3dContents& contents, std::size_t index, std::size_t sample) {
@@ -67,7 +67,7 @@ ForceSample c3d_sample(const C3dContents& contents, std::size_t index, std::size
     const double value = contents.file.analogue(sample, plate->channels[k]) - plate->zero[k];
     values[k] = std::isfinite(value) ? value : core::kNaN;  // an infinite force would give a position of 0
   }
-  return std::visit([&](const auto& kind) { return sample_of(*plate, kind, values); }, plate->kind);
+  return std::visit([&](const auto& kind) { return plate_sample(*plate, kind, values); }, plate->kind);
 }
 
 /// Returns millimetres per unit of length; adds a warning for a unit that is not known.

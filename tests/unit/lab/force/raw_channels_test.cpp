@@ -19,13 +19,13 @@ class RawForce : public ForceTest {
   }
 };
 
-const std::string kKistler =
+const std::string kKistlerTable =
     "[force_plate]\nkind = \"kistler8\"\nscale_mv_per_n = [2, 2, 2, 2, 4, 4, 4, 4]\na_mm = 120\nb_mm = 200\naz0_mm = -48\n";
 const std::string kVolts =
     "t_s,c1,c2,c3,c4,c5,c6,c7,c8\n0,0.010,0.014,-0.008,-0.012,0.8,0.72,0.6,0.68\n0.5,0.010,0.014,-0.008,-0.012,0.8,0.72,0.6,0.68\n";
 
 TEST_F(RawForce, Kistler8_IsTheExampleOfItsSheet) {
-  const auto rows = raw(kKistler, kVolts);
+  const auto rows = raw(kKistlerTable, kVolts);
   expect_row(rows[1], {{"t_s", 0.5},
                        {"fx_n", 12.0},
                        {"fy_n", -10.0},
@@ -46,7 +46,7 @@ TEST_F(RawForce, Kistler8_IsTheExampleOfItsSheet) {
 
 TEST_F(RawForce, TareAndPolynomial_AreApplied) {
   const std::string plate =
-      kKistler +
+      kKistlerTable +
       "cop_poly_x = [0, 0, 0, 0, 0, 0.5]\ncop_poly_y = [0, 0, 0, 0, 0, 0]\n[force_plate.tare]\nvolts = [0, 0, 0, 0, 0.1, 0.1, 0.1, 0.1]\n";
   expect_row(raw(plate, kVolts)[0], {{"fz_n", 600.0}, {"copx_mm", 0.5 * 4.224 / 0.6}});
 }
@@ -104,7 +104,7 @@ TEST_F(RawForce, AxesOfThePlate_AreThoseOfTheWarningsAndOfTheC3dFile) {
 }
 
 TEST_F(RawForce, WrongPlateFile_SaysWhereAndWhatWasMeant) {
-  EXPECT_THAT(plate_rejection(kKistler + "cop_poly_z = [0]\n"),
+  EXPECT_THAT(plate_rejection(kKistlerTable + "cop_poly_z = [0]\n"),
               HasSubstr("plate.toml:7:1: unknown key 'cop_poly_z' in [force_plate]; did you mean 'cop_poly_"));
   EXPECT_THAT(plate_rejection("[force_plate]\nkind = \"kistler\"\n"), HasSubstr("did you mean \"kistler8\"?"));
   EXPECT_THAT(plate_rejection("[force_plat]\nkind = \"kistler8\"\n"), HasSubstr("did you mean 'force_plate'?"));
@@ -113,7 +113,7 @@ TEST_F(RawForce, WrongPlateFile_SaysWhereAndWhatWasMeant) {
   EXPECT_THAT(plate_rejection(
                   "[force_plate]\nkind = \"kistler8\"\nscale_mv_per_n = [2, 2, 2, 2, 4, 4, 4, 4]\na_m = 120\nb_mm = 200\naz0_mm = -48\n"),
               HasSubstr("unknown key 'a_m' in [force_plate]; did you mean 'a_mm'?"));
-  std::string up = kKistler;
+  std::string up = kKistlerTable;
   up.replace(up.find("-48"), 3, "48");
   EXPECT_THAT(plate_rejection(up), HasSubstr("az0_mm = 48 is out of range"));
   EXPECT_THAT(plate_rejection("[force_plate]\nkind = \"load_cells\"\nposition_mm = [[0, 0], [1, 1], [2, 2]]\nscale_n_per_v = 1\n"),
@@ -125,7 +125,7 @@ TEST_F(RawForce, WrongPlateFile_SaysWhereAndWhatWasMeant) {
 }
 
 TEST_F(RawForce, WrongChannels_SayWhere) {
-  const std::string file = write("plate.toml", kKistler);
+  const std::string file = write("plate.toml", kKistlerTable);
   EXPECT_THAT(rejection("raw.csv", "t_s,c1,c2\n0,1,2\n1,1,2\n", {"--plate-file", file}), HasSubstr("line 1: column 'c3' is missing"));
   EXPECT_THAT(rejection("raw.csv", "t_s,c1,c2,c3,c4,c5,c6,c7,c8\n0,1,1,1,1,1,1,1,1\n0,1,1,1,1,1,1,1,1\n", {"--plate-file", file}),
               HasSubstr("line 3: t_s does not increase"));

@@ -148,9 +148,10 @@ TEST(Definitions, OfTheDefaultAndTheConfiguredRigs_AreTheThesissPlatformAndTheCh
   EXPECT_TRUE(problems.empty()) << files::to_string(problems.front());
   for (const auto& [config, kind, rate_hz, wanted] : rigs) {
     SCOPED_TRACE(kind);
-    const auto& [plate, support, sensors, transient] = config.model;
+    const auto& [plate, support, sensors, transient, force_plate] = config.model;
     EXPECT_EQ(config.kind, kind);
     EXPECT_EQ(config.rate.hz(), rate_hz);
+    EXPECT_FALSE(force_plate);
     EXPECT_EQ(std::tie(plate.a, plate.b, plate.h, plate.e_pa, plate.nu),
               std::tie(wanted.plate.a, wanted.plate.b, wanted.plate.h, wanted.plate.e_pa, wanted.plate.nu));
     EXPECT_EQ(support.kind, wanted.support.kind);

@@ -79,7 +79,7 @@ void write_trial(std::ostream& script, const std::string& name, const StackTrial
 
 /// Places in the picture are parts of its width and height, from the bottom left.
 void plot_series(std::ostream& script, const std::string& name, const std::string& title, double bottom) {
-  script << "set size 0.5,0.28\nset xlabel 'time (s)'\nset ylabel 'mm'\n";
+  script << "set size 0.5,0.28\nset xlabel 'time (s)'\nset ylabel 'mm'\nset xrange [5:25]\n";
   for (const auto& [left, axis, columns] : {std::tuple(0.0, "x (ML)", std::pair(3, 2)), {0.5, "y (AP)", {5, 4}}}) {
     script << "set origin " << left << ',' << bottom << "\nset title '" << title << ", COP " << axis << "'\nplot $" << name
            << " using 1:" << columns.first << " with lines lw 2 lc rgb '#3b528b', $" << name << " using 1:" << columns.second

@@ -161,6 +161,19 @@ std::vector<std::string> read_streams(TomlReader& top, const std::string& verb) 
   return streams;
 }
 
+void read_sync_pulse(TomlReader& top, pipeline::RigConfig& config) {
+  constexpr double kLeastLowMs = 100.0;  // the control thread changes the line at most every 50 ms
+  TomlReader reader = top.table("session");
+  config.sync_pulse_ms = reader.number("sync_pulse_ms", 0.0, 0.0, 10'000.0);
+  config.sync_pulse_every_ms = reader.number("sync_pulse_every_ms", 0.0, 0.0, 60'000.0);
+  if (config.sync_pulse_every_ms > 0.0 && config.sync_pulse_ms == 0.0) {
+    reader.report("sync_pulse_every_ms", "[session] sync_pulse_every_ms needs a pulse: set sync_pulse_ms");
+  } else if (config.sync_pulse_every_ms > 0.0 && config.sync_pulse_every_ms < config.sync_pulse_ms + kLeastLowMs) {
+    reader.report("sync_pulse_every_ms", "[session] sync_pulse_every_ms must be at least 100 ms longer than sync_pulse_ms");
+  }
+  reader.finish();
+}
+
 pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, References references, Problems& problems) {
   pipeline::RigConfig config;
   TomlReader top(&table, "", name, problems);
@@ -171,9 +184,7 @@ pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, 
   read_transient_sensors(top, config);
   read_acquisition(top.table("acquire"), config);
   read_trigger(top, config, problems);
-  TomlReader sync = top.table("session");
-  config.sync_pulse_ms = sync.number("sync_pulse_ms", 0.0, 0.0, 10'000.0);
-  sync.finish();
+  read_sync_pulse(top, config);
   config.cop_calibration = read_calibration(top, config.model, references, problems);
   read_model(top, config, references, problems);
   read_stages(top, config);

@@ -32,6 +32,7 @@ struct RigConfig {
   std::vector<StageConfig> stages;
   std::optional<TriggerInput> trigger;  ///< Absent: the rig has no trigger channel.
   double sync_pulse_ms = 0.0;           ///< Pulse on the device's sync output when a session starts; 0: none.
+  double sync_pulse_every_ms = 0.0;     ///< Repeats the pulse with this period until the session ends; 0: one pulse.
   std::vector<std::string> published;   ///< Streams that are published on the socket; empty: all of the pipeline.
   std::vector<std::string> recorded{};  ///< Streams that are recorded; empty: all of the pipeline.
   std::string definition;               ///< The rig's file and all files that it refers to as one TOML text, recorded with every session.

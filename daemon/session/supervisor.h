@@ -126,7 +126,9 @@ class Supervisor {
     device::DeviceState reported_state = device::DeviceState::Closed;
     std::string reported_message{};
     std::uint64_t reported_gaps = 0;
-    bool has_pulse_due = false;  ///< A session has started but has no scans yet; the sync pulse is due.
+    bool has_pulse_due = false;      ///< A sync pulse follows: at the first scan of a session, and at `next_pulse_ns` in a pulse train.
+    bool has_pulse_failed = false;   ///< The newest sync pulse could not be sent, and this was reported.
+    std::int64_t next_pulse_ns = 0;  ///< 0: the first pulse of a session.
     std::int64_t rate_since_ns = 0;
     std::uint64_t rate_since_scans = 0;
     double measured_rate_hz = 0.0;

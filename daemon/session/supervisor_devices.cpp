@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The supervisor's work with devices: their test, connected devices, the sync pulse.
 #include <algorithm>
+#include <utility>
 
 #include "device/registry.h"
 #include "session/session_events.h"
@@ -41,19 +42,27 @@ std::vector<std::string> Supervisor::device_kinds() {
 }
 
 /// Signals the start of a session to other instruments: they record the sync line, or it is looped back into an input of the scan. Waits
-/// for the first scan, so that the pulse is in the data.
+/// for the first scan, so that the pulse is in the data. A pulse train continues from there until the session ends: it shows how the clocks
+/// of the instruments drift.
 void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
   const bool has_scans = entry.session.view(now_ns).state != SessionState::Starting;
-  if (!entry.has_pulse_due || !has_scans) return;
-  entry.has_pulse_due = false;
+  if (!entry.has_pulse_due || !has_scans || now_ns < entry.next_pulse_ns) return;
   const pipeline::RigConfig& config = entry.rig->config();
+  const auto every_ns = static_cast<std::int64_t>(config.sync_pulse_every_ms * core::kNanosecondsPerMillisecond);
+  entry.has_pulse_due = every_ns > 0 && entry.session.is_under_way();
   if (!entry.session.is_under_way()) return;
+  if (every_ns > 0) {  // a late call delays one pulse, not those after it
+    const std::int64_t due_ns = entry.next_pulse_ns == 0 ? now_ns : entry.next_pulse_ns;
+    entry.next_pulse_ns = due_ns + every_ns * ((now_ns - due_ns) / every_ns + 1);
+  }
   if (auto risen = entry.rig->set_sync_output(true); !risen) {
+    if (std::exchange(entry.has_pulse_failed, true)) return;  // one report for all pulses that a device misses while it is away
     const std::string message = "no sync pulse: " + core::to_string(risen.error());
     log_.warning("rig '" + config.name + "': " + message);
     report_event(config.name, position_of(*entry.rig), device_event(entry.reported_state, config.device_uri, message));
     return;
   }
+  entry.has_pulse_failed = false;
   entry.sync_low_at_ns = now_ns + static_cast<std::int64_t>(config.sync_pulse_ms * core::kNanosecondsPerMillisecond);
 }
 

@@ -30,6 +30,7 @@ void check_rig(const pipeline::RigConfig& rig) {
   }
   promise(!rig.cop_calibration || rig.cop_calibration->estimator.sensor_count() == rig.model.sensors.size(), "a calibration of this rig");
   promise(std::isfinite(rig.sync_pulse_ms) && rig.sync_pulse_ms >= 0.0, "a pulse has a length");
+  promise(rig.sync_pulse_every_ms == 0.0 || rig.sync_pulse_every_ms > rig.sync_pulse_ms, "a pulse ends before the next one");
 }
 
 void check_definition(const fuzz::Folder& folder, const std::string& text) {

@@ -6,11 +6,13 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "cli/table.h"
 #include "lab/compare/alignment.h"
+#include "lab/compare/clock_fit.h"
 
 namespace dts::lab::compare {
 namespace {
@@ -22,6 +24,10 @@ constexpr double kFirstWindowS = 60.0;
 constexpr double kSmoothingS = 0.1;
 constexpr double kMostPoints = 200'000.0;
 constexpr int kMostSteps = 30;
+constexpr double kWindowS = 20.0;  ///< Shortest window of a long recording.
+constexpr double kMostWindows = 60.0;
+constexpr double kFewestWindows = 6.0;
+constexpr double kMostOffS = 0.5;  ///< A window further off the line of all found another movement.
 constexpr auto kUnlikeHint =
     "check that the recordings overlap by at least half and have the same axes; or add two or more events in a column trigger or marker";
 
@@ -142,6 +148,10 @@ class Refinement {
     unknowns_ << offset_s, 0.0, 0.0, 0.0, 1.0, 1.0;
   }
 
+  /// The stretch of B's times that A covers.
+  [[nodiscard]] double from_s() const { return reference_s_ - half_s_; }
+  [[nodiscard]] double to_s() const { return reference_s_ + half_s_; }
+
   /// Widens the window step by step: over a short window the drift of a clock causes little error.
   core::Result<Alignment> run() {
     for (double window_s = kFirstWindowS / 2.0; window_s < half_s_; window_s *= 2.0) (void)solve(window_s);
@@ -153,7 +163,21 @@ class Refinement {
                      .reference_s = reference_s_};
   }
 
+  /// Reads both clocks in the window of B's times, starting from the result of `run`. Nothing if the signals do not show the offset there.
+  [[nodiscard]] std::optional<ClockReading> read_window(const Alignment& line, double from_s, double to_s) {
+    reference_s_ = (from_s + to_s) / 2.0;
+    is_drift_fixed_ = true;
+    const double expected_s = line.to_a_s(reference_s_) - reference_s_;
+    unknowns_ << expected_s, line.drift_ppm, 0.0, 0.0, 1.0, 1.0;
+    if (!solve((to_s - from_s) / 2.0)) return std::nullopt;
+    const ClockReading reading{.b_s = reference_s_, .late_s = unknowns_[0], .sd_s = std::max(std::sqrt(covariance_(0, 0)), kLeastSdS)};
+    const bool is_near = std::abs(reading.late_s - expected_s) < kMostOffS && std::isfinite(reading.sd_s);
+    return is_near ? std::optional(reading) : std::nullopt;
+  }
+
  private:
+  static constexpr double kLeastSdS = 1e-9;
+
   using Vector = Eigen::Matrix<double, 6, 1>;  ///< offset s, drift ppm, means x y mm, gains x y.
   using Matrix = Eigen::Matrix<double, 6, 6>;
 
@@ -167,7 +191,13 @@ class Refinement {
 
   bool solve(double window_s) {
     for (int step = 0; step < kMostSteps; ++step) {
-      const Sums sums = accumulate(window_s);
+      Sums sums = accumulate(window_s);
+      if (is_drift_fixed_) {
+        sums.normal.row(1).setZero();
+        sums.normal.col(1).setZero();
+        sums.normal(1, 1) = 1.0;
+        sums.right[1] = 0.0;
+      }
       const Eigen::LDLT<Matrix> factors(sums.normal);
       if (sums.count < 12.0 || factors.info() != Eigen::Success || !factors.isPositive()) return false;
       const Vector change = factors.solve(sums.right);
@@ -187,9 +217,10 @@ class Refinement {
     const auto stride = 1 + static_cast<std::size_t>(static_cast<double>(b_t_s_.size()) / kMostPoints);
     double last_x = 0.0;
     double last_y = 0.0;
-    for (std::size_t row = 0; row < b_t_s_.size(); row += stride) {
+    const auto first = std::ranges::lower_bound(b_t_s_, reference_s_ - window_s) - b_t_s_.begin();
+    for (auto row = static_cast<std::size_t>(first); row < b_t_s_.size(); row += stride) {
       const double from_middle_s = b_t_s_[row] - reference_s_;
-      if (std::abs(from_middle_s) > window_s) continue;
+      if (from_middle_s > window_s) break;
       const double at_s = b_t_s_[row] + unknowns_[0] + 1e-6 * unknowns_[1] * from_middle_s;
       add(sums, a_x_.at(at_s), b_x_mm_[row], 0, from_middle_s, last_x);
       add(sums, a_y_.at(at_s), b_y_mm_[row], 1, from_middle_s, last_y);
@@ -220,9 +251,32 @@ class Refinement {
   SmoothSeries a_y_;
   double reference_s_ = 0.0;
   double half_s_ = 0.0;
+  bool is_drift_fixed_ = false;
   Vector unknowns_ = Vector::Zero();
   Matrix covariance_ = Matrix::Zero();
 };
+
+/// A long recording is aligned window by window, so that a gap, a restarted clock or another movement in one of them does not matter.
+/// Returns nothing if there are too few windows.
+std::optional<Alignment> align_windows(const Recording& a, const Recording& b, Refinement& refinement, const Alignment& line) {
+  const double from_s = refinement.from_s();
+  const double length_s = refinement.to_s() - from_s;
+  const double count = std::floor(std::min(kMostWindows, length_s / kWindowS));
+  if (count < kFewestWindows) return std::nullopt;
+  const Restarts restarts(a, b);
+  std::vector<ClockReading> readings;
+  for (double k = 0.0; k < count; k += 1.0) {
+    const double begin_s = from_s + length_s * k / count;
+    const double end_s = from_s + length_s * (k + 1.0) / count;
+    if (restarts.piece_at(line.to_a_s(begin_s), begin_s) != restarts.piece_at(line.to_a_s(end_s), end_s)) continue;
+    if (const auto reading = refinement.read_window(line, begin_s, end_s)) readings.push_back(*reading);
+  }
+  if (static_cast<double>(readings.size()) < kFewestWindows) return std::nullopt;
+  auto fitted = fit_clocks(readings, restarts, ReadingErrors::Independent);
+  if (!fitted || !std::isfinite(fitted->drift_ppm)) return std::nullopt;
+  fitted->window_count = std::exchange(fitted->event_count, 0);
+  return *fitted;
+}
 
 }  // namespace
 
@@ -233,7 +287,9 @@ core::Result<Alignment> align_by_correlation(const Recording& a, const Recording
                       "the recordings do not show the same movement: their correlation is at most " + cli::decimal(lag.correlation, 2),
                       kUnlikeHint);
   }
-  DTS_TRY_ASSIGN(auto alignment, Refinement(a, b, lag.offset_s).run());
+  Refinement refinement(a, b, lag.offset_s);
+  DTS_TRY_ASSIGN(auto alignment, refinement.run());
+  if (const auto by_windows = align_windows(a, b, refinement, alignment)) alignment = *by_windows;
   alignment.means = Alignment::Means::Correlation;
   alignment.peak_correlation = lag.correlation;
   return alignment;

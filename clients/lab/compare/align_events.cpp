@@ -8,13 +8,12 @@
 #include "lab/compare/alignment.h"
 #include "lab/compare/event_match.h"
 #include "lab/compare/paired.h"
+#include "lab/compare/pulse_train.h"
 
 namespace dts::lab::compare {
 namespace {
 
 constexpr std::size_t kMostEvents = 500;
-
-double step_sd_s(const Recording& a, const Recording& b) { return std::hypot(a.step_s(), b.step_s()) / std::sqrt(12.0); }
 
 /// Returns the times of each marker text, in order.
 std::map<std::string, std::vector<double>> marker_times(const Recording& recording) {
@@ -79,6 +78,12 @@ core::Result<Alignment> align_doubtful(const Recording& a, const Recording& b, c
   return by_signal;
 }
 
+/// Few events cannot show a jump of a clock.
+void warn_of_restarts(const Recording& a, const Recording& b, Alignment& alignment) {
+  if ((a.restarts_s.empty() && b.restarts_s.empty()) || !alignment.pieces.empty() || !alignment.warning.empty()) return;
+  alignment.warning = "a recording has gaps at which its clock may have jumped, and too few events to show it; record a pulse train";
+}
+
 core::Result<Alignment> align_events(const Recording& a, const Recording& b, const Events& events, Alignment::Means means) {
   if (std::max(events.a_s.size(), events.b_s.size()) > kMostEvents) {
     return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostEvents) + " events in one recording",
@@ -90,7 +95,9 @@ core::Result<Alignment> align_events(const Recording& a, const Recording& b, con
   if (!is_certain(events, match) && !(may_be && looks_alike(a, b, match.alignment))) {
     alignment = align_doubtful(a, b, events, why_not(events, match, means));
   }
-  if (alignment && alignment->event_count > 0) alignment->means = means;
+  if (!alignment) return alignment;
+  if (alignment->event_count > 0) alignment->means = means;
+  warn_of_restarts(a, b, *alignment);
   return alignment;
 }
 
@@ -98,11 +105,18 @@ core::Result<Alignment> align_events(const Recording& a, const Recording& b, con
 
 double Alignment::to_a_s(double t_b_s) const noexcept {
   const double drift = std::isfinite(drift_ppm) ? drift_ppm * 1e-6 : 0.0;
-  return t_b_s + offset_s + drift * (t_b_s - reference_s);
+  const auto next = std::ranges::upper_bound(pieces, t_b_s, {}, &Piece::from_s);
+  const double shift_s = next == pieces.begin() ? 0.0 : (next - 1)->shift_s;
+  return t_b_s + offset_s + shift_s + drift * (t_b_s - reference_s);
+}
+
+double Alignment::sd_at_s(double t_b_s) const noexcept {
+  return std::isfinite(drift_sd_ppm) ? std::hypot(offset_sd_s, 1e-6 * drift_sd_ppm * (t_b_s - reference_s)) : offset_sd_s;
 }
 
 std::string_view name(Alignment::Means means) noexcept {
   switch (means) {
+    case Alignment::Means::PulseTrain: return "pulse train";
     case Alignment::Means::Trigger: return "trigger";
     case Alignment::Means::Marker: return "marker";
     case Alignment::Means::Correlation: return "correlation";
@@ -110,30 +124,13 @@ std::string_view name(Alignment::Means means) noexcept {
   return "correlation";
 }
 
-std::vector<double> trigger_edges_s(const Recording& recording) {
-  std::vector<double> edges;
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < recording.trigger.size(); ++row) {
-    if (std::isfinite(recording.trigger[row])) rows.push_back(row);
-  }
-  if (rows.empty()) return edges;
-  const auto [low, high] = std::ranges::minmax(rows, {}, [&](std::size_t row) { return recording.trigger[row]; });
-  const double middle = (recording.trigger[low] + recording.trigger[high]) / 2.0;
-  if (recording.trigger[low] == recording.trigger[high]) return edges;
-  for (std::size_t k = 1; k < rows.size(); ++k) {
-    if (recording.trigger[rows[k - 1]] <= middle && recording.trigger[rows[k]] > middle) {
-      edges.push_back((recording.t_s[rows[k - 1]] + recording.t_s[rows[k]]) / 2.0);
-    }
-  }
-  return edges;
-}
-
 core::Result<Alignment> align(const Recording& a, const Recording& b) {
-  const double sd_s = step_sd_s(a, b);
-  Events triggers{.a_s = trigger_edges_s(a), .b_s = trigger_edges_s(b), .sd_s = sd_s};
+  if (have_pulse_trains(a, b)) return align_by_pulse_train(a, b);
+  const Events triggers{.a_s = a.edges_s, .b_s = b.edges_s, .sd_s = std::hypot(a.edge_step_s, b.edge_step_s) / std::sqrt(12.0)};
   if (!triggers.a_s.empty() && !triggers.b_s.empty()) return align_events(a, b, triggers, Alignment::Means::Trigger);
   auto [markers_a, markers_b] = common_markers(a, b);
-  const Events markers{.a_s = std::move(markers_a), .b_s = std::move(markers_b), .sd_s = sd_s};
+  const Events markers{
+      .a_s = std::move(markers_a), .b_s = std::move(markers_b), .sd_s = std::hypot(a.step_s(), b.step_s()) / std::sqrt(12.0)};
   if (!markers.a_s.empty()) return align_events(a, b, markers, Alignment::Means::Marker);
   return align_by_correlation(a, b);
 }

@@ -6,12 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "lab/compare/paired.h"
-
 namespace dts::lab::compare {
 namespace {
 
 constexpr double kShortestOverlapS = 1.0;
+constexpr double kAgreementSd = 1.96;  // 95 % of normally distributed differences
 
 AxisDifference difference(const std::vector<double>& a, const std::vector<double>& b) {
   const auto count = static_cast<double>(a.size());
@@ -38,6 +37,9 @@ AxisDifference difference(const std::vector<double>& a, const std::vector<double
   }
   result.rmse_mm = std::sqrt(result.rmse_mm);
   result.rmse_mean_removed_mm = std::sqrt(result.rmse_mean_removed_mm);
+  const double half_mm = kAgreementSd * result.rmse_mean_removed_mm * std::sqrt(count / std::max(1.0, count - 1.0));
+  result.lower_limit_mm = result.mean_difference_mm - half_mm;
+  result.upper_limit_mm = result.mean_difference_mm + half_mm;
   result.correlation = ab / std::sqrt(aa * bb);
   return result;
 }
@@ -46,26 +48,38 @@ AxisDifference difference(const std::vector<double>& a, const std::vector<double
 Alignment on_clocks(Alignment alignment, const Recording& a, const Recording& b) {
   alignment.offset_s += a.began_s - b.began_s;
   alignment.reference_s += b.began_s;
+  for (Alignment::Piece& piece : alignment.pieces) piece.from_s += b.began_s;
+  for (PulseFault& fault : alignment.faults) fault.time_s += a.began_s;
   return alignment;
+}
+
+double end_sd_s(const Alignment& alignment, const Paired& paired) {
+  const auto at_s = [&](double t_a_s) { return alignment.sd_at_s(t_a_s - alignment.offset_s); };
+  return std::max(at_s(paired.t_a_s.front()), at_s(paired.t_a_s.back()));
 }
 
 }  // namespace
 
 core::Result<Comparison> compare(const Recording& a, const Recording& b) {
   DTS_TRY_ASSIGN(auto alignment, align(a, b));
-  const Paired paired = pair_up(a, b, alignment);
+  Paired paired = pair_up(a, b, alignment);
   const double overlap_s = paired.t_a_s.empty() ? 0.0 : paired.t_a_s.back() - paired.t_a_s.front();
   if (overlap_s < kShortestOverlapS) {
     return core::fail(core::ErrorCode::Failed, "after alignment, the recordings overlap by less than 1 s",
                       "check that both recordings are of the same trial and that trigger or marker mean the same in both");
   }
   Comparison comparison{.alignment = on_clocks(alignment, a, b),
+                        .end_sd_s = end_sd_s(alignment, paired),
+                        .delay_a_s = a.delay_s,
+                        .delay_b_s = b.delay_s,
+                        .paired = {},
                         .overlap_s = overlap_s,
                         .scan_count = paired.t_a_s.size(),
                         .correlation = correlation(paired),
                         .x = difference(paired.a_x, paired.b_x),
                         .y = difference(paired.a_y, paired.b_y)};
   comparison.rmse_total_mm = std::hypot(comparison.x.rmse_mm, comparison.y.rmse_mm);
+  comparison.paired = std::move(paired);
   comparison.rmse_total_mean_removed_mm = std::hypot(comparison.x.rmse_mean_removed_mm, comparison.y.rmse_mean_removed_mm);
   return comparison;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "lab/compare/alignment.h"
+#include "lab/compare/paired.h"
 #include "lab/compare/recording.h"
 
 namespace dts::lab::compare {
@@ -12,15 +13,21 @@ namespace dts::lab::compare {
 struct AxisDifference {
   double rmse_mm = 0.0;               ///< As recorded, including different origins.
   double rmse_mean_removed_mm = 0.0;  ///< Each recording relative to its own mean over the overlap.
-  double mean_difference_mm = 0.0;    ///< B - A.
-  double largest_mm = 0.0;            ///< Largest difference as recorded.
+  double mean_difference_mm = 0.0;    ///< B - A: the bias.
+  double lower_limit_mm = 0.0;        ///< Limits of agreement: mean difference -+ 1.96 standard deviations (Bland & Altman 1986).
+  double upper_limit_mm = 0.0;
+  double largest_mm = 0.0;  ///< Largest difference as recorded.
   double largest_mean_removed_mm = 0.0;
   double correlation = 0.0;  ///< Pearson; NaN if one recording does not move.
 };
 
 /// The comparison of thesis 4.6 and Table 4.2: two instruments that measured the same person.
 struct Comparison {
-  Alignment alignment;  ///< Of the recorded clocks.
+  Alignment alignment;     ///< Of the recorded clocks.
+  double end_sd_s = 0.0;   ///< Standard deviation of the alignment at the end of the overlap that is further from its reference.
+  double delay_a_s = 0.0;  ///< Filter delays that the times are corrected for.
+  double delay_b_s = 0.0;
+  Paired paired;  ///< What was compared, on A's times since its first scan.
   double overlap_s = 0.0;
   std::size_t scan_count = 0;  ///< Number of compared scans: those of the slower recording; the other one is interpolated.
   double correlation = 0.0;    ///< Of both axes together.

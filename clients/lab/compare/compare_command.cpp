@@ -1,110 +1,101 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/compare/compare_command.h"
 
-#include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "cli/exit_status.h"
-#include "cli/json.h"
-#include "cli/table.h"
 #include "lab/base/command.h"
 #include "lab/base/problems.h"
 #include "lab/compare/compare.h"
+#include "lab/compare/compare_view.h"
+#include "lab/compare/pair_report.h"
+#include "lab/compare/session_pair.h"
+#include "record/replace_file.h"
+#include "settings/folders.h"
 
 namespace dts::lab::compare {
 namespace {
 
+constexpr mode_t kReportMode = 0644;
+
 struct Arguments {
-  std::string first;  ///< Recordings.
-  std::string second;
-  force::CopChoice cop;  ///< Of files of force plates.
+  std::string first{};  ///< Recordings; or a session.
+  std::string second{};
+  std::string session{};
+  std::uint32_t part = 0;
+  force::CopChoice cop{};  ///< Of files of force plates.
+  std::string plot{};
+  std::string report{};
   bool is_json = false;
 };
 
-using cli::decimal;
+/// The recordings to compare.
+struct Pair {
+  std::string file_a;
+  std::string file_b;
+  PairNames names;
+};
 
-cli::Json to_json(const AxisDifference& axis) {
-  cli::Json json = cli::Json::object();
-  cli::set_number(json, "rmse_mm", axis.rmse_mm);
-  cli::set_number(json, "rmse_mean_removed_mm", axis.rmse_mean_removed_mm);
-  cli::set_number(json, "mean_difference_mm", axis.mean_difference_mm);
-  cli::set_number(json, "largest_mm", axis.largest_mm);
-  cli::set_number(json, "largest_mean_removed_mm", axis.largest_mean_removed_mm);
-  cli::set_number(json, "correlation", axis.correlation);
-  return json;
-}
-
-cli::Json to_json(const Comparison& comparison) {
-  const Alignment& alignment = comparison.alignment;
-  cli::Json aligned{{"by", name(alignment.means)}};
-  cli::set_number(aligned, "offset_s", alignment.offset_s);
-  cli::set_number(aligned, "offset_sd_s", alignment.offset_sd_s);
-  cli::set_number(aligned, "drift_ppm", alignment.drift_ppm);
-  cli::set_number(aligned, "drift_sd_ppm", alignment.drift_sd_ppm);
-  cli::set_number(aligned, "reference_s", alignment.reference_s);
-  cli::set_number(aligned, "peak_correlation", alignment.peak_correlation);
-  if (!alignment.warning.empty()) aligned["warning"] = alignment.warning;
-  if (alignment.event_count > 0) aligned["events"] = alignment.event_count;
-  cli::Json json{{"alignment", aligned}, {"overlap_s", comparison.overlap_s}, {"scans", comparison.scan_count}};
-  cli::set_number(json, "correlation", comparison.correlation);
-  json["x"] = to_json(comparison.x);
-  json["y"] = to_json(comparison.y);
-  cli::set_number(json, "rmse_total_mm", comparison.rmse_total_mm);
-  cli::set_number(json, "rmse_total_mean_removed_mm", comparison.rmse_total_mean_removed_mm);
-  return json;
-}
-
-std::string with_deviation(double value, double deviation, int decimals, const std::string& unit) {
-  return decimal(value, decimals) + " +- " + decimal(deviation, decimals) + " " + unit;
-}
-
-void print(const Comparison& comparison, cli::Console& console) {
-  const Alignment& alignment = comparison.alignment;
-  console.out << "aligned by " << name(alignment.means);
-  if (alignment.event_count > 0) console.out << " (" << alignment.event_count << (alignment.event_count == 1 ? " event)" : " events)");
-  console.out << ": add " << with_deviation(alignment.offset_s, alignment.offset_sd_s, 4, "s") << " to the times of B";
-  if (std::isfinite(alignment.drift_ppm)) {
-    console.out << ", whose clock is " << with_deviation(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm") << " slow";
+core::Result<Pair> find_pair(const Arguments& arguments) {
+  const bool has_session = !arguments.session.empty();
+  if (has_session ? !arguments.first.empty() : arguments.second.empty()) {
+    return core::fail(core::ErrorCode::InvalidArgument, "compare needs two recordings, or the session of two rigs",
+                      "dtslab compare A B, or dtslab compare --session ID");
   }
-  console.out << "\ncompared: " << comparison.scan_count << " scans over " << decimal(comparison.overlap_s, 2) << " s\n\n";
-  cli::Table table({"AXIS", ">RMSE (mm)", ">MEAN REMOVED (mm)", ">B - A (mm)", ">LARGEST (mm)", ">MEAN REMOVED (mm)", ">CORRELATION"});
-  const auto add = [&](const char* axis, const AxisDifference& of) {
-    table.add({{axis},
-               {decimal(of.rmse_mm, 3)},
-               {decimal(of.rmse_mean_removed_mm, 3)},
-               {decimal(of.mean_difference_mm, 3)},
-               {decimal(of.largest_mm, 3)},
-               {decimal(of.largest_mean_removed_mm, 3)},
-               {decimal(of.correlation, 4)}});
-  };
-  add("x", comparison.x);
-  add("y", comparison.y);
-  table.add({{"both"}, {decimal(comparison.rmse_total_mm, 3)}, {decimal(comparison.rmse_total_mean_removed_mm, 3)}});
-  table.print(console);
+  if (!has_session) {
+    const auto short_name = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
+    return Pair{.file_a = arguments.first,
+                .file_b = arguments.second,
+                .names = {.a = short_name(arguments.first), .b = short_name(arguments.second)}};
+  }
+  DTS_TRY_ASSIGN(const auto found, find_session_pair(settings::state_directory(), arguments.session, arguments.part));
+  return Pair{.file_a = found.file_a, .file_b = found.file_b, .names = {.session = arguments.session, .a = found.rig_a, .b = found.rig_b}};
 }
 
-void print_warnings(const Comparison& comparison, cli::Console& console) {
-  if (!comparison.alignment.warning.empty()) warn(console, comparison.alignment.warning);
-  const bool is_opposed = comparison.x.correlation < 0.0 || comparison.y.correlation < 0.0;
-  if (comparison.correlation > kLeastCorrelation && !is_opposed) return;
-  warn(console, "the recordings do not agree: correlation " + decimal(comparison.correlation, 2) + " (x " +
-                    decimal(comparison.x.correlation, 2) + ", y " + decimal(comparison.y.correlation, 2) +
-                    "); check that the axes are the same and that both are of the same trial");
+core::Status check_outputs(const Arguments& arguments, const Pair& pair) {
+  for (const auto& [out, ending] : {std::pair{&arguments.plot, ".svg"}, std::pair{&arguments.report, ".html"}}) {
+    if (out->empty()) continue;
+    if (!out->ends_with(ending)) {
+      return core::fail(core::ErrorCode::InvalidArgument, "cannot write " + *out, std::string("use a name that ends in ") + ending);
+    }
+    DTS_TRY(check_out(*out, {pair.file_a, pair.file_b}));
+  }
+  return {};
+}
+
+core::Status write_outputs(const Arguments& arguments, const Pair& pair, const Comparison& comparison) {
+  if (!arguments.plot.empty()) DTS_TRY(record::replace_file(arguments.plot, pair_pictures_svg(comparison, pair.names), kReportMode));
+  if (!arguments.report.empty()) DTS_TRY(record::replace_file(arguments.report, pair_report_html(comparison, pair.names), kReportMode));
+  return {};
 }
 
 int run_compare(const Arguments& arguments, cli::Console& console) {
+  const auto pair = find_pair(arguments);
+  if (!pair) return fail_with(console, pair.error());
+  if (const auto checked = check_outputs(arguments, *pair); !checked) return fail_with(console, checked.error());
   files::Problems problems;
-  const Recording a = read_recording(arguments.first, arguments.cop, problems);
-  const Recording b = read_recording(arguments.second, arguments.cop, problems);
+  const Recording a = read_recording(pair->file_a, arguments.cop, problems);
+  const Recording b = read_recording(pair->file_b, arguments.cop, problems);
   if (!problems.empty()) return report_problems(console, problems);
+  if (std::error_code none;
+      std::filesystem::equivalent(pair->file_a, pair->file_b, none) && force::has_plates(pair->file_a, arguments.cop)) {
+    return fail_with(
+        console, core::Error{core::ErrorCode::InvalidArgument, "A and B are the same plate: --plate counts for both",
+                             "write each plate as CSV and compare these: dtslab force " + pair->file_a + " --plate 2 --csv plate2.csv"});
+  }
   const auto comparison = compare(a, b);
   if (!comparison) return fail_with(console, comparison.error());
+  if (const auto written = write_outputs(arguments, *pair, *comparison); !written) return fail_with(console, written.error());
   if (arguments.is_json) {
     console.out << cli::document(to_json(*comparison));
   } else {
     print(*comparison, console);
   }
-  print_warnings(*comparison, console);
+  for (const std::string& warning : warnings_of(*comparison)) warn(console, warning);
   return cli::kOk;
 }
 
@@ -114,16 +105,27 @@ void add_commands(cli::CommandLine& line) {
   const auto [command, arguments] =
       add_command(line, line.app, "compare", "Align two recordings of the centre of pressure and show their difference",
                   "dtslab compare plate.csv force_plate.csv | as thesis Table 4.2\n"
+                  "dtslab compare --session 20261121T144525Z-floor-1 --report pair.html | both rigs of one session, as a page\n"
                   "dtslab compare session.xdf force_plate.csv --json | a recording of dtsd, for a program\n"
                   "dtslab compare session.xdf standing.c3d --ml +x --ap -y | beside a force plate in a C3D file\n",
                   run_compare);
   command
       .add_option("A", arguments.first,
                   "XDF recording, file of force plates, or CSV file with t_s,x_mm,y_mm (or ml_mm,ap_mm) and optionally trigger or marker")
-      ->required()
       ->option_text(" ");
-  command.add_option("B", arguments.second, "Second recording, like A; rate and clock may differ")->required()->option_text(" ");
+  command
+      .add_option("B", arguments.second,
+                  "Second recording, like A; rate and clock may differ. --plate, --ml and --ap count for A and B: if their plates differ, "
+                  "write one or both in the axes of the laboratory first: dtslab force FILE --plate N --axes lab --csv OUT.csv")
+      ->option_text(" ");
+  command.add_option("--session", arguments.session, "Compare the recordings of a session of two rigs; A is that of the leading rig")
+      ->option_text("ID");
+  command.add_option("--part", arguments.part, "Part of the leading rig, if the session was resumed")->option_text("N");
   force::add_cop_choice(command, arguments.cop);
+  command.add_option("--plot", arguments.plot, "Write pictures to this .svg file: both recordings over each other, and Bland-Altman")
+      ->option_text("FILE");
+  command.add_option("--report", arguments.report, "Write a report to this .html file: alignment, differences, pictures, methods")
+      ->option_text("FILE");
   add_json(command, arguments.is_json);
 }
 

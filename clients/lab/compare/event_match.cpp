@@ -11,7 +11,6 @@ namespace {
 constexpr double kToleranceSd = 6.0;  ///< About two scans of equal recordings; rounding causes at most one.
 constexpr std::size_t kMostAnchors = 50;
 constexpr double kAlmostAsMany = 0.8;
-constexpr double kVaguestDriftPpm = 1000.0;  ///< With a larger uncertainty, the events are too close together to determine the drift.
 
 /// Largest distance of an event from its expected time.
 struct Tolerance {

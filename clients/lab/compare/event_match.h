@@ -10,6 +10,8 @@ namespace dts::lab::compare {
 
 /// Largest possible drift between two clocks; crystals are accurate to 100 ppm.
 inline constexpr double kLargestDrift = 300e-6;
+/// With a larger uncertainty, the events are too close together to determine the drift.
+inline constexpr double kVaguestDriftPpm = 1000.0;
 
 /// Times of the rising events of both recordings. `sd_s` is the standard deviation of the difference between two times of one event, caused
 /// by rounding to scans.

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kFewestScans = 20;
 constexpr double kShortestS = 2.0;
-constexpr double kGapSteps = 3.5;  ///< Two missing samples are interpolated; three are a gap.
+constexpr double kGapSteps = 3.5;      ///< Two missing samples are interpolated; three are a gap.
+constexpr double kOffGridSteps = 0.1;  ///< After a gap, times further off the grid of the times before are those of a restarted clock.
 
 double median_step(std::span<const double> t_s) {
   if (t_s.size() < 2) return 0.0;
@@ -36,6 +37,17 @@ void check_times(const std::string& file, bool is_xdf, const Recording& recordin
   problems.push_back({file, 0, 0, "too short: a recording needs at least " + std::to_string(kFewestScans) + " scans over 2 s"});
 }
 
+/// A CSV file does not name its segments: after a gap, a clock that did not restart stays on its grid.
+std::vector<double> restarts_of(std::span<const double> t_s) {
+  std::vector<double> restarts;
+  const double step_s = median_step(t_s);
+  for (std::size_t k = 1; k < t_s.size(); ++k) {
+    const double steps = (t_s[k] - t_s[k - 1]) / step_s;
+    if (steps > kGapSteps && std::abs(steps - std::round(steps)) > kOffGridSteps) restarts.push_back(t_s[k]);
+  }
+  return restarts;
+}
+
 Recording read_csv_recording(const std::string& file, files::Problems& problems) {
   std::vector<CsvColumn> columns{{.name = "t_s", .minimum = -1e12, .maximum = 1e12},
                                  {.name = "trigger", .is_required = false, .may_be_empty = true},
@@ -48,8 +60,10 @@ Recording read_csv_recording(const std::string& file, files::Problems& problems)
   Recording recording{.t_s = table.numbers("t_s"),
                       .x_mm = table.numbers(position->ml),
                       .y_mm = table.numbers(position->ap),
-                      .trigger = table.numbers("trigger"),
                       .marker = table.texts("marker")};
+  recording.edges_s = rising_edges_s(recording.t_s, table.numbers("trigger"));
+  recording.edge_step_s = recording.step_s();
+  recording.restarts_s = restarts_of(recording.t_s);
   return recording;
 }
 
@@ -76,16 +90,35 @@ Recording read_recording(const std::string& file, const force::CopChoice& choice
   }
   Recording recording = force::has_plates(file, choice) ? read_plates(file, choice, problems) : read_csv_recording(file, problems);
   if (!recording.t_s.empty()) recording.began_s = recording.t_s.front();
-  for (double& t_s : recording.t_s) t_s -= recording.began_s;
+  for (auto* times_s : {&recording.t_s, &recording.edges_s, &recording.restarts_s}) {
+    for (double& t_s : *times_s) t_s -= recording.began_s;
+  }
   if (problems.size() == before) check_times(file, false, recording, problems);
   return recording;
 }
 
 double Recording::step_s() const { return median_step(t_s); }
 
+std::vector<double> rising_edges_s(std::span<const double> t_s, std::span<const double> level) {
+  std::vector<double> edges;
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < level.size(); ++row) {
+    if (std::isfinite(level[row])) rows.push_back(row);
+  }
+  if (rows.empty()) return edges;
+  const auto [low, high] = std::ranges::minmax(rows, {}, [&](std::size_t row) { return level[row]; });
+  const double middle = (level[low] + level[high]) / 2.0;
+  if (level[low] == level[high]) return edges;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    if (level[rows[k - 1]] <= middle && level[rows[k]] > middle) edges.push_back((t_s[rows[k - 1]] + t_s[rows[k]]) / 2.0);
+  }
+  return edges;
+}
+
 SmoothSeries::SmoothSeries(std::span<const double> t_s, std::span<const double> values) {
   for (std::size_t k = 0; k < t_s.size(); ++k) {
-    if (!std::isfinite(values[k])) continue;
+    const bool is_later = t_s_.empty() ? std::isfinite(t_s[k]) : t_s[k] > t_s_.back();
+    if (!std::isfinite(values[k]) || !is_later) continue;
     t_s_.push_back(t_s[k]);
     values_.push_back(values[k]);
   }

@@ -15,8 +15,12 @@ struct Recording {
   std::vector<double> t_s;  ///< Relative to `began_s`.
   std::vector<double> x_mm;
   std::vector<double> y_mm;
-  std::vector<double> trigger;      ///< Level; empty without this column.
-  std::vector<std::string> marker;  ///< Text at its scan; empty without this column.
+  std::vector<double> edges_s{};      ///< Rising edges of the trigger.
+  double edge_step_s = 0.0;           ///< Time between two scans of the trigger: an edge is in the middle between two scans.
+  std::vector<std::string> marker{};  ///< Text at its scan; empty without this column.
+  std::vector<double> restarts_s{};   ///< First scans after gaps at which the clock may have jumped. Rise strictly.
+  double delay_s = 0.0;               ///< Filter delay that `t_s` is corrected for; 0: none, or unknown.
+  std::string host_clock{};           ///< Recordings with the same text have times of one computer's clock; empty: unknown.
 
   /// On the recording's clock. Separate from `t_s`, because a double with a Unix time resolves only 0.2 us: too coarse for the alignment.
   double began_s = 0.0;
@@ -25,16 +29,21 @@ struct Recording {
   [[nodiscard]] double step_s() const;
 };
 
+/// Returns the times at which a level rises through the middle of its range, half a scan early, because it rose between two scans. Rows
+/// without a level count for nothing.
+[[nodiscard]] std::vector<double> rising_edges_s(std::span<const double> t_s, std::span<const double> level);
+
 /// Reads a recording: an XDF file if its name ends in .xdf or .xdf.part, a file of force plates (ML as x, AP as y), else a CSV file with
 /// the columns `t_s,x_mm,y_mm` (or ml_mm,ap_mm) and optionally `trigger` and `marker`. Times become relative to the first. Adds every error
 /// to `problems`; times must rise, and there must be 20 scans over two seconds.
 [[nodiscard]] Recording read_recording(const std::string& file, const force::CopChoice& choice, files::Problems& problems);
 
 /// Reads the stream "cop" of an XDF recording: ml_mm as x, ap_mm as y, at the times that the values describe. Rising triggers and markers
-/// are from its events.
+/// are from its events, restarts of the clock from its segments.
 [[nodiscard]] Recording read_xdf_recording(const std::string& file, files::Problems& problems);
 
 /// A smooth curve through samples at any times (cubic Hermite with the slopes of the neighbours), with gaps where samples are missing.
+/// Ignores samples whose time is not later than that of the sample before.
 class SmoothSeries {
  public:
   SmoothSeries(std::span<const double> t_s, std::span<const double> values);

@@ -42,10 +42,23 @@ struct Event {
   std::string text;
 };
 
-void add_scans(const record::RecordedScans& scans, const CopColumns& cop, Recording& recording) {
-  if (recording.t_s.empty() && scans.count > 0) recording.began_s = scans.first_time_s - cop.delay_s;
+/// State of the reading.
+struct Reading {
+  std::vector<Event> events{};
+  std::uint32_t segment = 0;  ///< Of the last scans.
+};
+
+void add_scans(const record::RecordedScans& scans, const CopColumns& cop, Recording& recording, Reading& reading) {
+  if (scans.count == 0) return;
+  const double first_s = scans.first_time_s - cop.delay_s;
+  if (recording.t_s.empty()) {
+    recording.began_s = first_s;
+  } else if (scans.segment != reading.segment) {
+    recording.restarts_s.push_back(first_s - recording.began_s);
+  }
+  reading.segment = scans.segment;
   for (std::size_t i = 0; i < scans.count; ++i) {
-    recording.t_s.push_back((scans.first_time_s - cop.delay_s - recording.began_s) + static_cast<double>(i) / cop.rate_hz);
+    recording.t_s.push_back((first_s - recording.began_s) + static_cast<double>(i) / cop.rate_hz);
     recording.x_mm.push_back(scans.values[i * cop.width + cop.x]);
     recording.y_mm.push_back(scans.values[i * cop.width + cop.y]);
   }
@@ -59,39 +72,44 @@ void add_event(const record::TimedEvent& timed, std::vector<Event>& events) {
   }
 }
 
-/// Places each event at the first scan that is not before the event, as in a CSV file; a trigger is one scan with a high level.
-void place_events(const std::vector<Event>& events, Recording& recording) {
-  const bool has_triggers = std::ranges::any_of(events, &Event::is_trigger);
-  if (has_triggers) recording.trigger.assign(recording.t_s.size(), 0.0);
+/// Places each marker at the first scan that is not before it, as in a CSV file. A trigger has risen between its scan and the scan before.
+void place_events(std::vector<Event>& events, Recording& recording) {
   if (events.size() > 0) recording.marker.assign(recording.t_s.size(), std::string());
+  std::ranges::stable_sort(events, {}, &Event::time_s);
   for (const Event& event : events) {
-    const auto at = std::ranges::lower_bound(recording.t_s, event.time_s - recording.began_s);
-    if (at == recording.t_s.end()) continue;
-    const auto row = static_cast<std::size_t>(at - recording.t_s.begin());
+    const double time_s = event.time_s - recording.began_s;
     if (event.is_trigger) {
-      recording.trigger[row] = 1.0;
-    } else {
-      recording.marker[row] = event.text;
+      recording.edges_s.push_back(time_s - recording.edge_step_s / 2.0);
+      continue;
     }
+    const auto at = std::ranges::lower_bound(recording.t_s, time_s);
+    if (at != recording.t_s.end()) recording.marker[static_cast<std::size_t>(at - recording.t_s.begin())] = event.text;
   }
 }
 
 core::Status read_items(record::Recording& file, const CopColumns& cop, Recording& recording) {
-  std::vector<Event> events;
+  Reading reading;
   while (true) {
     DTS_TRY_ASSIGN(const auto item, file.next());
     if (!item) break;
     if (const auto* scans = std::get_if<record::RecordedScans>(&*item); scans != nullptr && scans->stream == cop.stream) {
-      add_scans(*scans, cop, recording);
+      add_scans(*scans, cop, recording, reading);
     } else if (const auto* event = std::get_if<record::TimedEvent>(&*item)) {
-      add_event(*event, events);
+      add_event(*event, reading.events);
     }
-    if (recording.t_s.size() > kMostScans || events.size() > kMostScans) {
+    if (recording.t_s.size() > kMostScans || reading.events.size() > kMostScans) {
       return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostScans) + " scans");
     }
   }
-  place_events(events, recording);
+  place_events(reading.events, recording);
   return {};
+}
+
+/// The trigger is a channel of the device, so its events are at raw scans.
+double trigger_step_s(const record::Recording& file, const CopColumns& cop) {
+  const auto raw = file.find_stream("raw");
+  const bool has_rate = raw && file.streams()[*raw].rate;
+  return 1.0 / (has_rate ? file.streams()[*raw].rate->hz() : cop.rate_hz);
 }
 
 }  // namespace
@@ -108,6 +126,9 @@ Recording read_xdf_recording(const std::string& file, files::Problems& problems)
     problems.push_back({.file = file, .text = "has no stream \"cop\" with channels ml_mm and ap_mm; dtslab replay lists its streams"});
     return recording;
   }
+  recording.delay_s = cop->delay_s;
+  recording.edge_step_s = trigger_step_s(**opened, *cop);
+  if ((*opened)->session()) recording.host_clock = (*opened)->session()->boot_id;
   if (const auto read = read_items(**opened, *cop, recording); !read) {
     problems.push_back({.file = file, .text = core::to_string(read.error())});
   }

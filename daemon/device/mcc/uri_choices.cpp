@@ -41,7 +41,7 @@ UriOption sync_output_option() {
           .minimum = -1.0,
           .maximum = 7.0,
           .choices = {},
-          .sentence = "Digital line for a pulse of [session] sync_pulse_ms when a session starts; nothing while that is 0; -1: none."};
+          .sentence = "Digital line for the sync pulses of a session, see [session] sync_pulse_ms; nothing while that is 0; -1: none."};
 }
 
 std::optional<unsigned> read_sync_output_bit(const UriOptions& options) {

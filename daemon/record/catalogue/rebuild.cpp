@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "record/catalogue/catalogue.h"
+#include "record/catalogue/recording_files.h"
 #include "record/catalogue/trial_collector.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
@@ -29,39 +30,6 @@ bool is_gone(const std::string& file) {
 
 /// Also looks for the .part file, because the catalogue may know an open recording by its final name.
 bool is_gone(const PartRow& part) { return is_gone(part.file) && (part.state != PartState::Recording || is_gone(part.file + ".part")); }
-
-/// If one part has several files, the first in this order is used.
-enum Rank : std::uint8_t { kClosed, kRepaired, kUnfinished };
-
-Rank rank(std::string_view file) {
-  if (file.ends_with(".part")) return kUnfinished;
-  return file.ends_with(".recovered.xdf") ? kRepaired : kClosed;
-}
-
-struct FoundFiles {
-  std::vector<std::string> recordings{};
-  std::vector<std::string> corrections{};
-  std::vector<std::string> unfinished{};  ///< Corrections that a crash left while they were written.
-};
-
-core::Result<FoundFiles> files_in(const std::string& folder) {
-  FoundFiles files;
-  std::error_code error;
-  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
-  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
-    const std::string file = entry->path().string();
-    std::error_code unknown;
-    if (!entry->is_regular_file(unknown)) continue;  // opening a pipe would block
-    if (file.ends_with(".xdf") || file.ends_with(".xdf.part")) files.recordings.push_back(file);
-    if (file.ends_with(kCorrectionsEnding)) files.corrections.push_back(file);
-    if (file.ends_with(std::string(kCorrectionsEnding) + ".new")) files.unfinished.push_back(file);
-  }
-  if (error)
-    return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "check that the disk with the recordings is mounted");
-  std::ranges::sort(files.recordings, {}, [](const std::string& file) { return std::pair{rank(file), file}; });
-  std::ranges::sort(files.corrections);
-  return files;
-}
 
 void set_state(const Verification& verified, PartRow& part) {
   part.bytes = verified.bytes;
@@ -213,7 +181,7 @@ core::Status Rebuild::fill_in() {
 /// Returns true if `file` must replace the file that the catalogue knows for this part.
 bool Rebuild::is_better(const PartRow& known, const std::string& file) const {
   if (known.state == PartState::Missing || is_gone(known)) return true;
-  return known.state == PartState::Interrupted && rank(file) == kRepaired;
+  return known.state == PartState::Interrupted && rank(file) == FileRank::Repaired;
 }
 
 /// Adds a file if it is needed. Fails only if the catalogue fails; a bad file is listed in `unreadable`.
@@ -328,7 +296,7 @@ core::Status Rebuild::mark_missing() {
 
 PartState state_of(const Verification& verified, const std::string& file) {
   if (!verified.is_closed) return PartState::Interrupted;
-  if (verified.is_recovered || rank(file) == kRepaired)
+  if (verified.is_recovered || rank(file) == FileRank::Repaired)
     return PartState::Recovered;  // a copy without streams has no footer with `recovered`
   return verified.incomplete.empty() && verified.scans > 0 ? PartState::Complete : PartState::Incomplete;
 }

@@ -105,6 +105,7 @@ TEST_F(RigFile, WhatMayBeLeftOut_TakesItsDefault) {
   EXPECT_EQ(rig.rate, core::Rate::from_hz(100.0).value());
   EXPECT_EQ(rig.block_scans, 1U);
   EXPECT_EQ(rig.sync_pulse_ms, 0.0);
+  EXPECT_EQ(rig.sync_pulse_every_ms, 0.0);
   EXPECT_EQ(rig.trigger->edges, pipeline::TriggerEdges::Rising);
   EXPECT_EQ(rig.trigger->level, pipeline::TriggerInput().level);
   EXPECT_EQ(rig.trigger->hysteresis, pipeline::TriggerInput().hysteresis);
@@ -223,6 +224,21 @@ TEST_F(RigFile, Limits_AreReportedWithPlaceAndRange) {
       edited(kRig, "rate_hz", "rate_hz = 8192"),
       {{"block_ms", "block_ms = 500", ""},
        {"block_ms", "block_ms = 501", "rig:14:12: a block would have 4104 scans; at most 4096 are supported: lower block_ms or rate_hz"}},
+      read);
+}
+
+TEST_F(RigFile, SyncPulseTrain_NeedsAPulseThatEndsBeforeTheNext) {
+  Problems problems;
+  EXPECT_EQ(read(edited(kRig, "sync_pulse_ms", "sync_pulse_ms = 80\nsync_pulse_every_ms = 1000"), problems).sync_pulse_every_ms, 1000.0);
+  EXPECT_EQ(text_of(problems), "");
+  expect_problems(
+      kRig,
+      {{"sync_pulse_ms", "sync_pulse_ms = 80\nsync_pulse_every_ms = 180", ""},
+       {"sync_pulse_ms", "sync_pulse_ms = 80\nsync_pulse_every_ms = 179",
+        "rig:23:23: [session] sync_pulse_every_ms must be at least 100 ms longer than sync_pulse_ms"},
+       {"sync_pulse_ms", "sync_pulse_every_ms = 1000", "rig:22:23: [session] sync_pulse_every_ms needs a pulse: set sync_pulse_ms"},
+       {"sync_pulse_ms", "sync_pulse_ms = 80\nsync_pulse_every_ms = 60001",
+        "rig:23:23: [session] sync_pulse_every_ms = 60001 is out of range; allowed: 0 .. 60000"}},
       read);
 }
 

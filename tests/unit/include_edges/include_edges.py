@@ -80,7 +80,7 @@ HOUSE = [
     ("clients/lab/cop",          ["cli", "core", "physics", "files", "lab/base"],         ["CLI/"]),
     ("clients/lab/place",        ["cli", "core", "physics", "lab/base"],                  ["CLI/", "Eigen/"]),
     ("clients/lab/force",        ["cli", "core", "physics", "files", "posturography", "c3d", "lab/base"], ["CLI/"]),
-    ("clients/lab/compare",      ["cli", "core", "files", "record", "lab/base", "lab/force"], ["CLI/", "Eigen/"]),
+    ("clients/lab/compare",      ["cli", "core", "files", "record", "settings", "report", "lab/base", "lab/force"], ["CLI/", "Eigen/"]),
     ("clients/lab/replay",       ["cli", "core", "files", "pipeline", "record", "session", "events", "proto", "device/replay", "lab/base"], ["CLI/"]),
     ("clients/lab/simulate",     ["cli", "core", "sim", "files", "pipeline", "record", "session", "device/registry",
                                   "device/sim", "lab/base"],                              ["CLI/"]),

@@ -244,6 +244,41 @@ TEST_F(SupervisorTest, SyncPulse_RisesWithTheFirstScanOfASessionAndFallsAfterIts
   EXPECT_THAT(device_->sync_outputs, ElementsAre(false)) << "the daemon ends, and the pulse with it";
 }
 
+TEST_F(SupervisorTest, SyncPulseTrain_RepeatsWithItsPeriodUntilTheSessionEnds) {
+  config_.sync_pulse_ms = 100.0;
+  config_.sync_pulse_every_ms = 1000.0;
+  start();
+  static_cast<void>(record(kBlock));
+  device_->sync_outputs.clear();
+  pass(0.9);
+  const std::size_t first = device_->sync_outputs.size();
+  pass(4.0);
+  EXPECT_EQ(device_->sync_outputs.size(), first + 8U) << "four pulses, each of them up and down";
+
+  silence(2.35);  // the control thread was late: the train keeps its grid and sends no pulses in the past
+  pass(0.1);
+  device_->sync_outputs.clear();
+  pass(3.0);
+  EXPECT_THAT(device_->sync_outputs.size(), testing::AllOf(testing::Ge(5U), testing::Le(7U)));
+
+  static_cast<void>(taken_events(v1::Event::kDevice));
+  device_->sync_answer = core::fail(ErrorCode::DeviceGone, "away");
+  pass(5.0);
+  EXPECT_EQ(taken_events(v1::Event::kDevice).size(), 1U) << "one report for all pulses that the device misses";
+  device_->sync_answer = {};
+  pass(2.0);
+  device_->sync_answer = core::fail(ErrorCode::DeviceGone, "away");
+  pass(2.0);
+  EXPECT_EQ(taken_events(v1::Event::kDevice).size(), 1U) << "the device was there in between";
+
+  device_->sync_answer = {};
+  ASSERT_TRUE(stop());
+  pass(0.2);
+  device_->sync_outputs.clear();
+  pass(3.0);
+  EXPECT_THAT(device_->sync_outputs, IsEmpty());
+}
+
 TEST_F(SupervisorTest, SensorsThatStandStill_AreNamed_WhileTheDeviceDelivers) {
   config_.sensor_channels = {3, 2, 1, 0};
   start();

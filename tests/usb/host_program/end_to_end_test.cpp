@@ -128,6 +128,24 @@ TEST(UsbEndToEndTest, TheSyncPulseOfASessionIsSeenInTheDataAtItsScan) {
   EXPECT_LT(line_v[*told - 1], 0.5F);
 }
 
+TEST(UsbEndToEndTest, ThePulsesOfATrainAreTriggersAboutOnePeriodApart) {
+  EmulatorProcess emulator({.uri = "mcc:1608fs-plus?channels=0,1,2,3,4&range_v=10&sync_output_bit=0",
+                            .scene = "sim:floor?contact=point&step_on_s=3600",
+                            .rig_tables = "[trigger]\nchannel = 4\n[session]\nsync_pulse_ms = 100\nsync_pulse_every_ms = 400\n",
+                            .wiring = {"--loop-back", "0:4"}});
+  ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
+  auto subscriber = emulator.subscribe({"floor/trigger"});
+  std::size_t edges = 0;
+  ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor", "--protocol", "free"}).status, 0);
+
+  const auto has_seen_three = [&] {
+    const auto message = subscriber.receive(std::chrono::milliseconds(20));
+    if (message && message->has_value() && std::holds_alternative<client::Event>(**message)) ++edges;
+    return edges >= 3;
+  };
+  EXPECT_TRUE(eventually(has_seen_three)) << emulator.log();
+}
+
 TEST(UsbEndToEndTest, AnUnknownCommandIsAnsweredWithTheKnownOnes) {
   EmulatorProcess emulator({.scene = "sim:floor?contact=point"});
 

@@ -118,9 +118,10 @@ TEST(Align, RegularPulses_FitInManyWaysAndTheSignalsDecide) {
   const auto alignment = align(a, b);
 
   ASSERT_TRUE(alignment) << alignment.error().what;
-  EXPECT_EQ(alignment->means, Alignment::Means::Trigger);
+  EXPECT_EQ(alignment->means, Alignment::Means::PulseTrain);
   EXPECT_NEAR(alignment->offset_s, 2.0, 0.01);
   EXPECT_EQ(alignment->event_count, 10U);
+  EXPECT_THAT(alignment->faults, testing::IsEmpty());
 }
 
 TEST(MatchEvents, ManyEventsWithGapsAndDrift_OffsetDriftAndDeviationAreRight) {

@@ -96,6 +96,10 @@ TEST(Compare, KnownDifference_HasItsRmseAndLargestValue) {
   EXPECT_NEAR(comparison->x.largest_mm, 1.0, 0.1);
   EXPECT_NEAR(comparison->y.rmse_mm, 3.0, 0.05);
   EXPECT_NEAR(comparison->y.rmse_mean_removed_mm, 0.0, 0.05);
+  EXPECT_NEAR(comparison->x.upper_limit_mm - comparison->x.mean_difference_mm, 1.96 * comparison->x.rmse_mean_removed_mm, 1e-3);
+  EXPECT_NEAR(comparison->x.lower_limit_mm, -1.96 / std::numbers::sqrt2, 0.1);
+  EXPECT_NEAR(comparison->y.lower_limit_mm, 3.0, 0.1);
+  EXPECT_NEAR(comparison->y.upper_limit_mm, 3.0, 0.1);
 }
 
 TEST(Compare, OneTrigger_GivesAnOffsetAndNoDrift) {

@@ -45,13 +45,17 @@ inline Recording recorded(const Clock& clock, double noise_mm = 0.0, double gain
   return recording;
 }
 
-/// High while true time is within 50 ms after one of `at_s`.
+/// High while true time is within 50 ms after one of `at_s`, which rise.
 inline void add_triggers(Recording& recording, const Clock& clock, const std::vector<double>& at_s) {
+  std::vector<double> level;
   for (const double t_s : recording.t_s) {
     const double now_s = clock.true_s(t_s);
-    const bool is_high = std::ranges::any_of(at_s, [&](double at) { return now_s >= at && now_s < at + 0.05; });
-    recording.trigger.push_back(is_high ? 4.9 : 0.1);
+    const auto next = std::ranges::upper_bound(at_s, now_s);
+    const bool is_high = next != at_s.begin() && now_s < *(next - 1) + 0.05;
+    level.push_back(is_high ? 4.9 : 0.1);
   }
+  recording.edges_s = rising_edges_s(recording.t_s, level);
+  recording.edge_step_s = recording.step_s();
 }
 
 /// True offset at the alignment's reference.

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "dts/wire/event_json.h"
+#include "record/catalogue/recording_files.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "record/xdf/xdf_writer.h"
@@ -387,6 +388,26 @@ TEST_F(CatalogueRebuild, WhatIsNoRecordingOfOursOrHostile_IsToldAndLeftOut) {
             "/sessions/g.xdf: session s3 is known with another rig, protocol or subject\n"
             "/sessions/b.xdf.part: /sessions/b.xdf.part is not an XDF file");
   EXPECT_EQ(catalogue().parts()->size(), 1U);
+}
+
+TEST_F(CatalogueRebuild, FilesOfASession_AreFoundWithoutACatalogue_TheBestOfEachPart) {
+  record("s1.xdf.part", facts("s1"), End::Abandoned);
+  ASSERT_TRUE(recover(file("s1.xdf.part"), recovered_name(file("s1.xdf.part"))));
+  SessionFacts companion = facts("s1", 2);
+  companion.rig = "plate";
+  companion.rigs = {"floor", "plate"};
+  companion.leading_part = 1;
+  record("s1-plate.xdf", companion);
+  record("s2.xdf", facts("s2"));
+
+  EXPECT_FALSE(files_of_session(path("missing"), "s1"));
+  const auto found = files_of_session(path("sessions"), "s1");
+  ASSERT_TRUE(found) << what(found);
+  ASSERT_EQ(found->size(), 2U);
+  EXPECT_TRUE((*found)[0].file.ends_with("/s1.recovered.xdf")) << (*found)[0].file;
+  EXPECT_TRUE((*found)[1].file.ends_with("/s1-plate.xdf")) << (*found)[1].file;
+  EXPECT_EQ((*found)[1].facts, companion);
+  EXPECT_EQ(code(files_of_session(path("sessions"), "s3")), core::ErrorCode::NotFound);
 }
 
 }  // namespace

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/compare/pulse_train.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "lab/compare/paired.h"
+#include "unit/lab/compare/made_recordings.h"
+
+namespace dts::lab::compare {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr double kHalfAnHourS = 1800.0;
+
+/// One pulse per second, up to 50 ms late, as the daemon sends them.
+std::vector<double> pulses(double from_s, double to_s) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> late_s(0.0, 0.05);
+  std::vector<double> at_s;
+  for (double t_s = from_s; t_s < to_s; t_s += 1.0) at_s.push_back(t_s + late_s(random));
+  return at_s;
+}
+
+Recording with_pulses(const Clock& clock, const std::vector<double>& at_s, double noise_mm = 0.0) {
+  Recording recording = recorded(clock, noise_mm);
+  add_triggers(recording, clock, at_s);
+  return recording;
+}
+
+/// A's clock is true time; B's is 100 ppm slow.
+const Clock kClockA{.length_s = kHalfAnHourS};
+const Clock kClockB{.offset_s = 3.217, .drift_ppm = 100.0, .length_s = kHalfAnHourS - 5.0};
+
+double error_at_s(const Alignment& alignment, const Clock& clock_b, double t_b_s) {
+  return alignment.to_a_s(t_b_s) - clock_b.true_s(t_b_s);
+}
+
+TEST(PulseTrain, HalfAnHourAt100Ppm_IsRightToAMillisecondAtTheEnd) {
+  const auto at_s = pulses(0.5, kHalfAnHourS);
+
+  const auto alignment = align(with_pulses(kClockA, at_s), with_pulses(kClockB, at_s));
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_EQ(alignment->means, Alignment::Means::PulseTrain);
+  EXPECT_GT(alignment->event_count, 1780U);
+  EXPECT_NEAR(alignment->period_s, 1.0, 0.01);
+  const double end_s = kClockB.length_s;
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 1e-3);
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, 0.0)), 1e-3);
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 4.0 * alignment->sd_at_s(end_s));
+  EXPECT_LT(alignment->sd_at_s(end_s), 1e-3);
+  EXPECT_LT(std::abs(alignment->drift_ppm - 100.0), 4.0 * alignment->drift_sd_ppm);
+  EXPECT_THAT(alignment->faults, IsEmpty());
+}
+
+TEST(Correlation, HalfAnHourAt100Ppm_IsRightToThreeMillisecondsAtTheEnd) {
+  const Recording a = recorded(kClockA, 0.2);
+
+  const auto alignment = align(a, recorded(kClockB, 0.3));
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_EQ(alignment->means, Alignment::Means::Correlation);
+  EXPECT_EQ(alignment->window_count, 60U);
+  const double end_s = kClockB.length_s;
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 3e-3);
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 4.0 * alignment->sd_at_s(end_s));
+  EXPECT_LT(std::abs(alignment->drift_ppm - 100.0), 4.0 * alignment->drift_sd_ppm);
+}
+
+TEST(PulseTrain, LostAndExtraPulses_AreReportedWithTheirTimes) {
+  const auto at_s = pulses(0.5, 120.0);
+  auto of_a = at_s;
+  auto of_b = at_s;
+  of_b.erase(of_b.begin() + 40);
+  of_a.erase(of_a.begin() + 70);
+  of_a.insert(of_a.begin() + 20, at_s[19] + 0.4);
+  const Clock clock_a{.length_s = 120.0};
+  const Clock clock_b{.offset_s = 3.217, .drift_ppm = 100.0, .length_s = 110.0};
+
+  const auto alignment = align(with_pulses(clock_a, of_a), with_pulses(clock_b, of_b));
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  ASSERT_EQ(alignment->faults.size(), 3U);
+  EXPECT_EQ(alignment->faults[0].kind, PulseFault::Kind::ExtraInA);
+  EXPECT_NEAR(alignment->faults[0].time_s, at_s[19] + 0.4, 0.02);
+  EXPECT_EQ(alignment->faults[1].kind, PulseFault::Kind::LostInB);
+  EXPECT_NEAR(alignment->faults[1].time_s, at_s[40], 0.02);
+  EXPECT_EQ(alignment->faults[2].kind, PulseFault::Kind::LostInA);
+  EXPECT_NEAR(alignment->faults[2].time_s, at_s[70], 0.02);
+  EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, 110.0)), 3e-3);
+}
+
+/// Removes a stretch of a recording, and lets its clock jump there.
+void restart(Recording& recording, double from_s, double to_s, double jump_s) {
+  Recording cut = recording;
+  cut.t_s.clear();
+  cut.x_mm.clear();
+  cut.y_mm.clear();
+  cut.edges_s.clear();
+  for (std::size_t k = 0; k < recording.t_s.size(); ++k) {
+    const double t_s = recording.t_s[k];
+    if (t_s >= from_s && t_s < to_s) continue;
+    cut.t_s.push_back(t_s < from_s ? t_s : t_s + jump_s);
+    cut.x_mm.push_back(recording.x_mm[k]);
+    cut.y_mm.push_back(recording.y_mm[k]);
+  }
+  for (const double edge_s : recording.edges_s) {
+    if (edge_s < from_s || edge_s > to_s) cut.edges_s.push_back(edge_s < from_s ? edge_s : edge_s + jump_s);
+  }
+  cut.restarts_s.push_back(to_s + jump_s);
+  recording = cut;
+}
+
+void expect_aligned_about_the_restarts(const Recording& a, const Recording& b, const Clock& clock_b, double tolerance_s) {
+  const auto alignment = align(a, b);
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  ASSERT_EQ(alignment->pieces.size(), 3U);
+  EXPECT_THAT(alignment->faults, IsEmpty()) << "the pulses in the gap were not lost one by one";
+  EXPECT_NEAR(alignment->to_a_s(10.0), clock_b.true_s(10.0), tolerance_s);
+  EXPECT_NEAR(alignment->to_a_s(390.0), clock_b.true_s(390.0), tolerance_s) << "before the gap of B";
+  EXPECT_NEAR(alignment->to_a_s(500.12), clock_b.true_s(500.0), tolerance_s) << "after it";
+  EXPECT_NEAR(alignment->to_a_s(880.12), clock_b.true_s(880.0) - 0.07, tolerance_s) << "after the gap of A";
+  EXPECT_LT(std::abs(alignment->drift_ppm - 100.0), 4.0 * alignment->drift_sd_ppm);
+  EXPECT_LT(alignment->drift_sd_ppm, 5.0);
+  const Paired paired = pair_up(a, b, *alignment);
+  EXPECT_GT(paired.t_a_s.size(), 75'000U);
+  EXPECT_GT(correlation(paired), 0.99);
+}
+
+TEST(PulseTrain, GapsAtWhichTheClocksJump_EachPieceHasItsOwnOffset) {
+  const Clock clock_a{.length_s = 900.0};
+  const Clock clock_b{.offset_s = 3.217, .drift_ppm = 100.0, .length_s = 890.0};
+  const auto at_s = pulses(0.5, 900.0);
+  Recording a = with_pulses(clock_a, at_s);
+  Recording b = with_pulses(clock_b, at_s);
+  restart(a, 650.0, 660.0, -0.07);
+  restart(b, 400.0, 460.0, 0.12);
+
+  expect_aligned_about_the_restarts(a, b, clock_b, 2e-3);
+
+  a.edges_s.clear();
+  b.edges_s.clear();
+  expect_aligned_about_the_restarts(a, b, clock_b, 5e-3);
+}
+
+TEST(PulseTrain, WholePeriodsAreOpen_UnlessOneComputerOrTheSignalsDecide) {
+  const auto at_s = pulses(0.5, 60.0);
+  const Clock clock_b{.offset_s = 7.3, .length_s = 50.0};
+  Recording a = with_pulses({.length_s = 60.0}, at_s);
+  Recording b = with_pulses(clock_b, at_s);
+  for (std::size_t k = 0; k < b.t_s.size(); ++k) b.x_mm[k] = b.y_mm[k] = static_cast<double>(k % 7);
+
+  const auto open = align(a, b);
+  ASSERT_FALSE(open);
+  EXPECT_THAT(open.error().what, HasSubstr("nothing shows which of them belong together"));
+
+  a.host_clock = b.host_clock = "one computer";
+  a.began_s = 5000.0;
+  b.began_s = 5007.31;
+  const auto alignment = align(a, b);
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_NEAR(alignment->offset_s, 7.3, 0.01);
+
+  b.host_clock = "another computer";
+  EXPECT_FALSE(align(a, b));
+}
+
+TEST(PulseTrain, ClocksWithoutDriftRoundEveryPulseAlike_AndManyPulsesAreNoBetterThanOne) {
+  std::vector<double> at_s;
+  for (int k = 0; k < 60; ++k) at_s.push_back(1.0 + k);
+  const Clock clock_b{.offset_s = 0.0043, .length_s = 60.0};
+
+  const auto alignment = align(with_pulses({.length_s = 60.0}, at_s), with_pulses(clock_b, at_s));
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_GT(alignment->offset_sd_s, 0.003);
+  EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, 30.0)), 3.0 * alignment->offset_sd_s);
+}
+
+TEST(RisingEdges, AreHalfAScanBeforeTheFirstHighLevel) {
+  const double none = std::nan("");
+
+  EXPECT_THAT(rising_edges_s(std::vector{0.0, 1.0, 2.0, 3.0, 4.0, 5.0}, std::vector{0.0, 0.1, 5.0, none, 0.0, 5.0}),
+              testing::ElementsAre(1.5, 4.5));
+  EXPECT_THAT(rising_edges_s(std::vector{0.0, 1.0}, std::vector{1.0, 1.0}), IsEmpty());
+  EXPECT_THAT(rising_edges_s(std::vector{0.0, 1.0}, {}), IsEmpty());
+}
+
+}  // namespace
+}  // namespace dts::lab::compare

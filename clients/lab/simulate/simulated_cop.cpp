@@ -36,7 +36,7 @@ core::Result<CopStream> find_cop(const pipeline::Pipeline& pipeline, const std::
   return CopStream{.stream = static_cast<std::size_t>(cop - formats.begin()),
                    .ml = index("ml_mm"),
                    .ap = index("ap_mm"),
-                   .delay_scans = cop->rate.scans_in_ms(static_cast<double>(cop->delay_ns) * 1e-6)};
+                   .delay_scans = static_cast<std::uint64_t>(std::llround(static_cast<double>(cop->delay_ns) * 1e-9 * cop->rate.hz()))};
 }
 
 void append(const core::Block& block, const CopStream& from, SimulatedCop& to) {

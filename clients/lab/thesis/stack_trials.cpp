@@ -3,6 +3,8 @@
 
 #include <cmath>
 #include <sstream>
+#include <tuple>
+#include <utility>
 
 #include "cli/table.h"
 #include "lab/base/thesis_setup.h"
@@ -75,16 +77,19 @@ void write_trial(std::ostream& script, const std::string& name, const StackTrial
   script << "END\n";
 }
 
-void plot_series(std::ostream& script, const std::string& name, const std::string& title) {
-  script << "set size noratio\nset xlabel 'time (s)'\n";
-  for (const auto& [axis, columns] : {std::pair("x (ML)", std::pair(3, 2)), {"y (AP)", {5, 4}}}) {
-    script << "set title '" << title << ", COP " << axis << "'\nset ylabel 'mm'\nplot $" << name << " using 1:" << columns.first
-           << " with lines lw 2 lc rgb '#3b528b', $" << name << " using 1:" << columns.second << " with lines lc rgb '#d1495b'\n";
+/// Places in the picture are parts of its width and height, from the bottom left.
+void plot_series(std::ostream& script, const std::string& name, const std::string& title, double bottom) {
+  script << "set size 0.5,0.28\nset xlabel 'time (s)'\nset ylabel 'mm'\nset xrange [5:25]\n";
+  for (const auto& [left, axis, columns] : {std::tuple(0.0, "x (ML)", std::pair(3, 2)), {0.5, "y (AP)", {5, 4}}}) {
+    script << "set origin " << left << ',' << bottom << "\nset title '" << title << ", COP " << axis << "'\nplot $" << name
+           << " using 1:" << columns.first << " with lines lw 2 lc rgb '#3b528b', $" << name << " using 1:" << columns.second
+           << " with lines lc rgb '#d1495b'\n";
   }
 }
 
-void plot_stabilogram(std::ostream& script, const std::string& name, const std::string& title) {
-  script << "set size ratio -1\nset title '" << title << "'\nset xlabel 'x (ML), mm'\nset ylabel 'y (AP), mm'\nplot $" << name
+void plot_stabilogram(std::ostream& script, const std::string& name, const std::string& title, double left) {
+  script << "set size 0.25,0.36\nset size ratio -1\nset origin " << left << ",0\nset xrange [-20:20]\nset yrange [-20:20]\nset title '"
+         << title << "'\nset xlabel 'x (ML), mm'\nset ylabel 'y (AP), mm'\nplot $" << name
          << " using 3:5 with lines lw 2 lc rgb '#3b528b', $" << name << " using 2:4 with lines lc rgb '#d1495b'\n";
 }
 
@@ -135,15 +140,15 @@ std::string stack_figures(const StackTrials& trials) {
   write_trial(script, "v3_one", trials.one_foot[2]);
   write_trial(script, "v4_one", trials.one_foot[3]);
   write_trial(script, "v5_one", trials.one_foot[4]);
-  script << "set tics out nomirror\nset xtics 5\nset ytics 5\nunset key\n"
-         << "set multiplot layout 4,2 title 'Figures 4.11 to 4.13, simulated people: synthetic. Blue: force plate, red: floor platform, "
+  script << "set tics out nomirror\nset xtics 10\nset ytics 5\nunset key\n"
+         << "set multiplot title 'Figures 4.11 to 4.13, simulated people: synthetic. Blue: force plate, red: floor platform, "
             "each about its mean'\n";
-  plot_series(script, "v3_two", "4.11: V3, two feet");
-  plot_series(script, "v4_one", "4.12: V4, one foot");
-  plot_stabilogram(script, "v4_two", "4.13: V4, two feet");
-  plot_stabilogram(script, "v3_one", "4.13: V3, one foot");
-  plot_stabilogram(script, "v4_one", "4.13: V4, one foot");
-  plot_stabilogram(script, "v5_one", "4.13: V5, one foot");
+  plot_series(script, "v3_two", "4.11: V3, two feet", 0.66);
+  plot_series(script, "v4_one", "4.12: V4, one foot", 0.38);
+  plot_stabilogram(script, "v4_two", "4.13: V4, two feet", 0.0);
+  plot_stabilogram(script, "v3_one", "4.13: V3, one foot", 0.25);
+  plot_stabilogram(script, "v4_one", "4.13: V4, one foot", 0.5);
+  plot_stabilogram(script, "v5_one", "4.13: V5, one foot", 0.75);
   script << "unset multiplot\n";
   return script.str();
 }

@@ -88,7 +88,7 @@ TEST(SimStack, PartsStartedAtDifferentMoments_ShowThePersonAtTheSameTrueTime) {
     const auto& again = again_on_floor[channel_of(*floor, name)];
     for (std::size_t i = 0; i < again.size(); i += 50) EXPECT_NEAR(again[i], wanted[again_first + i], 1e-6) << name << " " << i;
   }
-  EXPECT_TRUE(std::isnan(on_floor[channel_of(*floor, "true_ml_mm")][0]));  // steps on at 2.5 s of true time
+  EXPECT_TRUE(std::isnan(on_floor[channel_of(*floor, "true_ml_mm")][0]));  // nobody yet
 }
 
 TEST(SimStack, Sync_RisesAtEachWholeSecondOfTrueTimeOnEachClock) {

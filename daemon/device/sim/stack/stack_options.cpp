@@ -22,7 +22,7 @@ constexpr std::array kStackTable = {
     UriOption{"x_mm", Number, "0", -1000, 1000, "", "ML position of the stance, from the centre of both plates."},
     UriOption{"y_mm", Number, "0", -1000, 1000, "", "AP position of the stance."},
     UriOption{"stance_width_mm", Number, "200", 50, 600, "", "Distance between the middle lines of the feet (contact=feet)."},
-    UriOption{"step_on_s", Number, "2.5", 0, 86400, "", "True time at which the person first touches the platform."},
+    UriOption{"step_on_s", Number, "5", 0, 86400, "", "True time at which the person first touches the platform."},
     UriOption{"step_off_s", Number, "never", 0, kNever, "", "True time at which the person begins to leave."},
     UriOption{"height_mm", Number, "50", 0, 500, "", "Top of the floor platform above the force plate (part=plate)."},
     UriOption{"offset_s", Number, "0", -3600, 3600, "", "Everything appears this much later in the device's data than it happens."},

@@ -30,13 +30,15 @@ core::Result<std::unique_ptr<Scene>> StackScene::create(const StackOptions& opti
 }
 
 double StackScene::true_s(std::int64_t start_ns, double time_s) const noexcept {
-  const double start_s = static_cast<double>(start_ns - time_->zero_ns) * kSecondsPerNanosecond;
+  const double start_s = static_cast<double>(start_ns - zero_ns_) * kSecondsPerNanosecond;
   return start_s + time_s * (1.0 - options_.clock_error_ppm * kPerMillion) - options_.offset_s;
 }
 
 void StackScene::restart() {
   if (platform_) platform_->plate.restart();
-  static_cast<void>(person_.at(true_s(clock_.now_ns(), 0.0)));
+  const std::int64_t now_ns = clock_.now_ns();
+  zero_ns_ = time_->zero_ns(now_ns);
+  static_cast<void>(person_.at(true_s(now_ns, 0.0)));
 }
 
 void StackScene::evaluate(double time_s, std::span<double> values) noexcept {

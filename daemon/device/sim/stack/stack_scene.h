@@ -48,10 +48,11 @@ class StackScene final : public Scene {
 
   StackOptions options_;
   const core::Clock& clock_;
-  std::shared_ptr<const StackTime> time_;
+  std::shared_ptr<StackTime> time_;
   dts::sim::StackPerson person_;
   std::optional<Platform> platform_;
   std::optional<dts::sim::PlateResponse> force_plate_;
+  std::int64_t zero_ns_ = 0;  ///< Host times of true time 0 and of the first scan.
   std::int64_t start_ns_ = 0;
 };
 

@@ -51,7 +51,7 @@ TEST(SimulatedCop, FilterDelay_IsRemoved) {
   const auto smooth = simulate_cop(floor_definition(100.0), "floor", address, 20.0);
   ASSERT_TRUE(exact && smooth);
   SimulatedCop late = *exact;
-  std::rotate(late.ap_mm.rbegin(), late.ap_mm.rbegin() + 1, late.ap_mm.rend());
+  std::rotate(late.ap_mm.begin(), late.ap_mm.end() - 1, late.ap_mm.end());
   EXPECT_LT(rms_apart(smooth->ap_mm, exact->ap_mm, 1200), 0.5 * rms_apart(smooth->ap_mm, late.ap_mm, 1200));
 }
 

@@ -201,12 +201,12 @@ void ForcePlate::forget() noexcept {
   zero_v_ = file_zero_v_;
   is_tared_ = false;
   average_.stop();
-  drift_.reset();
   reset();
 }
 
 void ForcePlate::reset() noexcept {
-  drift_.resume();
+  // What is known of a zero outlasts a gap, as the zero itself does.
+  is_tared_ ? drift_.resume() : drift_.reset();
   const bool is_interrupted = average_.remaining_scans() > 0;
   if (is_interrupted || (tares_at_start_ && !is_tared_)) average_.start(tare_scans_);
 }

@@ -99,7 +99,7 @@ TEST_F(RigFileForcePlate, WhatIsWrong_IsNamed) {
            {"ap = \"+y\"", "ap = \"+y\"\nchannels = [0, 1, 2, 32]", "channels must hold whole numbers"},
            {"ap = \"+y\"", "ap = \"+y\"\nnames = [\"a\", \"b\", \"c\"]", "4 channels, but 3 names"},
            {"ap = \"+y\"", "ap = \"+y\"\nnames = [\"a\", \"b\", \"c\", \"a\"]", "each name must be there once"},
-           {"ap = \"+y\"", "ap = \"+y\"\nsize = 3", "unknown key 'size' in [force_plate]; did you mean 'size_mm'?"},
+           {"ap = \"+y\"", "ap = \"+y\"\nsise_mm = 3", "unknown key 'sise_mm' in [force_plate]; did you mean 'size_mm'?"},
            {"[acquire]", "[plate]\na_mm = 430\n[acquire]", "a rig with [force_plate] has no [plate]: remove it"},
            {"[acquire]", "[[sensor]]\nlabel = \"w1\"\n[acquire]", "has no [sensor]"},
            {"[acquire]", "[trigger]\nchannel = 3\n[acquire]", "channel 3 belongs to a sensor"},

@@ -228,6 +228,7 @@ TEST_F(CompanionsTest, DeviceThatReturns_IsNotReportedAnyMore) {
     clock_.advance_s(0.001);
   }
   ASSERT_TRUE(eventually_both([&] { return of("floor").session.message.empty(); }));
+  feed_both(10 * kBlock);
   ASSERT_TRUE(stop_both());
 
   EXPECT_THAT(parts(id), ElementsAre("1 floor 1 complete", "2 plate 1 complete"));

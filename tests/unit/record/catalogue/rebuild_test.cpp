@@ -392,7 +392,8 @@ TEST_F(CatalogueRebuild, WhatIsNoRecordingOfOursOrHostile_IsToldAndLeftOut) {
 
 TEST_F(CatalogueRebuild, FilesOfASession_AreFoundWithoutACatalogue_TheBestOfEachPart) {
   record("s1.xdf.part", facts("s1"), End::Abandoned);
-  ASSERT_TRUE(recover(file("s1.xdf.part"), recovered_name(file("s1.xdf.part"))));
+  const auto copied = recover(file("s1.xdf.part"), recovered_name(file("s1.xdf.part")));
+  ASSERT_TRUE(copied) << what(copied);
   SessionFacts companion = facts("s1", 2);
   companion.rig = "plate";
   companion.rigs = {"floor", "plate"};

@@ -21,6 +21,7 @@ constexpr double kMostRegular = 0.8;  ///< Of the intervals.
 constexpr double kSamePulse = 0.25;   ///< Of the period: largest distance of a pulse from where its neighbours say that it is.
 constexpr double kFollow = 0.3;       ///< How fast the tracked offset follows the pulses.
 constexpr double kGapS = 0.5;         ///< A recording without scans for so long has a gap; the pulses in it are not reported one by one.
+constexpr double kAlike = 0.5;        ///< Of a scan: intervals that scatter less are all rounded alike.
 constexpr double kHostSdS = 0.02;     ///< Of a device's first time stamp on the computer's clock.
 
 /// Returns the mean of the intervals near the median: a lost pulse does not count, and rounding to scans averages out.
@@ -189,6 +190,21 @@ std::vector<PulseFault> faults_of(const Recording& a, const Recording& b, const 
   return faults;
 }
 
+/// Returns the standard deviation of an error that all pulses of a recording have in common. If the pulses come with the recording's own
+/// clock, all of them are rounded to scans alike, and many pulses are no better than one; else the rounding scatters and averages out.
+double common_rounding_s(const Recording& recording, double period_s) {
+  const double rounding_s = recording.edge_step_s / std::sqrt(12.0);
+  double least_s = 0.0;
+  double most_s = 0.0;
+  for (std::size_t k = 1; k < recording.edges_s.size(); ++k) {
+    const double interval_s = recording.edges_s[k] - recording.edges_s[k - 1];
+    const double off_s = interval_s - std::round(interval_s / period_s) * period_s;
+    least_s = std::min(least_s, off_s);
+    most_s = std::max(most_s, off_s);
+  }
+  return most_s - least_s < kAlike * recording.edge_step_s ? rounding_s : 0.0;
+}
+
 }  // namespace
 
 bool have_pulse_trains(const Recording& a, const Recording& b) {
@@ -209,7 +225,8 @@ core::Result<Alignment> align_by_pulse_train(const Recording& a, const Recording
   const double sd_s = std::hypot(a.edge_step_s, b.edge_step_s) / std::sqrt(12.0);
   std::vector<ClockReading> readings;
   for (const auto& [a_s, b_s] : track.pairs) readings.push_back({.b_s = b_s, .late_s = a_s - b_s, .sd_s = sd_s});
-  DTS_TRY_ASSIGN(auto alignment, fit_clocks(readings, Restarts(a, b), ReadingErrors::Rounded));
+  DTS_TRY_ASSIGN(auto alignment, fit_clocks(readings, Restarts(a, b)));
+  alignment.offset_sd_s = std::hypot(alignment.offset_sd_s, common_rounding_s(a, period_s), common_rounding_s(b, period_s));
   alignment.means = Alignment::Means::PulseTrain;
   alignment.period_s = period_s;
   alignment.faults = faults_of(a, b, track, alignment, period_s);

@@ -22,7 +22,8 @@ constexpr double kSamePulse = 0.25;   ///< Of the period: largest distance of a 
 constexpr double kFollow = 0.3;       ///< How fast the tracked offset follows the pulses.
 constexpr double kGapS = 0.5;         ///< A recording without scans for so long has a gap; the pulses in it are not reported one by one.
 constexpr double kAlike = 0.5;        ///< Of a scan: intervals that scatter less are all rounded alike.
-constexpr double kHostSdS = 0.02;     ///< Of a device's first time stamp on the computer's clock.
+constexpr double kLeastSignalSdS = 1e-4;  ///< Filters differ by more than the standard error of a long correlation shows.
+constexpr double kHostSdS = 0.02;         ///< Of a device's first time stamp on the computer's clock.
 
 /// Returns the mean of the intervals near the median: a lost pulse does not count, and rounding to scans averages out.
 double period_of(std::span<const double> edges_s) {
@@ -205,6 +206,25 @@ double common_rounding_s(const Recording& recording, double period_s) {
   return most_s - least_s < kAlike * recording.edge_step_s ? rounding_s : 0.0;
 }
 
+/// The pulses give the drift. Where all of them are rounded alike, they leave the offset open within a scan: the signals narrow it down, as
+/// far as that scan allows, because a filter of unknown delay may mislead them.
+void remove_common_rounding(const Recording& a, const Recording& b, double period_s, Alignment& alignment) {
+  const double of_a_s = common_rounding_s(a, period_s);
+  const double of_b_s = common_rounding_s(b, period_s);
+  const double rounding_s = std::hypot(of_a_s, of_b_s);
+  if (rounding_s == 0.0) return;
+  const double pulse_sd_s = std::hypot(alignment.offset_sd_s, rounding_s);
+  alignment.offset_sd_s = pulse_sd_s;
+  const auto by_signal = align_by_correlation(a, b);
+  if (!by_signal || !by_signal->pieces.empty() || !(by_signal->offset_sd_s < pulse_sd_s)) return;
+  const double signal_sd_s = std::max(by_signal->sd_at_s(alignment.reference_s), kLeastSignalSdS);
+  const double weight = pulse_sd_s * pulse_sd_s / (pulse_sd_s * pulse_sd_s + signal_sd_s * signal_sd_s);
+  const double most_s = std::sqrt(3.0) * (of_a_s + of_b_s);  // half a scan of each
+  const double differs_s = by_signal->to_a_s(alignment.reference_s) - alignment.to_a_s(alignment.reference_s);
+  alignment.offset_s += std::clamp(weight * differs_s, -most_s, most_s);
+  alignment.offset_sd_s = std::abs(differs_s) > most_s + 4.0 * signal_sd_s ? pulse_sd_s : std::sqrt(weight) * signal_sd_s;
+}
+
 }  // namespace
 
 bool have_pulse_trains(const Recording& a, const Recording& b) {
@@ -226,7 +246,7 @@ core::Result<Alignment> align_by_pulse_train(const Recording& a, const Recording
   std::vector<ClockReading> readings;
   for (const auto& [a_s, b_s] : track.pairs) readings.push_back({.b_s = b_s, .late_s = a_s - b_s, .sd_s = sd_s});
   DTS_TRY_ASSIGN(auto alignment, fit_clocks(readings, Restarts(a, b)));
-  alignment.offset_sd_s = std::hypot(alignment.offset_sd_s, common_rounding_s(a, period_s), common_rounding_s(b, period_s));
+  remove_common_rounding(a, b, period_s, alignment);
   alignment.means = Alignment::Means::PulseTrain;
   alignment.period_s = period_s;
   alignment.faults = faults_of(a, b, track, alignment, period_s);

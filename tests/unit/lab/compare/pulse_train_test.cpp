@@ -172,18 +172,48 @@ TEST(PulseTrain, WholePeriodsAreOpen_UnlessOneComputerOrTheSignalsDecide) {
   EXPECT_FALSE(align(a, b));
 }
 
-TEST(PulseTrain, PulsesOfARecordingsOwnClockAreRoundedAlike_AndManyOfThemAreNoBetterThanOne) {
+/// Pulses in step with A's clock, just after a scan: A rounds all of them by nearly a whole scan.
+std::vector<double> pulses_in_step(double to_s) {
   std::vector<double> at_s;
-  for (int k = 0; k < 600; ++k) at_s.push_back(1.0 + k + 1e-6);
+  for (double t_s = 1.0; t_s < to_s; t_s += 1.0) at_s.push_back(t_s + 1e-6);
+  return at_s;
+}
+
+TEST(PulseTrain, PulsesOfARecordingsOwnClockAreRoundedAlike_AndManyOfThemAreNoBetterThanOne) {
   for (const double drift_ppm : {0.0, 100.0}) {
     const Clock clock_b{.offset_s = 0.0043, .drift_ppm = drift_ppm, .length_s = 600.0};
+    Recording a = with_pulses({.length_s = 600.0}, pulses_in_step(600.0));
+    Recording b = with_pulses(clock_b, pulses_in_step(600.0));
+    for (std::size_t k = 0; k < b.t_s.size(); ++k) b.x_mm[k] = b.y_mm[k] = static_cast<double>(k % 7);
+    a.host_clock = b.host_clock = "one computer";
 
-    const auto alignment = align(with_pulses({.length_s = 600.0}, at_s), with_pulses(clock_b, at_s));
+    const auto alignment = align(a, b);
 
     ASSERT_TRUE(alignment) << alignment.error().what;
     EXPECT_GT(alignment->offset_sd_s, 0.0028);
     EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, 30.0)), 3.0 * alignment->offset_sd_s);
   }
+}
+
+TEST(PulseTrain, PulsesRoundedAlike_TheSignalsGiveTheOffsetWithinTheScanAndNoMore) {
+  const auto at_s = pulses_in_step(kHalfAnHourS);
+  Recording a = with_pulses(kClockA, at_s, 0.2);
+  const Recording b = with_pulses(kClockB, at_s, 0.3);
+  const double end_s = kClockB.length_s;
+
+  const auto alignment = align(a, b);
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_EQ(alignment->means, Alignment::Means::PulseTrain);
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 1e-3);
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 4.0 * alignment->sd_at_s(end_s));
+
+  const double delay_s = 0.1;  // of an unknown filter
+  for (double& t_s : a.t_s) t_s += delay_s;
+  const auto misled = align(a, b);
+  ASSERT_TRUE(misled) << misled.error().what;
+  EXPECT_LT(std::abs(error_at_s(*misled, kClockB, end_s)), 0.011);
+  EXPECT_GT(misled->offset_sd_s, 0.0028);
 }
 
 /// The pulses as an analogue signal that needs 30 ms to rise, centred on the edge.

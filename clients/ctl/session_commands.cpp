@@ -199,9 +199,11 @@ int run_session_show(const Arguments& arguments, cli::Console& console) {
   const auto ask = [&](ControlClient& dts) {
     auto session = dts.show_session(arguments.session.id);
     if (arguments.is_json || arguments.is_csv || !session || session->state() != "running") return session;
-    const auto status = dts.status();  // the catalogue does not know how long the session runs
-    if (const auto rig = status ? find_rig(*status, session->rig()) : Result<v1::RigStatus>(v1::RigStatus()); rig) {
-      if (rig->session().session_id() == session->session_id()) elapsed_s = rig->session().elapsed_s();
+    const auto status = dts.status();  // the catalogue does not know how long the session runs, nor which rig is lost now
+    const auto rig = status ? find_rig(*status, session->rig()) : Result<v1::RigStatus>(v1::RigStatus());
+    if (rig && rig->session().session_id() == session->session_id()) {
+      elapsed_s = rig->session().elapsed_s();
+      session->set_message(rig->session().message());
     }
     return session;
   };

@@ -99,8 +99,8 @@ bool needs_tare(const v1::RigStatus& rig) {
   const bool has_own_zero =
       std::ranges::any_of(stages, [](const std::string& stage) { return stage.find("baseline=nominal") != std::string::npos; });
   const bool is_replayed = rig.rig().device_uri().starts_with("replay:");
-  return rig.rig().kind() == "chair" && rig.device() == v1::DEVICE_STATE_STREAMING && rig.tare() != v1::TARE_STATE_DONE && !has_own_zero &&
-         !is_replayed;
+  const bool needs_zero = rig.rig().kind() == "chair" || rig.rig().is_force_plate();
+  return needs_zero && rig.device() == v1::DEVICE_STATE_STREAMING && rig.tare() != v1::TARE_STATE_DONE && !has_own_zero && !is_replayed;
 }
 
 std::string session_line(const v1::SessionInfo& session) {

@@ -125,17 +125,41 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   return facts;
 }
 
+namespace {
+
+std::string platform_text(const SessionData& session) {
+  if (session.is_force_plate) return "a force plate";
+  if (!session.facts) return "a platform";
+  return session.facts->kind == "chair" ? "an instrumented chair" : "a bending plate";
+}
+
+/// Returns "100.0 Hz", or "100.0 and 1000 Hz" if trials differ.
+std::string rates_text(std::span<const TrialData> trials, double (*rate_hz)(const TrialData& trial)) {
+  std::vector<std::string> rates;
+  for (const TrialData& trial : trials) {
+    if (!trial.analysis) continue;
+    std::string rate = significant(rate_hz(trial));
+    if (std::ranges::find(rates, rate) == rates.end()) rates.push_back(std::move(rate));
+  }
+  return core::join(rates, " and ") + " Hz";
+}
+
+}  // namespace
+
 std::optional<Notes> methods_of(const SessionData& session, std::span<const TrialData> trials) {
   const auto analysed = std::ranges::find_if(trials, [](const TrialData& trial) { return trial.analysis.has_value(); });
   if (analysed == trials.end()) return std::nullopt;
   const posturography::Analysis& analysis = *analysed->analysis;
-  std::string text = "The centre of pressure was recorded";
-  if (session.facts && !session.facts->device_model.empty()) text += " with a " + session.facts->device_model;
-  text += " at " + significant(analysed->recorded.cop.rate_hz) + " Hz";
+  std::string text = session.is_synthetic() ? "The data are synthetic, no person was measured: the centre of pressure was simulated for " +
+                                                  platform_text(session)
+                                            : "The centre of pressure was recorded with " + platform_text(session);
+  if (session.facts && !session.facts->device_model.empty()) text += ", data acquisition by " + session.facts->device_model + ",";
+  text += " at " + rates_text(trials, [](const TrialData& trial) { return trial.recorded.cop.rate_hz; });
   if (session.facts && !session.facts->software.empty()) text += " (" + session.facts->software + ")";
   text +=
-      ", filtered (" + filter_text(analysis) + ") and analysed at " + significant(analysis.rate_hz) +
-      " Hz. Gaps of up to 50 ms were interpolated linearly, and the mean of each trial was subtracted. AP is positive forward, ML is "
+      ", filtered (" + filter_text(analysis) + ") and analysed at " +
+      rates_text(trials, [](const TrialData& trial) { return trial.analysis->rate_hz; }) +
+      ". Gaps of up to 50 ms were interpolated linearly, and the mean of each trial was subtracted. AP is positive forward, ML is "
       "positive to the right. Time-domain and spectral measures are defined as in Prieto et al. (1996), the 95 % prediction ellipse as in "
       "Schubert and Kirchner (2014), stabilogram diffusion as in Collins and De Luca (1993).";
   if (!session.software.empty()) text += " All measures were computed with " + session.software + ".";

@@ -112,6 +112,9 @@ core::Result<C3dFile> C3dFile::read(std::string bytes) {
   file.frames_ = std::min(stated, held);
   if (held < stated) {
     file.warnings_.push_back("the file ends after frame " + std::to_string(held) + " of " + std::to_string(stated));
+  } else if ((held - stated) * frame_bytes >= kBlockBytes) {  // less may fill up the last block
+    file.warnings_.push_back("the file holds " + std::to_string(held) + " frames, but only " + std::to_string(stated) +
+                             " are stated: the others are not read");
   }
   if (file.frames_ == 0) {
     return core::fail(ErrorCode::Failed, "byte " + std::to_string(file.data_start_ + 1) + ": the file has no frame",
@@ -155,23 +158,26 @@ std::size_t C3dFile::data_start(const Header& header) {
   return (block - 1) * kBlockBytes;
 }
 
-/// A header holds at most 65535 frames; longer files state their number in parameters.
+/// A header holds at most 65535 frames; longer files state their number in parameters. A number below that of the header is wrong there.
 std::size_t C3dFile::stated_frames(const Header& header) {
   constexpr double kMostFrames = 4294967295.0;
+  const bool is_in_header = header.last_frame() >= header.first_frame() && header.last_frame() != kSaturated;
+  const double least = header.last_frame() == kSaturated ? static_cast<double>(kSaturated - header.first_frame() + 1) : 1.0;
   std::optional<double> stated;
+  const auto state = [&](std::optional<double> frames) {
+    if (!stated && frames && *frames >= least && *frames <= kMostFrames) stated = frames;
+  };
   const auto first = parameters_.count("TRIAL", "ACTUAL_START_FIELD");
   const auto last = parameters_.count("TRIAL", "ACTUAL_END_FIELD");
   if (first && last) {
     constexpr double kWord = 65536.0;
     const double from = *first + kWord * parameters_.count("TRIAL", "ACTUAL_START_FIELD", 1).value_or(0.0);
     const double to = *last + kWord * parameters_.count("TRIAL", "ACTUAL_END_FIELD", 1).value_or(0.0);
-    stated = to - from + 1.0;
+    if (from >= 1.0) state(to - from + 1.0);
   }
-  if (const auto count = parameters_.count("POINT", "LONG_FRAMES"); count && !stated) stated = count;
-  if (const auto count = parameters_.count("POINT", "FRAMES"); count && !stated) stated = count;
-  if (stated && !(*stated >= 1.0 && *stated <= kMostFrames)) stated.reset();
+  state(parameters_.count("POINT", "LONG_FRAMES"));
+  if (const auto frames = parameters_.count("POINT", "FRAMES"); frames != kSaturated) state(frames);
 
-  const bool is_in_header = header.last_frame() >= header.first_frame() && header.last_frame() != kSaturated;
   if (is_in_header) {
     const std::size_t frames = header.last_frame() - header.first_frame() + 1;
     if (stated && *stated != static_cast<double>(frames)) {
@@ -226,8 +232,8 @@ void C3dFile::read_events(const Header& header) {
     return found != nullptr && index < found->texts.size() ? found->texts[index] : std::string();
   };
   const Parameter* const times = parameters_.find("EVENT", "TIMES");
-  const auto used = static_cast<std::size_t>(std::clamp(parameters_.count("EVENT", "USED").value_or(0.0), 0.0, 65535.0));
-  for (std::size_t k = 0; times != nullptr && k < used && 2 * k + 1 < times->numbers.size(); ++k) {
+  const double used = parameters_.count("EVENT", "USED").value_or(0.0);  // may be NaN
+  for (std::size_t k = 0; times != nullptr && static_cast<double>(k) < used && 2 * k + 1 < times->numbers.size(); ++k) {
     const double time_s = kSecondsPerMinute * times->numbers[2 * k] + times->numbers[2 * k + 1] - first_s;
     if (std::isfinite(time_s)) events_.push_back({.context = text_at("CONTEXTS", k), .label = text_at("LABELS", k), .time_s = time_s});
   }

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -217,12 +218,15 @@ std::string section_of(const Outline& outline, const Frames& frames, std::size_t
 
 core::Result<std::string> file_beginning(const Outline& outline) {
   const auto wrong = [](const std::string& what) { return core::fail(ErrorCode::InvalidArgument, "a C3D file " + what); };
-  if (!(outline.rate_hz > 0.0) || !std::isfinite(outline.rate_hz)) return wrong("needs a rate above 0");
   if (outline.samples == 0) return wrong("needs at least one sample");
   if (outline.samples > 0xFFFFFFFFU) return wrong("has at most 4294967295 samples");
   if (outline.plates.empty() || outline.plates.size() > kMostPlates) return wrong("has 1 to " + std::to_string(kMostPlates) + " plates");
   if (outline.events.size() > kMostEvents) return wrong("has at most " + std::to_string(kMostEvents) + " events");
   const Frames frames = frames_of(outline.samples);
+  using Real = std::numeric_limits<float>;
+  if (!(outline.rate_hz / static_cast<double>(frames.samples_per_frame) >= Real::min() && outline.rate_hz <= Real::max())) {
+    return wrong("needs a rate above 0 that a 32-bit number can hold");
+  }
   const std::size_t blocks = section_of(outline, frames, 0).size() / kBlockBytes;  // the place of the data does not change the size
   const std::size_t data_block = kParameterBlock + blocks;
   return header_of(outline, frames, data_block) + section_of(outline, frames, data_block);

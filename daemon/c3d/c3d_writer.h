@@ -27,8 +27,8 @@ struct Outline {
 };
 
 /// Returns the beginning of a file of 32-bit real numbers (Intel, plates of type 1): header and parameters. The samples follow, each as
-/// `append_sample` writes it. Fails with InvalidArgument if the rate is not above 0, if there is no sample, or if there are too many
-/// plates or events.
+/// `append_sample` writes it. Fails with InvalidArgument if the rate is not above 0 in 32 bits, if there is no sample, or if there are too
+/// many plates or events.
 [[nodiscard]] core::Result<std::string> file_beginning(const Outline& outline);
 
 /// Appends one sample: the values of all channels of all plates. An undefined value is NaN: C3D has no other way to say it.

@@ -18,8 +18,8 @@ struct ForcePlatform {
   std::optional<int> type;
   std::optional<std::array<double, 3>> origin;
   std::optional<Corners> corners;
-  std::vector<std::size_t> channels;                 ///< Counted from 1; 0: no number of a channel.
-  std::optional<std::vector<double>> matrix;         ///< 36 numbers, one column after the other; absent: not there, or not of 6 x 6.
+  std::vector<std::size_t> channels;          ///< Counted from 1; 0: no number of a channel.
+  std::optional<std::vector<double>> matrix;  ///< 36 numbers, one column after the other; absent: not there, not of 6 x 6, or not finite.
   std::optional<std::array<double, 12>> polynomial;  ///< FPCOPPOLY: 6 of x, 6 of y.
 };
 

@@ -51,7 +51,7 @@ class Reader {
   }
 
  private:
-  [[nodiscard]] std::size_t left() const noexcept { return section_.size() - at_; }
+  [[nodiscard]] std::size_t left() const noexcept { return end_ - at_; }
   [[nodiscard]] std::int8_t byte() noexcept { return static_cast<std::int8_t>(section_[at_++]); }
   void warn(const std::string& text) {
     if (warnings_.size() < kMostWarnings) warnings_.push_back(text);
@@ -64,6 +64,7 @@ class Reader {
 
   /// Returns false behind the last record.
   bool read_record() {
+    end_ = section_.size();
     if (left() < 2) return false;  // some writers leave out the zero that ends the section
     const auto length = static_cast<std::size_t>(std::abs(byte()));
     if (length == 0) return false;
@@ -74,6 +75,9 @@ class Reader {
     const std::size_t from = at_;
     const auto offset = signed_word(encoding_, section_.data() + at_);
     at_ += 2;
+    const auto next = static_cast<std::int64_t>(from) + offset;
+    const bool has_next = next >= static_cast<std::int64_t>(at_) && next <= static_cast<std::int64_t>(section_.size());
+    if (has_next) end_ = static_cast<std::size_t>(next);  // data of two records never overlap: their memory is that of the section
     if (id < 0) {
       groups_.emplace(-id, name);  // of two groups with one number, the first
     } else if (id > 0) {
@@ -82,11 +86,8 @@ class Reader {
       warn(name + " is neither a group nor a parameter");
     }
     if (offset == 0) return false;
-    const auto next = static_cast<std::int64_t>(from) + offset;
-    if (next < static_cast<std::int64_t>(from) + 2 || next > static_cast<std::int64_t>(section_.size())) {
-      return stop("the record behind " + name + " would be outside");
-    }
-    at_ = static_cast<std::size_t>(next);
+    if (!has_next) return stop("the record behind " + name + " would be outside");
+    at_ = end_;
     return true;
   }
 
@@ -106,7 +107,7 @@ class Reader {
       count *= parameter.dimensions.back();
     }
     const std::uint64_t bytes = count * static_cast<std::uint64_t>(std::abs(type));
-    if (bytes > left()) return warn("parameter " + name + " says it has " + std::to_string(bytes) + " bytes, the section has fewer");
+    if (bytes > left()) return warn("parameter " + name + " says it has " + std::to_string(bytes) + " bytes, its record has fewer");
     const std::string_view data = section_.substr(at_, static_cast<std::size_t>(bytes));
     at_ += data.size();
     if (type == kCharacter) {
@@ -140,6 +141,7 @@ class Reader {
   Encoding encoding_;
   std::vector<std::string>& warnings_;
   std::size_t at_ = 0;
+  std::size_t end_ = 0;  ///< Of the record that is read.
   std::map<int, std::string> groups_;
   std::vector<std::pair<int, Parameter>> found_;  ///< With the number of the group, which may follow its parameters.
   std::vector<Parameter> parameters_;

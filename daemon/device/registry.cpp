@@ -10,6 +10,7 @@
 #include "device/replay/replay_device.h"
 #include "device/sim/chair/chair.h"
 #include "device/sim/floor.h"
+#include "device/sim/stack/stack.h"
 
 namespace dts::device {
 namespace {
@@ -43,6 +44,7 @@ const std::vector<RegistryEntry>& registry() {
   static const std::vector<RegistryEntry> entries = with_mcc({
       {"sim:floor", "Simulated floor platform with a person or a weight on it.", sim::create_floor},
       {"sim:chair", "Simulated chair with a person who reaches.", sim::create_chair},
+      {"sim:stack", "Simulated floor platform on a force plate, one person on both: one part of it.", sim::create_stack},
       {"replay:", "Plays a recording: replay:FILE.xdf?speed=1&loop=0.", replay::create_replay},
       {"labjack:u6", "LabJack U6 or U6-Pro: 14 inputs, one converter.", labjack::create_u6, labjack::u6_models()},
       {"ni:", "A device of National Instruments; needs NI-DAQmx: ni:Dev1.", nidaqmx::create_ni_daqmx},

@@ -26,6 +26,19 @@ void know(TomlReader& reader, std::initializer_list<std::string_view> keys) {
   }
 }
 
+/// Reports keys that are known but have no use in this table.
+void report_unused(TomlReader& reader, std::initializer_list<std::string_view> keys, const std::string& used_with) {
+  for (const std::string_view key : keys) {
+    if (reader.node(key) != nullptr) reader.report(key, std::string(key) + " is used only with " + used_with + ": remove it");
+  }
+}
+
+/// Reports that the table has both keys.
+void report_both(TomlReader& reader, std::string_view one, std::string_view other) {
+  static_cast<void>(reader.node(other));
+  reader.report(other, std::string(one) + " and " + std::string(other) + " exclude each other: give one of the two");
+}
+
 /// Returns the list at `key`, which must be there and have `count` numbers; zeros if it is wrong, with a problem.
 template <std::size_t Count>
 std::array<double, Count> required_list(TomlReader& reader, std::string_view key) {
@@ -66,6 +79,12 @@ std::array<double, kKistlerChannels> kistler_scales(TomlReader& reader) {
     not_zero("range_pc", range);
     for (std::size_t k = 0; k < kKistlerChannels; ++k) newtons_per_volt.at(k) = range.at(k) / (full_scale_v * sensitivity.at(k));
     return newtons_per_volt;
+  }
+  if (reader.has("sensitivity_pc_per_n")) {
+    report_both(reader, "scale_mv_per_n", "sensitivity_pc_per_n");
+    for (const char* const key : {"range_pc", "full_scale_v"}) static_cast<void>(reader.node(key));
+  } else {
+    report_unused(reader, {"range_pc", "full_scale_v"}, "sensitivity_pc_per_n");
   }
   const auto scale = required_list<kKistlerChannels>(reader, "scale_mv_per_n");
   not_zero("scale_mv_per_n", scale);
@@ -113,10 +132,16 @@ core::Result<ForcePlate> six_component(TomlReader& reader, const Problems& probl
   const std::string key = is_sensitivity ? "sensitivity" : "matrix";
   if (reader.has(key)) plate.matrix = required_matrix(reader, key);
   if (is_sensitivity) {
+    report_unused(reader, {"matrix_unit"}, "matrix");
     factors = microvolts_per_volt(reader);
   } else {
+    if (reader.has("sensitivity")) report_both(reader, "matrix", "sensitivity");
     reader.require("matrix_unit");
-    if (reader.choice("matrix_unit", {"n_per_v", "n_per_uv_per_v"}) == "n_per_uv_per_v") factors = microvolts_per_volt(reader);
+    if (reader.choice("matrix_unit", {"n_per_v", "n_per_uv_per_v"}) == "n_per_uv_per_v") {
+      factors = microvolts_per_volt(reader);
+    } else {
+      report_unused(reader, {"excitation_v", "gain"}, "matrix_unit = \"n_per_uv_per_v\" or sensitivity");
+    }
   }
   reader.require("surface_mm");
   plate.surface_mm = required_list<3>(reader, "surface_mm");

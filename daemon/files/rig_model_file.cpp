@@ -133,6 +133,8 @@ std::vector<std::size_t> read_channels(TomlReader& reader, std::size_t count) {
   return channels;
 }
 
+constexpr std::string_view kChannelLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.";
+
 /// Reads `names`: what the channels of the plate are called.
 std::vector<std::string> read_names(TomlReader& reader, const std::string& kind, std::size_t count) {
   std::vector<std::string> names = reader.texts("names", channel_names(kind, count));
@@ -140,8 +142,9 @@ std::vector<std::string> read_names(TomlReader& reader, const std::string& kind,
     reader.report("names", "the plate has " + std::to_string(count) + " channels, but " + std::to_string(names.size()) + " names");
   }
   for (std::size_t name = 0; name < names.size(); ++name) {
-    if (names[name].empty() || std::ranges::count(names, names[name]) > 1) {
-      reader.report("names", "each name must be there once, and not be empty");
+    if (names[name].empty() || names[name].find_first_not_of(kChannelLetters) != std::string::npos ||
+        std::ranges::count(names, names[name]) > 1) {
+      reader.report("names", "each name must be there once, and have only letters, digits, '_', '-' and '.'");
       break;
     }
   }
@@ -178,6 +181,8 @@ void read_force_plate_rig(TomlReader& top, RigModelFile& rig, Problems& problems
   const auto file = read_force_plate(reader, problems);
   if (!file) return;
   mounting.is_z_down = file->is_z_down;
+  // The surface is at az0 below 0, which is above the origin only if z points down.
+  if (file->kind == "kistler8" && !file->is_z_down) reader.report("axes", "the channels of a kistler8 plate have z down: remove axes");
   if (const auto checked = physics::check(mounting); !checked) reader.report("ml", core::to_string(checked.error()));
   const std::size_t count = file->plate.channel_count();
   rig.sensor_channels = read_channels(reader, count);

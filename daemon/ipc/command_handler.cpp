@@ -99,9 +99,12 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
       response.mutable_tare()->set_unit(report->unit == pipeline::ZeroUnit::Volts ? "V" : "mm");
       return response;
     case pipeline::TareOutcome::Loaded:
-      return error_response(
-          {ErrorCode::WrongState, "tare rejected: the " + surface + " of rig '" + pending.rig + "' is loaded",
-           is_chair ? "let the subject stand up, clear the seat, then try again" : "let everybody step off, then try again"});
+      return error_response({ErrorCode::WrongState, "tare rejected: the " + surface + " of rig '" + pending.rig + "' is loaded",
+                             is_chair ? "let the subject stand up, clear the seat, then try again"
+                             : report->unit == pipeline::ZeroUnit::Volts
+                                 ? "let everybody step off, then try again; if nobody is on it, set the volts of the "
+                                   "empty plate in its rig file: [force_plate.tare] volts"
+                                 : "let everybody step off, then try again"});
     case pipeline::TareOutcome::Unsteady:
       return error_response({ErrorCode::WrongState, "tare rejected: the " + surface + " of rig '" + pending.rig + "' moved while averaging",
                              "keep still around the " + surface + ", then try again"});

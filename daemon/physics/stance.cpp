@@ -15,6 +15,7 @@ constexpr core::Millimetres kHeelWidth{60.0};
 constexpr core::Millimetres kHeelLength{60.0};
 constexpr core::Millimetres kForefootWidth{90.0};
 constexpr core::Millimetres kForefootLength{70.0};
+constexpr core::Millimetres kBetweenHalves{45.0};  // half the width of the forefoot
 
 bool is_on_plate(const Patch& patch, const Plate& plate) noexcept {
   const double half_width = patch.width.value / 2.0;
@@ -29,23 +30,24 @@ core::Status check_values(const Stance& stance) {
   if (!(stance.load.value > 0.0) || !std::isfinite(stance.load.value)) {
     return core::fail(ErrorCode::InvalidArgument, "stance: load of " + std::to_string(stance.load.value) + " N is not positive");
   }
-  const bool has_shape = stance.width.value > 0.0 && stance.foot_length.value > 0.0;
-  if (stance.kind == ContactKind::Feet && !has_shape) {
+  const bool has_width = stance.kind != ContactKind::Feet || stance.width.value > 0.0;
+  if (stance.kind != ContactKind::Point && !(has_width && stance.foot_length.value > 0.0)) {
     return core::fail(ErrorCode::InvalidArgument,
                       "stance: width of " + mm(stance.width) + " and foot length of " + mm(stance.foot_length) + " must both be positive");
   }
   return {};
 }
 
-StancePatches feet(const Stance& stance, const Plate& plate) {
-  StancePatches placed{.heel_to_forefoot_mm = kHeelToForefoot * stance.foot_length.value};
+/// `between` is the distance between the centres of the left and right patches, each `part` of a foot wide.
+StancePatches heels_and_forefeet(const Stance& stance, const Plate& plate, core::Millimetres between, double part) {
+  StancePatches placed{.width_mm = between.value, .heel_to_forefoot_mm = kHeelToForefoot * stance.foot_length.value};
   const core::Millimetres x = plate.a / 2.0 + stance.centre_ml;
   const core::Millimetres y = plate.b / 2.0 + stance.centre_ap;
   const core::Millimetres half_length{placed.heel_to_forefoot_mm / 2.0};
   for (const double side : {-0.5, 0.5}) {
-    const core::Millimetres foot = x + stance.width * side;
-    placed.patches[placed.count++] = {{foot, y - half_length}, kHeelWidth, kHeelLength};
-    placed.patches[placed.count++] = {{foot, y + half_length}, kForefootWidth, kForefootLength};
+    const core::Millimetres middle = x + between * side;
+    placed.patches[placed.count++] = {{middle, y - half_length}, kHeelWidth * part, kHeelLength};
+    placed.patches[placed.count++] = {{middle, y + half_length}, kForefootWidth * part, kForefootLength};
   }
   return placed;
 }
@@ -56,11 +58,20 @@ StancePatches point(const Stance& stance, const Plate& plate) {
   return placed;
 }
 
+StancePatches contacts(const Stance& stance, const Plate& plate) {
+  switch (stance.kind) {
+    case ContactKind::Feet: return heels_and_forefeet(stance, plate, stance.width, 1.0);
+    case ContactKind::OneFoot: return heels_and_forefeet(stance, plate, kBetweenHalves, 0.5);
+    case ContactKind::Point: break;
+  }
+  return point(stance, plate);
+}
+
 }  // namespace
 
 core::Result<StancePatches> place_stance(const Stance& stance, const Plate& plate) {
   DTS_TRY(check_values(stance));
-  const StancePatches placed = stance.kind == ContactKind::Feet ? feet(stance, plate) : point(stance, plate);
+  const StancePatches placed = contacts(stance, plate);
   for (const Patch& patch : placed.used()) {
     if (is_on_plate(patch, plate)) continue;
     return core::fail(ErrorCode::InvalidArgument,

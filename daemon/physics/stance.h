@@ -16,17 +16,18 @@ namespace dts::physics {
 inline constexpr std::size_t kMaxContacts = 4;
 
 enum class ContactKind : std::uint8_t {
-  Feet,   ///< Two feet, each a heel and a forefoot patch.
-  Point,  ///< The whole load at one point: a calibration weight.
+  Feet,     ///< Two feet, each a heel and a forefoot patch.
+  OneFoot,  ///< One foot: the left and the right half of its heel and of its forefoot.
+  Point,    ///< The whole load at one point: a calibration weight.
 };
 
 /// Who stands on the plate, where and when. Origin at the plate's centre, ML to the right, AP forward; times in device seconds.
 struct Stance {
   ContactKind kind = ContactKind::Feet;
   core::Newtons load{686.0};
-  core::Millimetres centre_ml{0.0};  ///< Point: its position. Feet: the centre of the four patches.
+  core::Millimetres centre_ml{0.0};  ///< Point: its position. Feet, OneFoot: the centre of the four patches.
   core::Millimetres centre_ap{0.0};
-  core::Millimetres width{200.0};                               ///< Between the middle lines of the feet.
+  core::Millimetres width{200.0};                               ///< Feet only: between their middle lines.
   core::Millimetres foot_length{255.0};                         ///< Heel to toe.
   double step_on_s = 2.5;                                       ///< First touch.
   double step_off_s = std::numeric_limits<double>::infinity();  ///< The moment at which the person begins to step off.
@@ -37,7 +38,8 @@ struct Stance {
 struct StancePatches {
   std::array<Patch, kMaxContacts> patches{};  ///< Left heel, left forefoot, right heel, right forefoot; of a point only the first.
   std::size_t count = 0;
-  double heel_to_forefoot_mm = 0.0;  ///< Feet only.
+  double width_mm = 0.0;             ///< Feet, OneFoot: between the centres of the left and right patches.
+  double heel_to_forefoot_mm = 0.0;  ///< Feet, OneFoot.
 
   [[nodiscard]] std::span<const Patch> used() const noexcept { return {patches.data(), count}; }
 };

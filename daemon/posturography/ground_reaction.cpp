@@ -112,16 +112,23 @@ core::Status check(const CopSeries& series, double body_height_m) {
   return {};
 }
 
-/// Returns the mass by the mean of the loads above 0.
-double mass_of(const CopSeries& series) {
+/// Sets the mass by the mean of the loads above 0 in these stretches: elsewhere, nobody may be on the plate.
+void set_mass(const CopSeries& series, const std::vector<Stretch>& stretches, GroundReaction& result) {
   double sum_n = 0.0;
-  std::size_t count = 0;
-  for (const double load_n : series.load_n) {
-    if (!(load_n > 0.0) || !std::isfinite(load_n)) continue;
-    sum_n += load_n;
-    ++count;
+  double squares = 0.0;
+  double count = 0.0;
+  for (const Stretch& stretch : stretches) {
+    for (const double load_n : std::span(series.load_n).subspan(stretch.begin, stretch.size())) {
+      if (!(load_n > 0.0) || !std::isfinite(load_n)) continue;
+      sum_n += load_n;
+      squares += load_n * load_n;
+      count += 1.0;
+    }
   }
-  return count == 0 ? 0.0 : sum_n / static_cast<double>(count) / kGravity;
+  if (count == 0.0) return;
+  const double mean_n = sum_n / count;
+  result.mass_kg = mean_n / kGravity;
+  result.load_sd_n = std::sqrt(std::max(squares / count - mean_n * mean_n, 0.0));
 }
 
 }  // namespace
@@ -131,11 +138,14 @@ core::Result<GroundReaction> ground_reaction(const CopSeries& series, double bod
   const std::size_t n = series.ml_mm.size();
   GroundReaction result{.ml_n = std::vector<double>(n, kNaN),
                         .ap_n = std::vector<double>(n, kNaN),
-                        .mass_kg = mass_of(series),
                         .effective_length_m = kLengthOverHeight * kHeightOfMass * body_height_m};
   const auto margin = static_cast<std::size_t>(std::ceil(kForceMarginS * series.rate_hz));
-  for (const Stretch& stretch : clean_stretches(series).all) {
-    if (static_cast<double>(stretch.size()) < kShortestForceS * series.rate_hz) continue;
+  std::vector<Stretch> stretches = clean_stretches(series).all;
+  std::erase_if(stretches, [&](const Stretch& one) { return static_cast<double>(one.size()) < kShortestForceS * series.rate_hz; });
+  set_mass(series, stretches, result);
+  if (!stretches.empty() && !(result.mass_kg > 0.0))
+    return core::fail(ErrorCode::InvalidArgument, "the mass needs the load: load_n is empty");
+  for (const Stretch& stretch : stretches) {
     ForceFilter filter(copy_of(series, stretch), series.rate_hz);
     filter.run(result.mass_kg, result.effective_length_m);
     for (std::size_t i = margin; i < stretch.size() - margin; ++i) {

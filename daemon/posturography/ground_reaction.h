@@ -9,9 +9,9 @@
 
 namespace dts::posturography {
 
+inline constexpr double kGravity = 9.81;  ///< m/s2. The thesis has 9.8: physics::kGravityMPerS2, which this room must not include.
 /// The band in which the horizontal force follows from the centre of pressure, Hz. Below it, posture changes slowly in ways that are not a
 /// pendulum's, and 0.1 N of signal is left; above it, trunk, arms and heart move apart from the whole body.
-inline constexpr double kGravity = 9.81;  ///< m/s2.
 inline constexpr double kLowestForceHz = 0.1;
 inline constexpr double kHighestForceHz = 2.0;
 /// The result begins this long after the first sample of a stretch and ends as long before its last: the filter has no support there.
@@ -24,7 +24,8 @@ inline constexpr double kShortestForceS = 2.0 / kLowestForceHz + 2.0 * kForceMar
 struct GroundReaction {
   std::vector<double> ml_n;  ///< Each supported stretch has about zero mean: a constant force does not move the centre of pressure.
   std::vector<double> ap_n;
-  double mass_kg = 0.0;             ///< From the mean load.
+  double mass_kg = 0.0;             ///< From the mean load of the stretches that have a result.
+  double load_sd_n = 0.0;           ///< Standard deviation of this load.
   double effective_length_m = 0.0;  ///< I / (m h) of an inverted pendulum that turns about the ankles.
   std::size_t supported = 0;        ///< Samples with a result.
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/session_facts.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
@@ -75,7 +76,17 @@ core::Status read_rigs(const Facts& facts, SessionFacts& session) {
   DTS_TRY(read_number(facts, "rigs", count));
   if (count > kMaxRigs) return core::fail(core::ErrorCode::DataDamaged, "the fact rigs is " + std::to_string(count) + ", at most 64");
   for (std::uint64_t rig = 1; rig <= count; ++rig) session.rigs.push_back(fact(facts, "rigs." + std::to_string(rig)));
-  return read_number(facts, "leading_part", session.leading_part);
+  DTS_TRY(read_number(facts, "leading_part", session.leading_part));
+  const auto wrong = [](const std::string& what) { return core::fail(core::ErrorCode::DataDamaged, what); };
+  if (!session.rigs.empty() && std::ranges::find(session.rigs, session.rig) == session.rigs.end()) {
+    return wrong("the rig '" + session.rig + "' is not one of the facts rigs");
+  }
+  if (session.leading_part == 0) return {};
+  if (session.rigs.empty() || session.leading_part >= session.part) {
+    return wrong("the fact leading_part is " + std::to_string(session.leading_part) +
+                 ", which is no earlier part of a session over several rigs");
+  }
+  return {};
 }
 
 core::Status read_fields(const Facts& facts, SessionFacts& session) {

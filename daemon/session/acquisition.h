@@ -33,6 +33,8 @@ struct AcquisitionReport {
   core::Rate rate;                            ///< The device's exact rate.
   std::array<char, 512> message{};            ///< Why the device is not streaming, and what to do; empty while it streams.
 
+  /// Returns whether scans arrive.
+  [[nodiscard]] bool delivers() const noexcept { return device == device::DeviceState::Streaming && !is_silent && !is_armed; }
   void set_message(std::string_view text) noexcept;
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
 };

@@ -354,8 +354,8 @@ core::Status Recordings::begin(const std::vector<RecordingStart>& starts) {
 
 void Recordings::end(Rig& rig) {
   const AcquisitionReport& report = rig.acquisition();
-  if (report.device != device::DeviceState::Streaming && report.scans_total > 0) {
-    thread_.mark_incomplete(rig.config().name, "the device was not connected when the session ended: " + std::string(report.text()));
+  if (!report.delivers() && report.scans_total > 0) {
+    thread_.mark_incomplete(rig.config().name, "the device delivered nothing when the session ended: " + std::string(report.text()));
   }
   rig.tap().close(rig.pipeline_report().end);
 }

@@ -194,8 +194,7 @@ void Rig::publish(bool has_more) noexcept {
 
 std::string Rig::sensor_problems() {
   const AcquisitionReport& acquired = acquisition();
-  const bool has_scans = acquired.device == device::DeviceState::Streaming && !acquired.is_silent && !acquired.is_armed;
-  if (!has_scans || !sensor_stream_) return {};
+  if (!acquired.delivers() || !sensor_stream_) return {};
   std::vector<std::string> names;
   for (const std::size_t channel : config_->sensor_channels) names.push_back(device_->describe().channels[channel].name);
   std::string problems =

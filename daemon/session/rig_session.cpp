@@ -83,6 +83,10 @@ core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
   return facts;
 }
 
+std::vector<std::string> rigs_of(const record::SessionRow& row, const core::Result<record::SessionFacts>& facts) {
+  return facts && !facts->rigs.empty() ? facts->rigs : record::rigs_of(row);
+}
+
 void place(v1::Event& event, const DataPosition& at) {
   event.set_segment(at.segment);
   event.set_scan(at.scan.value);
@@ -245,6 +249,7 @@ void RigSession::enter(const record::SessionFacts& facts, const Protocol& protoc
   is_next_wanted_ = false;
   end_reason_.clear();
   incomplete_.clear();
+  lost_rigs_.clear();
   has_ended_ = false;
   utc_minus_monotonic_ns_ = facts.utc_minus_monotonic_ns;
   trials_entered_.clear();
@@ -341,7 +346,11 @@ core::Status RigSession::trial(TrialAction action, const Moment& moment) {
 SessionView RigSession::view(std::int64_t now_ns) const {
   SessionView view = session_.view(now_ns);
   view.rigs = rigs_;
-  if (is_companion() && view.message.empty()) view.message = leader_->session_.view(now_ns).message;
+  if (is_companion()) {
+    const SessionView leading = leader_->session_.view(now_ns);
+    if (view.message.empty()) view.message = leading.message;
+    view.request.duration_s = leading.request.duration_s;
+  }
   return view;
 }
 
@@ -510,6 +519,9 @@ void RigSession::enter_end(std::int64_t now_ns) {
   const SessionView view = session_.view(now_ns);
   std::string state = incomplete_.empty() ? "complete" : "incomplete";
   std::string message = incomplete_.empty() ? view.message : incomplete_;
+  if (message.empty() && !lost_rigs_.empty()) {
+    message = (lost_rigs_.size() == 1 ? "rig " : "rigs ") + core::join(lost_rigs_) + " delivered nothing for a time; the gaps show when";
+  }
   if (is_aborted_) state = "aborted";
   if (!end_reason_.empty()) message = end_reason_;
   services_.recordings.end_session(view.id, state, message, now_ns + utc_minus_monotonic_ns_);

@@ -58,6 +58,10 @@ struct SessionServices {
 /// Returns the facts of a session from its newest readable recording; all of them agree on what a resumed session needs.
 [[nodiscard]] core::Result<record::SessionFacts> facts_of(const record::SessionRow& row);
 
+/// Returns the rigs of a session, the leading one first, also those on which no recording began. `facts`: see `facts_of`; without them,
+/// only the rigs that have recordings are known.
+[[nodiscard]] std::vector<std::string> rigs_of(const record::SessionRow& row, const core::Result<record::SessionFacts>& facts);
+
 /// One rig's session: its state, its recording and its trials. Thread: control.
 ///
 /// A session over several rigs has a RigSession for each. One of them leads: it has the trials, their results and the end of the session.
@@ -164,6 +168,7 @@ class RigSession {
   RigSession* leader_ = nullptr;         ///< Of a companion in a session under way; the supervisor owns both.
   std::vector<RigSession*> companions_;  ///< Those that still record.
   std::string incomplete_;               ///< Why a recording of the session that has ended is not complete; empty: all are.
+  std::vector<std::string> lost_rigs_;   ///< Rigs of the session that delivered nothing for a time.
   std::uint32_t markers_ = 0;            ///< In the recording of this part.
   bool is_recording_ = false;
   bool has_ended_ = false;            ///< The end of the recording was ordered.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions over several rigs: how companions end, and what is reported of a rig that is lost.
+#include <algorithm>
 #include <utility>
 
 #include "session/rig_session.h"
@@ -59,8 +60,9 @@ void RigSession::report_lost(std::int64_t now_ns) {
   all.insert(all.end(), companions_.begin(), companions_.end());
   for (RigSession* one : all) {
     const AcquisitionReport& report = one->rig_.acquisition();
-    if (report.device == device::DeviceState::Streaming || report.scans_total == 0) continue;
+    if (report.delivers() || report.scans_total == 0) continue;
     add(lost, "rig '" + one->rig() + "' delivers nothing: " + std::string(report.text()));
+    if (std::ranges::find(lost_rigs_, one->rig()) == lost_rigs_.end()) lost_rigs_.push_back(one->rig());
   }
   session_.report(now_ns, std::move(lost));
 }

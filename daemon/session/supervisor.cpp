@@ -116,12 +116,13 @@ core::Status Supervisor::check_startable(Entry& entry) {
   return core::fail(core::ErrorCode::WrongState, where + "is being tared", "wait until the tare ends");
 }
 
-/// Several rigs begin together, so each of them must stream already.
+/// Several rigs begin together, so each of them must deliver scans already.
 core::Status Supervisor::check_startable(const std::vector<Entry*>& entries) {
   for (Entry* entry : entries) {
     DTS_TRY(check_startable(*entry));
-    if (entries.size() == 1 || entry->rig->acquisition().device == device::DeviceState::Streaming) continue;
-    return core::fail(core::ErrorCode::WrongState, "rig '" + entry->rig->config().name + "' does not stream yet",
+    const AcquisitionReport& acquisition = entry->rig->acquisition();
+    if (entries.size() == 1 || (acquisition.delivers() && acquisition.scans_total > 0)) continue;
+    return core::fail(core::ErrorCode::WrongState, "rig '" + entry->rig->config().name + "' delivers no scans yet",
                       "wait for its device: dtsctl status");
   }
   return {};
@@ -173,7 +174,7 @@ core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(con
                                      : "start a new session: dtsctl session start --rig " + row.rig);
   }
   DTS_TRY_ASSIGN(const auto earlier, facts_of(row));
-  DTS_TRY_ASSIGN(const auto entries, find_all(earlier.rigs.empty() ? std::vector{row.rig} : earlier.rigs));
+  DTS_TRY_ASSIGN(const auto entries, find_all(rigs_of(row, earlier)));
   DTS_TRY(check_startable(entries));
   Entry& leading = *entries.front();
   DTS_TRY_ASSIGN(auto view, begun(entries, leading.session.resume(row, earlier, companions_in(entries), moment(leading))));

@@ -22,7 +22,7 @@ void Supervisor::forget_resumable(const std::string& rig) {
   std::erase_if(resumable_, [&](const std::string& id) {
     const auto row = services_.recordings.catalogue().session(id);
     if (!row) return true;
-    const std::vector<std::string> rigs = record::rigs_of(*row);
+    const std::vector<std::string> rigs = rigs_of(*row, facts_of(*row));
     return std::ranges::find(rigs, rig) != rigs.end();
   });
 }
@@ -31,7 +31,7 @@ void Supervisor::forget_resumable(const std::string& rig) {
 bool Supervisor::waits_for_device(const std::string& session_id, std::int64_t now_ns) {
   if (now_ns >= resume_until_ns_) return false;
   const auto row = services_.recordings.catalogue().session(session_id);
-  const auto entries = row ? find_all(record::rigs_of(*row)) : tl::make_unexpected(row.error());
+  const auto entries = row ? find_all(rigs_of(*row, facts_of(*row))) : tl::make_unexpected(row.error());
   return entries && std::ranges::any_of(*entries, [](Entry* entry) { return entry->rig->acquisition().scans_total == 0; });
 }
 

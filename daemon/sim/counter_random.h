@@ -32,4 +32,7 @@ class CounterRandom {
   std::uint64_t key_;
 };
 
+/// Returns number n of `random`, uniformly distributed in -1 .. 1.
+[[nodiscard]] inline double either_side(const CounterRandom& random, std::uint64_t n) noexcept { return 2.0 * random.uniform(n) - 1.0; }
+
 }  // namespace dts::sim

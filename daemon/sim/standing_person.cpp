@@ -72,16 +72,17 @@ Contact StandingPerson::at(double time_s, CopPosition sway) const noexcept {
     contact.force_n[0] = contact.load_n;
     return contact;
   }
-  const double half_width = stance_.width.value / 2.0;
+  const double half_width = patches_.width_mm / 2.0;
+  const double arriving_ml = stance_.kind == physics::ContactKind::OneFoot ? 0.0 : -half_width;
   const double half_length = patches_.heel_to_forefoot_mm / 2.0;
   const double standing_ml = std::clamp(sway.ml_mm, -half_width, half_width);
   const double standing_ap = std::clamp(sway.ap_mm, -half_length, half_length);
-  const double ml_mm = now.two_feet * (standing_ml + half_width) - half_width;
+  const double ml_mm = now.two_feet * (standing_ml - arriving_ml) + arriving_ml;
   const double ap_mm = now.two_feet * standing_ap;
   contact.cop.ml_mm += ml_mm;
   contact.cop.ap_mm += ap_mm;
   contact.load_n = weight_n(time_s) * now.loaded;
-  const double right = 0.5 + ml_mm / stance_.width.value;
+  const double right = 0.5 + ml_mm / patches_.width_mm;
   const double forefoot = 0.5 + ap_mm / patches_.heel_to_forefoot_mm;
   contact.force_n = {contact.load_n * (1.0 - right) * (1.0 - forefoot), contact.load_n * (1.0 - right) * forefoot,
                      contact.load_n * right * (1.0 - forefoot), contact.load_n * right * forefoot};

@@ -21,7 +21,7 @@ struct Contact {
 /// How far a person has stepped onto the plate.
 struct StepPhase {
   double loaded = 0.0;    ///< Fraction of the weight on the plate: 0 none .. 1 all.
-  double two_feet = 0.0;  ///< Weight shift: 0 all on the left foot .. 1 the person's normal stance.
+  double two_feet = 0.0;  ///< Weight shift: 0 all on the left foot (or at the centre of the one foot) .. 1 the person's normal stance.
 };
 
 /// A person on the plate. Computes the force on each patch so that the centre of all forces is exactly the wanted centre of pressure. ML
@@ -32,8 +32,9 @@ struct StepPhase {
 ///     heel      [0]     [2]          clamped to the rectangle through the four patch centres
 ///              left    right
 ///
-/// Stepping on: the left foot is loaded (0.8 s), then the right foot is put down and loaded (0.7 s). Stepping off is the reverse. All
-/// shapes and times are assumptions, chosen to look like a clinical recording.
+/// Stepping on: the left foot is loaded (0.8 s), then the right foot is put down and loaded (0.7 s). Stepping off is the reverse. On one
+/// foot, left and right are the halves of its sole; after it is loaded, the sway begins (0.7 s). All shapes and times are assumptions,
+/// chosen to look like a clinical recording.
 class StandingPerson {
  public:
   static constexpr double kLoadingS = 0.8;
@@ -43,8 +44,8 @@ class StandingPerson {
   /// complete; the message names the value.
   [[nodiscard]] static core::Result<StandingPerson> create(const physics::Stance& stance, const physics::Plate& plate);
 
-  /// Plate coordinates (corner origin). Feet: four patches (left heel, left forefoot, right heel, right forefoot). Point: one patch of size
-  /// 0.
+  /// Plate coordinates (corner origin). Feet and OneFoot: four patches (left heel, left forefoot, right heel, right forefoot). Point: one
+  /// patch of size 0.
   [[nodiscard]] std::span<const physics::Patch> patches() const noexcept { return patches_.used(); }
 
   /// `sway` is the wanted COP relative to the centre of the stance, mm; ContactKind::Point ignores it. Thread: any. Realtime-safe: yes.

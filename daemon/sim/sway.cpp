@@ -10,7 +10,6 @@
 namespace dts::sim {
 namespace {
 
-constexpr double kStandardGravityMPerS2 = 9.81;
 constexpr double kStepS = 1e-3;
 constexpr double kStepsPerSecond = 1000.0;
 constexpr int kWarmUpSteps = 30'000;
@@ -37,9 +36,9 @@ double SwayAxis::next_mm() noexcept {
                          model_.passive_damping_nm_s_per_rad * state_.speed_rad_per_s;
   const double ankle_torque_nm = passive + command - noise_torque_nm();
   const double falling_torque_nm = gravity_torque_nm_per_rad_ * state_.angle_rad;
-  const double acceleration = (falling_torque_nm - ankle_torque_nm) / model_.inertia_kg_m2;
+  acceleration_rad_per_s2_ = (falling_torque_nm - ankle_torque_nm) / model_.inertia_kg_m2;
   state_.angle_rad += kStepS * state_.speed_rad_per_s;
-  state_.speed_rad_per_s += kStepS * acceleration;
+  state_.speed_rad_per_s += kStepS * acceleration_rad_per_s2_;
   return physics::kMillimetresPerMetre * ankle_torque_nm / (model_.mass_kg * kStandardGravityMPerS2);
 }
 
@@ -71,23 +70,31 @@ double SwayAxis::gaussian() noexcept {
   return radius * std::cos(2.0 * std::numbers::pi * v);
 }
 
-Sway::Sway(std::uint64_t seed) : ml_(kMediolateralSway, seed ^ kSecondAxisSeed), ap_(kAnteroposteriorSway, seed) {
-  after_ = {ml_.next_mm(), ap_.next_mm()};
+Sway::Sway(std::uint64_t seed, const SwayModels& models) : ml_(models.ml, seed ^ kSecondAxisSeed), ap_(models.ap, seed) {
+  after_ = next();
   step();
   step_ = 0;
 }
 
+SwayMotion Sway::next() noexcept {
+  const CopPosition cop{ml_.next_mm(), ap_.next_mm()};
+  return {cop, ml_.acceleration_m_per_s2(), ap_.acceleration_m_per_s2()};
+}
+
 void Sway::step() noexcept {
   before_ = after_;
-  after_ = {ml_.next_mm(), ap_.next_mm()};
+  after_ = next();
   ++step_;
 }
 
-CopPosition Sway::at(double time_s) noexcept {
+SwayMotion Sway::motion_at(double time_s) noexcept {
   const double position = std::max(0.0, time_s * kStepsPerSecond);
   while (position >= static_cast<double>(step_ + 1)) step();
   const double part = std::max(0.0, position - static_cast<double>(step_));
-  return {before_.ml_mm + part * (after_.ml_mm - before_.ml_mm), before_.ap_mm + part * (after_.ap_mm - before_.ap_mm)};
+  const auto between = [part](double before, double after) { return before + part * (after - before); };
+  return {.cop = {between(before_.cop.ml_mm, after_.cop.ml_mm), between(before_.cop.ap_mm, after_.cop.ap_mm)},
+          .ml_m_per_s2 = between(before_.ml_m_per_s2, after_.ml_m_per_s2),
+          .ap_m_per_s2 = between(before_.ap_m_per_s2, after_.ap_m_per_s2)};
 }
 
 }  // namespace dts::sim

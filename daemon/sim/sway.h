@@ -10,6 +10,8 @@
 
 namespace dts::sim {
 
+inline constexpr double kStandardGravityMPerS2 = 9.81;
+
 /// One axis of quiet standing: an inverted pendulum. Its ankle is held by passive elasticity and by a delayed proportional-derivative
 /// command that is active only while the pendulum falls away.
 ///
@@ -40,6 +42,19 @@ inline constexpr SwayModel kAnteroposteriorSway{};
 /// In ML the legs make the body stiffer, and the sway is smaller and faster.
 inline constexpr SwayModel kMediolateralSway{.command_stiffness = 0.35, .noise_nm_per_sqrt_hz = 0.13, .noise_lag_s = 0.08};
 
+/// Models of both axes.
+struct SwayModels {
+  SwayModel ml;
+  SwayModel ap;
+};
+inline constexpr SwayModels kTwoFeetSway{.ml = kMediolateralSway, .ap = kAnteroposteriorSway};
+/// One foot, fitted by hand: faster and larger, in ML most. Mean speed ML 29, AP 22 mm/s, standard deviation 4 and 6 mm: below 34 and
+/// 29 mm/s, which separate older adults with falls from those without (Oliveira et al. 2018, PLoS ONE 13:e0203887, one leg, open eyes).
+inline constexpr SwayModels kOneFootSway{
+    .ml =
+        {.command_stiffness = 0.5, .command_damping_nm_s_per_rad = 30.0, .delay_s = 0.1, .noise_nm_per_sqrt_hz = 0.33, .noise_lag_s = 0.03},
+    .ap = {.command_stiffness = 0.35, .command_damping_nm_s_per_rad = 30.0, .noise_nm_per_sqrt_hz = 0.30, .noise_lag_s = 0.035}};
+
 /// One axis, 1 ms per step, with its own random numbers: std::mt19937_64 and our own Box-Muller, because each library implements
 /// std::normal_distribution differently. The constructor allocates all memory.
 class SwayAxis {
@@ -49,6 +64,8 @@ class SwayAxis {
 
   /// Returns the COP after the next millisecond, mm from the mean stance. Realtime-safe: yes.
   double next_mm() noexcept;
+  /// Returns the horizontal acceleration of the centre of mass at the millisecond of the last `next_mm`. Realtime-safe: yes.
+  [[nodiscard]] double acceleration_m_per_s2() const noexcept { return model_.centre_height_m * acceleration_rad_per_s2_; }
 
  private:
   struct State {
@@ -68,27 +85,38 @@ class SwayAxis {
   double first_lag_nm_ = 0.0;
   double noise_nm_ = 0.0;
   State state_;
+  double acceleration_rad_per_s2_ = 0.0;
   std::vector<State> past_;  ///< Delay line; `oldest_` is the state one delay ago.
   std::size_t oldest_ = 0;
+};
+
+/// The centre of pressure, and the acceleration of the centre of mass that belongs to it.
+struct SwayMotion {
+  CopPosition cop;
+  double ml_m_per_s2 = 0.0;
+  double ap_m_per_s2 = 0.0;
 };
 
 /// Synthetic quiet standing in both axes. The same seed gives the same path for every sampling rate: the path is computed at 1 kHz and
 /// interpolated linearly. Thread: one.
 class Sway {
  public:
-  explicit Sway(std::uint64_t seed);
+  explicit Sway(std::uint64_t seed, const SwayModels& models = kTwoFeetSway);
 
   /// Returns the COP from the mean stance at `time_s` since the start. Time must not go backwards by more than 1 ms (an older time counts
   /// as the oldest known one). Realtime-safe: yes; costs two steps per millisecond since the last call.
-  [[nodiscard]] CopPosition at(double time_s) noexcept;
+  [[nodiscard]] SwayMotion motion_at(double time_s) noexcept;
+  /// Returns only the COP of `motion_at`. Realtime-safe: yes.
+  [[nodiscard]] CopPosition at(double time_s) noexcept { return motion_at(time_s).cop; }
 
  private:
+  [[nodiscard]] SwayMotion next() noexcept;
   void step() noexcept;
 
   SwayAxis ml_;
   SwayAxis ap_;
-  CopPosition before_;
-  CopPosition after_;
+  SwayMotion before_;
+  SwayMotion after_;
   std::uint64_t step_ = 0;  ///< `before_` is at this millisecond, `after_` at the next one.
 };
 

@@ -135,6 +135,11 @@ inline const std::array kDevices = {
                     "sim:floor?extra=12&fault=silence&fault_at_s=0.2&fault_for_s=3"},
     DeviceUnderTest{"sim_chair", "sim:chair?aux=emg&clock_ppm=-30&sit_down_s=0.1", "sim:chair?fault=unplug&fault_at_s=0.5&fault_for_s=1",
                     "sim:chair?fault=overrun&fault_at_s=0.5&fault_for_s=0.7"},
+    DeviceUnderTest{"sim_stack_floor", "sim:stack?clock_ppm=100&offset_s=1.3", "sim:stack?fault=unplug&fault_at_s=0.5&fault_for_s=1",
+                    "sim:stack?fault=overrun&fault_at_s=0.5&fault_for_s=0.7"},
+    DeviceUnderTest{"sim_stack_plate", "sim:stack?part=plate&step_on_s=0.1",
+                    "sim:stack?part=plate&fault=unplug&fault_at_s=0.5&fault_for_s=1",
+                    "sim:stack?part=plate&fault=silence&fault_at_s=0.2&fault_for_s=3"},
     DeviceUnderTest{.name = "replay",
                     .uri = recordings().whole.c_str(),
                     .unplugging_uri = recordings().ending.c_str(),
@@ -219,7 +224,7 @@ class DeviceContract : public testing::TestWithParam<DeviceUnderTest> {
   bool can_unplug() const { return is_on_usb() || GetParam().unplugging_uri[0] != '\0'; }
 
   core::VirtualClock clock_{kSecond};
-  physics::RigModel rig_ = test::floor_rig();
+  physics::RigModel rig_ = test::stack_rig();
   Units units_;  ///< They outlive the bus.
   emulator::FakeBus bus_{clock_};
 };

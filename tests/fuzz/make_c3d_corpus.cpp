@@ -61,6 +61,16 @@ std::string with_events() {
   return made.bytes();
 }
 
+/// Records that begin within the data of the record before: each would have the data of all records behind it.
+std::string with_overlaps() {
+  MadeC3d made;
+  add_common(made, 6);
+  made.plates({{.type = 2, .channels = {1, 2, 3, 4, 5, 6}}});
+  for (int record = 0; record < 200; ++record) made.raw_record("\xFF\x02", 2, "", 2);
+  made.frame({1, 2, -700, 30, 40, 500});
+  return made.bytes();
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -74,4 +84,5 @@ int main(int count, char** arguments) {
   put("dec.c3d", plate_of_type(2, MadeEncoding::Dec, true));
   put("sgi-int.c3d", plate_of_type(2, MadeEncoding::Sgi, false));
   put("events.c3d", with_events());
+  put("overlap.c3d", with_overlaps());
 }

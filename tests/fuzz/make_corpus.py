@@ -78,6 +78,7 @@ def force_texts() -> dict[str, str]:
                       "0,0.0,0,1,2,700,3,4,5,0,0,0\n0,0.0,1,1,2,700,3,4,5,0,0,0\n1,0.01,2,1,2,700,3,4,5,0,0,0\n",
         "bioware.txt": f"{bioware}abs time (s)\tFx\tFy\tFz\tAx\tAy\tTz'\r\n\tN\tN\tN\tm\tm\tN.m\r\n0,000\t1,5\t2\t700\t0,1\t0,2\t1\r\n0,001\t1\t2\t7\t0\t0\t1\r\n",
         "opensim.mot": f"w\nversion=1\nnRows=2\nnColumns=8\ninDegrees=yes\nendheader\n{names}\n0\t1\t700\t2\t0.1\t0\t0.2\t1\n0.01\t1\t700\t2\t0.1\t0\t0.2\t1\n",
+        "raw.txt": force_plates()["cells.toml"] + "----\nt_s,c1,c2,c3\n0,1,2,3\n0.01,1,2,3\n0.02,0,0,0\n",
         "cop.csv": "Time[s];COPx[cm];COPy[cm]\n0,00;1,25;-0,3\n0,01;;-0,3\n",
     }
 

@@ -60,6 +60,10 @@ int run_session_export(const Arguments& arguments, cli::Console& console) {
     std::ranges::move(exported->files, std::back_inserter(all.files));
     all.rows += exported->rows;
     all.bytes += exported->bytes;
+    if (exported->dropped_events > 0) {
+      cli::print_hint(console, "the last " + std::to_string(exported->dropped_events) +
+                                   " events are not in this file, C3D holds 255: --format csv writes all");
+    }
   }
   if (arguments.is_json) {
     cli::Json json{{"files", all.files}, {"rows", all.rows}, {"bytes", all.bytes}};

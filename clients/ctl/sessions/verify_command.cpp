@@ -46,9 +46,10 @@ void count(record::Recording& recording, Verified& verified) {
   counts.lost = verified.losses.total();
   const auto corrections = record::corrections_beside(verified.file.path, recording.session().value_or(record::SessionFacts{}));
   if (!corrections) verified.problem = corrections.error();
-  if (recording.session()) counts.planned_trials = report::planned_trials(*recording.session());
-  if (counts.planned_trials == 0) return;              // without planned trials there is nothing to find
-  if (recording.session()->leading_part != 0) return;  // the trials of its session are those of the leading rig
+  // The trials of a session are those of its leading rig.
+  const bool leads = recording.session() && recording.session()->leading_part == 0;
+  if (leads) counts.planned_trials = report::planned_trials(*recording.session());
+  if (counts.planned_trials == 0) return;  // without planned trials there is nothing to find
   record::TrialCollector trials(recording.find_stream("raw"));
   for (auto item = recording.next(); item && *item; item = recording.next()) trials.add(**item);
   auto rows = trials.rows();

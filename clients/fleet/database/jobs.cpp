@@ -21,7 +21,8 @@ core::Result<std::uint64_t> add_jobs(Database& database, const NewJobs& jobs) {
   return change_jobs(database,
                      "INSERT INTO job (kind, version, clinic, session, part) SELECT $1, $2, p.clinic, p.session, p.part "
                      "FROM part p JOIN session s ON s.clinic = p.clinic AND s.id = p.session "
-                     "WHERE p.store_key IS NOT NULL AND NOT s.is_deleted AND ($3 = '' OR p.clinic = $3) AND ($4 = '' OR s.protocol = $4) "
+                     "WHERE p.store_key IS NOT NULL AND p.leading_part = 0 AND NOT s.is_deleted AND ($3 = '' OR p.clinic = $3) AND ($4 = "
+                     "'' OR s.protocol = $4) "
                      "AND ($5 = '' OR s.started >= nullif($5, '')::date) ORDER BY s.started, p.clinic, p.session, p.part "
                      "ON CONFLICT DO NOTHING",
                      {jobs.kind, jobs.version, jobs.clinic, jobs.protocol, jobs.since});

@@ -12,7 +12,8 @@
 
 namespace dts::fleet::database {
 
-/// Recordings to analyse: those in the store, of sessions that the clinic has not hidden. An empty text does not select.
+/// Recordings to analyse: those in the store, of the leading rigs of sessions that the clinic has not hidden. An empty text does not
+/// select.
 struct NewJobs {
   std::string kind;     ///< A name of worker::kind_names().
   std::string version;  ///< Of dtslab, "0.1.0": only workers with this dtslab take the jobs.

@@ -413,6 +413,11 @@ CREATE POLICY whole_clinic ON receipt FOR SELECT TO study_dashboard
   USING (clinic IN (SELECT clinic FROM permit WHERE role = current_user AND protocol IS NULL));
 CREATE POLICY one_protocol ON receipt FOR SELECT TO study_dashboard USING ((clinic, session) IN (
   SELECT s.clinic, s.id FROM session s JOIN permit p USING (clinic, protocol) WHERE p.role = current_user));
+)sql",
+                                                               R"sql(
+-- Sessions over several rigs: a part with a leading_part was recorded at the same time as that part, which has the trials of both.
+ALTER TABLE part ADD rig text, ADD leading_part bigint NOT NULL DEFAULT 0;
+GRANT SELECT (rig, leading_part) ON part TO reader, dashboard, study_dashboard;
 )sql"};
 
 constexpr const char* kStart =

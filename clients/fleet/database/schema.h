@@ -5,7 +5,7 @@
 
 namespace dts::fleet::database {
 
-inline constexpr int kSchemaVersion = 3;
+inline constexpr int kSchemaVersion = 4;
 
 /// Creates the tables of an empty database, or changes those of an older version: each version in a transaction of its own. Several hubs
 /// may start at once. Fails with Unsupported if a newer dts-hub has changed the tables, and with NotAllowed if the user of the database

@@ -98,7 +98,8 @@ core::Result<std::string> sessions_page(Database& database, const SessionFilter&
   static const std::string kSql = R"sql(
 WITH page AS (
   SELECT clinic, id, rig, protocol, subject, state, started, ended, planned_trials, label FROM session
-  WHERE NOT is_deleted AND ($1 = '' OR clinic = $1) AND ($2 = '' OR rig = $2) AND ($3 = '' OR protocol = $3)
+  WHERE NOT is_deleted AND ($1 = '' OR clinic = $1) AND ($3 = '' OR protocol = $3)
+    AND ($2 = '' OR rig = $2 OR EXISTS (SELECT FROM part p WHERE p.clinic = session.clinic AND p.session = session.id AND p.rig = $2))
     AND ($4 = '' OR subject = $4) AND ($5::bigint IS NULL OR started >= to_timestamp($5::bigint / 1000.0))
     AND ($6::bigint IS NULL OR (started, clinic, id) < (timestamptz 'epoch' + $6::bigint * interval '1 microsecond', $7::text, $8::text))
   ORDER BY started DESC, clinic DESC, id DESC LIMIT $9::bigint
@@ -111,8 +112,8 @@ SELECT json_build_object('sessions', coalesce(json_agg(json_build_object('clinic
   'next', CASE WHEN count(*) = $9::bigint THEN (array_agg((extract(epoch FROM s.started) * 1000000)::bigint || ',' || s.clinic || ',' || s.id
     ORDER BY s.started, s.clinic, s.id))[1] END)
 FROM page s CROSS JOIN LATERAL (
-  SELECT sum(duration_s) AS duration_s, sum(valid_trials) AS valid_trials, sum(lost_scans) AS lost_scans, count(*) AS parts,
-    count(store_key) AS stored_parts FROM part WHERE part.clinic = s.clinic AND part.session = s.id) p)sql";
+  SELECT sum(duration_s) FILTER (WHERE leading_part = 0) AS duration_s, sum(valid_trials) AS valid_trials,
+    sum(lost_scans) AS lost_scans, count(*) AS parts, count(store_key) AS stored_parts FROM part WHERE part.clinic = s.clinic AND part.session = s.id) p)sql";
   const auto& before = filter.before;
   return only_cell(
       database.run(kSql, {filter.clinic, filter.rig, filter.protocol, filter.subject, filter.since_ms,

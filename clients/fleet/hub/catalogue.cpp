@@ -168,7 +168,7 @@ core::Result<std::uint64_t> Catalogue::put_session_rows(const std::string& clini
 }
 
 core::Status Catalogue::put_parts(const std::string& clinic, const v1::FleetSession& session) {
-  Column numbers, sums, recorded_sums, bytes, states, scans, durations, lost, unknown, valid;
+  Column numbers, sums, recorded_sums, bytes, states, scans, durations, lost, unknown, valid, rigs, leading;
   for (const auto& part : session.parts()) {
     numbers.add(part.part());
     sums.add(wire::hex_of(part.sha256()));
@@ -180,6 +180,8 @@ core::Status Catalogue::put_parts(const std::string& clinic, const v1::FleetSess
     lost.add(part.lost_scans());
     unknown.add(part.is_loss_unknown());
     valid.add(part.valid_trials());
+    rigs.add(part.rig());
+    leading.add(part.leading_part());
   }
   // A stored recording stays, whatever the facts say: its row shows that the clinic has it no longer.
   DTS_TRY(database_->run("DELETE FROM part WHERE clinic = $1 AND session = $2 AND part <> ALL ($3::bigint[]) AND store_key IS NULL",
@@ -188,23 +190,26 @@ core::Status Catalogue::put_parts(const std::string& clinic, const v1::FleetSess
   // Facts of a part that was not closed yet do not change what is known of its recording.
   static const std::string kPut =
       "INSERT INTO part (clinic, session, part, sha256, recorded_sha256, bytes, state, scans, duration_s, lost_scans, is_loss_unknown, "
-      "valid_trials, stored_utc, store_key) "
+      "valid_trials, rig, leading_part, stored_utc, store_key) "
       "SELECT $1, $2, n.part, n.sha256, n.recorded, n.bytes, nullif(n.state, ''), n.scans, n.duration_s, n.lost, n.unknown, n.valid, "
-      "r.stored_utc, r.store_key FROM (SELECT u.part, decode(nullif(u.sum, ''), 'hex') AS sha256, "
-      "decode(nullif(u.recorded, ''), 'hex') AS recorded, u.bytes, u.state, u.scans, u.duration_s, u.lost, u.unknown, u.valid "
+      "nullif(n.rig, ''), n.leading, r.stored_utc, r.store_key FROM (SELECT u.part, decode(nullif(u.sum, ''), 'hex') AS sha256, "
+      "decode(nullif(u.recorded, ''), 'hex') AS recorded, u.bytes, u.state, u.scans, u.duration_s, u.lost, u.unknown, u.valid, u.rig, "
+      "u.leading "
       "FROM unnest($3::bigint[], $4::text[], $5::text[], $6::bigint[], $7::text[], $8::bigint[], $9::float8[], $10::bigint[], "
-      "$11::boolean[], $12::bigint[]) AS u (part, sum, recorded, bytes, state, scans, duration_s, lost, unknown, valid)) n "
+      "$11::boolean[], $12::bigint[], $13::text[], $14::bigint[]) AS u (part, sum, recorded, bytes, state, scans, duration_s, lost, "
+      "unknown, valid, rig, leading)) n "
       "LEFT JOIN receipt r ON r.clinic = $1 AND r.sha256 = n.sha256 "
       "ON CONFLICT (clinic, session, part) DO UPDATE SET state = excluded.state, scans = excluded.scans, "
       "duration_s = excluded.duration_s, lost_scans = excluded.lost_scans, is_loss_unknown = excluded.is_loss_unknown, "
-      "valid_trials = excluded.valid_trials, recorded_sha256 = coalesce(excluded.recorded_sha256, part.recorded_sha256), "
+      "valid_trials = excluded.valid_trials, rig = excluded.rig, leading_part = excluded.leading_part, recorded_sha256 = "
+      "coalesce(excluded.recorded_sha256, part.recorded_sha256), "
       "sha256 = coalesce(excluded.sha256, part.sha256), "
       "bytes = CASE WHEN excluded.sha256 IS NULL AND part.sha256 IS NOT NULL THEN part.bytes ELSE excluded.bytes END, "
       "stored_utc = CASE WHEN excluded.sha256 IS NULL THEN part.stored_utc ELSE excluded.stored_utc END, "
       "store_key = CASE WHEN excluded.sha256 IS NULL THEN part.store_key ELSE excluded.store_key END";
-  DTS_TRY(database_->run(
-      kPut, {clinic, session.session_id(), numbers.parameter(), sums.parameter(), recorded_sums.parameter(), bytes.parameter(),
-             states.parameter(), scans.parameter(), durations.parameter(), lost.parameter(), unknown.parameter(), valid.parameter()}));
+  DTS_TRY(database_->run(kPut, {clinic, session.session_id(), numbers.parameter(), sums.parameter(), recorded_sums.parameter(),
+                                bytes.parameter(), states.parameter(), scans.parameter(), durations.parameter(), lost.parameter(),
+                                unknown.parameter(), valid.parameter(), rigs.parameter(), leading.parameter()}));
   return {};
 }
 

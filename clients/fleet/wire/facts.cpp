@@ -20,6 +20,8 @@ void add(const v1::SessionPart& part, v1::FleetPart& out) {
   out.set_lost_scans(lost);
   out.set_is_loss_unknown(part.is_loss_unknown());
   out.set_valid_trials(part.valid_trials());
+  out.set_rig(part.rig());
+  out.set_leading_part(part.leading_part());
 }
 
 void add(const v1::TrialRecord& trial, v1::FleetTrial& out) {

@@ -114,6 +114,7 @@ void check_parts(Check& check, const v1::FleetSession& session) {
     check.optional_sha256(part.recorded_sha256(), "parts.recorded_sha256").count(part.bytes(), "parts.bytes", kLargestFile);
     check.count(part.scans(), "parts.scans").not_negative(part.duration_s(), "parts.duration_s");
     check.count(part.lost_scans(), "parts.lost_scans").count(part.valid_trials(), "parts.valid_trials", kLargestNumber);
+    check.id(part.rig(), "parts.rig", 0).count(part.leading_part(), "parts.leading_part", kLargestNumber);
   }
 }
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "files/toml_reader.h"
@@ -18,6 +20,8 @@ struct PositionColumns {
 
 /// Adds both pairs, each optional, to the columns to read.
 void add_position_columns(std::vector<CsvColumn>& columns);
+/// Returns whether a table with columns of these names has one of the pairs.
+[[nodiscard]] bool has_position_columns(std::span<const std::string_view> names);
 /// Returns the pair that the table has. If there is none, returns nothing and adds a problem for each missing column.
 [[nodiscard]] std::optional<PositionColumns> position_columns(const std::string& file, const CsvTable& table, files::Problems& problems);
 

@@ -81,6 +81,12 @@ int run_compare(const Arguments& arguments, cli::Console& console) {
   const Recording a = read_recording(pair->file_a, arguments.cop, problems);
   const Recording b = read_recording(pair->file_b, arguments.cop, problems);
   if (!problems.empty()) return report_problems(console, problems);
+  if (std::error_code none;
+      std::filesystem::equivalent(pair->file_a, pair->file_b, none) && force::has_plates(pair->file_a, arguments.cop)) {
+    return fail_with(
+        console, core::Error{core::ErrorCode::InvalidArgument, "A and B are the same plate: --plate counts for both",
+                             "write each plate as CSV and compare these: dtslab force " + pair->file_a + " --plate 2 --csv plate2.csv"});
+  }
   const auto comparison = compare(a, b);
   if (!comparison) return fail_with(console, comparison.error());
   if (const auto written = write_outputs(arguments, *pair, *comparison); !written) return fail_with(console, written.error());
@@ -107,7 +113,11 @@ void add_commands(cli::CommandLine& line) {
       .add_option("A", arguments.first,
                   "XDF recording, file of force plates, or CSV file with t_s,x_mm,y_mm (or ml_mm,ap_mm) and optionally trigger or marker")
       ->option_text(" ");
-  command.add_option("B", arguments.second, "Second recording, like A; rate and clock may differ")->option_text(" ");
+  command
+      .add_option("B", arguments.second,
+                  "Second recording, like A; rate and clock may differ. --plate, --ml and --ap count for A and B: if their plates differ, "
+                  "write one or both in the axes of the laboratory first: dtslab force FILE --plate N --axes lab --csv OUT.csv")
+      ->option_text(" ");
   command.add_option("--session", arguments.session, "Compare the recordings of a session of two rigs; A is that of the leading rig")
       ->option_text("ID");
   command.add_option("--part", arguments.part, "Part of the leading rig, if the session was resumed")->option_text("N");

@@ -16,10 +16,11 @@ namespace {
 
 using physics::ForcePlate;
 using physics::kSixComponents;
-using physics::Wrench;
 
 constexpr std::size_t kMostChannelsOfPlate = 8;
 constexpr std::size_t kMostPlates = 64;
+/// Samples of all plates together, if plates share channels.
+constexpr std::size_t kMostSharedSamples = 2'000'000;
 constexpr double kMostlyUp = 0.7;  ///< Part of a unit vector along y or z, whichever is the vertical of the laboratory.
 
 /// A plate of type 1: its channels are forces, a point in mm, and a free moment.
@@ -55,12 +56,7 @@ ForceSample sample_of(const C3dPlate& /*plate*/, const PointPlate& kind, const s
 }
 
 ForceSample sample_of(const C3dPlate& plate, const ForcePlate& kind, const std::array<double, kMostChannelsOfPlate>& values) {
-  const Wrench wrench = kind.wrench(std::span(values).first(plate.channels.size()));
-  const physics::ForcePoint point = plate.polynomial ? corrected(wrench, *plate.polynomial) : force_point(wrench);
-  return {.force_n = wrench.force_n,
-          .moment_nm = wrench.moment_nm,
-          .cop_mm = {point.x_mm, point.y_mm, 0.0},
-          .free_moment_nm = point.free_moment_nm};
+  return force::sample_of(kind.wrench(std::span(values).first(plate.channels.size())), plate.polynomial);
 }
 
 ForceSample c3d_sample(const C3dContents& contents, std::size_t index, std::size_t sample) {
@@ -105,7 +101,7 @@ class Builder {
         return;
       }
       PlateFacts& facts = facts_.plates.emplace_back(facts_of(platform));
-      auto plate = plate_of(platform, facts);
+      auto plate = is_too_much() ? Built(too_much()) : plate_of(platform, facts);
       if (!plate) {
         facts.is_usable = false;
         facts.warnings.push_back(plate.error());
@@ -119,6 +115,18 @@ class Builder {
 
  private:
   using Built = tl::expected<C3dPlate, std::string>;
+
+  /// Plates with channels of their own need work for each byte of the file; those that share channels could need any.
+  [[nodiscard]] bool is_too_much() const {
+    const auto usable = std::ranges::count_if(contents_.plates, [](const auto& plate) { return plate.has_value(); });
+    const std::size_t plates = static_cast<std::size_t>(usable) + 1;
+    return plates * kSixComponents > contents_.file.channels() && plates * contents_.file.samples() > kMostSharedSamples;
+  }
+  [[nodiscard]] tl::unexpected<std::string> too_much() const {
+    return tl::unexpected("is not read: the plates share " + std::to_string(contents_.file.channels()) +
+                          " channels, and would have more than " + std::to_string(kMostSharedSamples) +
+                          " samples together; export a part of the file");
+  }
 
   [[nodiscard]] PlateFacts facts_of(const c3d::ForcePlatform& platform) const {
     PlateFacts facts{.c3d_type = platform.type};
@@ -183,7 +191,9 @@ class Builder {
     if (is_opposite) facts.warnings.emplace_back("ORIGIN has z > 0: it is read as the opposite vector");
     const bool has_matrix = *platform.type == 4 && platform.matrix.has_value();
     if (*platform.type == 4 && !has_matrix) {
-      facts.warnings.emplace_back("FORCE_PLATFORM:CAL_MATRIX is missing or not of 6 x 6: the channels count as forces and moments");
+      facts.warnings.emplace_back(
+          "FORCE_PLATFORM:CAL_MATRIX is missing, not of 6 x 6, or has a number that is not finite: the channels count as forces and "
+          "moments");
     }
     physics::SixComponentPlate plate{.surface_mm = scaled(origin_mm, is_opposite ? -1.0 : 1.0)};
     for (std::size_t row = 0; row < kSixComponents; ++row) {
@@ -198,10 +208,15 @@ class Builder {
 
   /// Subtracts the mean of the frames in ZERO, if that is asked for. Type 1 does not use ZERO.
   void set_zero(C3dPlate& plate, PlateFacts& facts) const {
-    if (!options_.is_zero_of_file || !facts_.zero_frames || std::holds_alternative<PointPlate>(plate.kind)) return;
+    if (!options_.is_zero_of_file) return;
+    const auto no_effect = [&facts](const std::string& why) { facts.warnings.push_back("--zero file has no effect: " + why); };
+    if (std::holds_alternative<PointPlate>(plate.kind)) return no_effect("a plate of type 1 does not use ZERO");
+    if (!facts_.zero_frames) return no_effect("FORCE_PLATFORM:ZERO is missing");
     const auto [first, last] = *facts_.zero_frames;
     const auto frames = static_cast<int>(std::min<std::size_t>(contents_.file.frames(), 65536));
-    if (first < 1 || last < first || first > frames) return;
+    if (first < 1 || last < first || first > frames) {
+      return no_effect("FORCE_PLATFORM:ZERO has frames " + std::to_string(first) + " to " + std::to_string(last));
+    }
     const std::size_t each = contents_.file.samples_per_frame();
     const std::size_t begin = (static_cast<std::size_t>(first) - 1) * each;
     const std::size_t end = static_cast<std::size_t>(std::min(last, frames)) * each;

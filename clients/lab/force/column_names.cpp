@@ -10,6 +10,23 @@ namespace {
 
 enum class Quantity : std::uint8_t { Time, Force, Moment, Cop, FreeMoment };
 
+/// A unit, of which quantity it is, and what its values are multiplied by: to s, N, N m or mm.
+struct Unit {
+  std::string_view text;
+  Quantity quantity;
+  double scale;
+};
+constexpr std::array<Unit, 10> kUnits{{{"s", Quantity::Time, 1.0},
+                                       {"ms", Quantity::Time, 1e-3},
+                                       {"n", Quantity::Force, 1.0},
+                                       {"kn", Quantity::Force, 1e3},
+                                       {"nm", Quantity::Moment, 1.0},
+                                       {"ncm", Quantity::Moment, 1e-2},
+                                       {"nmm", Quantity::Moment, 1e-3},
+                                       {"m", Quantity::Cop, 1e3},
+                                       {"cm", Quantity::Cop, 10.0},
+                                       {"mm", Quantity::Cop, 1.0}}};
+
 /// A name without its unit: small letters, no spaces and signs between words.
 struct Name {
   std::string text;
@@ -46,9 +63,8 @@ Name name_of(std::string_view given) {
     name.unit = unit_text(std::string_view(text).substr(open));
     text.resize(open);
   } else if (const std::size_t line = text.rfind('_'); line != std::string::npos) {
-    constexpr std::array<std::string_view, 7> kUnits{"s", "ms", "n", "nm", "m", "cm", "mm"};
     const std::string end = text.substr(line + 1);
-    if (std::ranges::find(kUnits, end) != kUnits.end()) {
+    if (std::ranges::find(kUnits, end, &Unit::text) != kUnits.end()) {
       name.unit = end;
       text.resize(line);
     }
@@ -127,14 +143,10 @@ std::optional<Component> component_of(std::string_view name) {
 
 /// Returns what a value is to be multiplied by. A unit that is not known counts as the usual one.
 double scale_of(Quantity quantity, const std::string& unit) {
-  switch (quantity) {
-    case Quantity::Time: return unit == "ms" ? 1e-3 : 1.0;
-    case Quantity::Force: return unit == "kn" ? 1e3 : 1.0;
-    case Quantity::Moment:
-    case Quantity::FreeMoment: return unit == "nmm" ? 1e-3 : unit == "ncm" ? 1e-2 : 1.0;
-    case Quantity::Cop: return unit == "mm" ? 1.0 : unit == "cm" ? 10.0 : 1e3;
-  }
-  return 1.0;
+  if (quantity == Quantity::FreeMoment) quantity = Quantity::Moment;
+  const auto known = std::ranges::find_if(kUnits, [&](const Unit& one) { return one.quantity == quantity && one.text == unit; });
+  if (known != kUnits.end()) return known->scale;
+  return quantity == Quantity::Cop ? 1e3 : 1.0;
 }
 
 /// Collects the columns of plates that have names. A name that is repeated begins the next plate, as in BioWare.

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,7 +58,8 @@ constexpr std::array<Column, 10> kColumns{{{"fx_n", [](const ForceSample& sample
                                            {"tz_nm", [](const ForceSample& sample) { return sample.free_moment_nm; }}}};
 using Means = std::array<double, kColumns.size()>;
 
-/// Appends the shortest text that reads back as the same number; nothing for an undefined one.
+/// Appends the shortest text that reads back as the same number; nothing for an undefined one. `add_csv_number` has 9 digits, which may
+/// round to another float32 than the number itself.
 void append_number(std::string& text, double value) {
   if (!std::isfinite(value)) return;
   std::array<char, 32> digits{};
@@ -95,7 +97,7 @@ PlateReport report_of(const ForceFile& file, std::size_t plate, Axes axes, doubl
   PlateReport report;
   std::array<std::size_t, kColumns.size()> counts{};
   const PlateView view(file, plate, axes, least_force_n);
-  for (std::size_t k = 0; k < file.samples; ++k) {
+  for (std::size_t k = 0; file.plates[plate].is_usable && k < file.samples; ++k) {
     const auto sample = view.loaded_at(k);
     if (!sample) continue;
     ++report.loaded;
@@ -214,7 +216,20 @@ std::vector<std::string> all_warnings(const ForceFile& file) {
   return all;
 }
 
+bool is_same_path(const std::string& a, const std::string& b) {
+  const auto path = [](const std::string& name) {
+    std::error_code none;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(name, none), none);
+  };
+  return path(a) == path(b);
+}
+
 int run_force(const ForceArguments& arguments, cli::Console& console) {
+  if (!arguments.csv.empty() && !arguments.c3d.empty() && is_same_path(arguments.csv, arguments.c3d)) {
+    return fail_in_one_line(console,
+                            {core::ErrorCode::InvalidArgument, "--csv and --to both name the file " + arguments.csv, "write to two files"},
+                            cli::kUsage);
+  }
   for (const std::string& out : {arguments.csv, arguments.c3d}) {
     if (out.empty()) continue;
     if (const auto apart = check_out(out, {arguments.file, arguments.plate_file}); !apart) {
@@ -233,6 +248,7 @@ int run_force(const ForceArguments& arguments, cli::Console& console) {
          "give a plate from 1"},
         cli::kUsage);
   }
+  if (arguments.zero == "file" && file->format != "c3d") file->warnings.emplace_back("--zero file has no effect: only C3D has ZERO");
   const auto axes = axes_of(arguments, *file);
   if (!axes) return fail_in_one_line(console, axes.error(), cli::kUsage);
   std::vector<PlateReport> reports;

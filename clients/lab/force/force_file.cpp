@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "files/whole_file.h"
+#include "lab/base/position_columns.h"
 #include "lab/force/c3d_plates.h"
 #include "lab/force/raw_channels.h"
 #include "lab/force/text_exports.h"
@@ -37,10 +38,25 @@ core::Result<std::string> first_bytes(const std::string& file) {
   return bytes;
 }
 
+bool is_table_of_positions(const Beginning& beginning) {
+  if (beginning.lines.empty()) return false;
+  std::vector<std::string_view> names;
+  for (const TextCell& cell : cells_of(beginning.lines.front(), ',')) names.push_back(cell.text);
+  return has_position_columns(names);
+}
+
 }  // namespace
 
 tl::unexpected<core::Error> unreadable(const std::string& file, const std::string& what, const std::string& hint) {
   return core::fail(core::ErrorCode::Failed, file + ": " + what + (hint.empty() ? "" : "; " + hint));
+}
+
+ForceSample sample_of(const physics::Wrench& wrench, const std::optional<physics::PointPolynomial>& polynomial) {
+  const physics::ForcePoint point = polynomial ? corrected(wrench, *polynomial) : force_point(wrench);
+  return {.force_n = wrench.force_n,
+          .moment_nm = wrench.moment_nm,
+          .cop_mm = {point.x_mm, point.y_mm, 0.0},
+          .free_moment_nm = point.free_moment_nm};
 }
 
 bool is_force_file(const std::string& file) {
@@ -49,7 +65,7 @@ bool is_force_file(const std::string& file) {
   if (!bytes) return false;
   if (c3d::is_c3d(*bytes)) return true;
   const auto beginning = read_beginning(file);
-  return beginning && text_format(*beginning).has_value();
+  return beginning && !is_table_of_positions(*beginning) && text_format(*beginning).has_value();
 }
 
 core::Result<ForceFile> read_force_file(const std::string& file, const ReadOptions& options) {

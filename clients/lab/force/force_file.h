@@ -38,6 +38,7 @@ struct PlateFacts {
   std::optional<physics::PointPolynomial> polynomial;  ///< In the file; `is_polynomial_applied` says whether it is in the values.
   bool is_polynomial_applied = false;
   bool is_zero_applied = false;
+  bool has_force = true;  ///< False: the file has only a centre of pressure.
   bool is_usable = true;  ///< False: all samples are empty, and a warning says why.
   std::vector<std::string> warnings;
 };
@@ -48,8 +49,9 @@ struct ForceFile {
   double rate_hz = 0.0;                 ///< Of the samples.
   std::optional<double> point_rate_hz;  ///< Of the frames of a C3D file.
   std::size_t samples = 0;
-  Axes axes = Axes::Plate;   ///< In which the samples are.
-  std::size_t vertical = 2;  ///< Index of the vertical axis; 1 in OpenSim.
+  Axes axes = Axes::Plate;        ///< In which the samples are.
+  std::size_t vertical = 2;       ///< Index of the vertical axis; 1 in OpenSim.
+  std::optional<bool> is_z_down;  ///< Of plates without corners; absent: not known.
   std::optional<std::array<int, 2>> zero_frames;
   std::vector<PlateFacts> plates;
   std::vector<c3d::Event> events;
@@ -69,7 +71,11 @@ struct ReadOptions {
 
 inline constexpr double kDefaultLeastForceN = 20.0;
 
-/// Returns whether `file` holds force plates: C3D, a text export, or OpenSim. Looks at its beginning only. A CSV file of dtslab does not.
+/// Returns the sample of a wrench about the surface, with its centre of pressure; `polynomial` corrects this, if there is one.
+[[nodiscard]] ForceSample sample_of(const physics::Wrench& wrench, const std::optional<physics::PointPolynomial>& polynomial);
+
+/// Returns whether `file` holds force plates: C3D, a text export, or OpenSim. Looks at its beginning only. A CSV file with x_mm,y_mm or
+/// ml_mm,ap_mm in its first line does not, whatever its other columns are: `sway` and `compare` read the positions of such a file.
 [[nodiscard]] bool is_force_file(const std::string& file);
 
 /// Reads a file, in the format that its beginning has. Fails with Failed, and a text of one line that names the file, the place and what to

@@ -57,15 +57,7 @@ std::vector<std::string> warnings_of(const posturography::CopSeries& series, con
   if (force.supported + 2 * static_cast<std::size_t>(std::ceil(posturography::kForceMarginS * series.rate_hz)) < force.ml_n.size()) {
     warnings.emplace_back("parts without load or with gaps have no result");
   }
-  const double mean_n = force.mass_kg * posturography::kGravity;
-  double squares = 0.0;
-  std::size_t count = 0;
-  for (const double load_n : series.load_n) {
-    if (!(load_n > 0.0)) continue;
-    squares += (load_n - mean_n) * (load_n - mean_n);
-    ++count;
-  }
-  if (std::sqrt(squares / static_cast<double>(count)) > kMostLoadVariation * mean_n) {
+  if (force.load_sd_n > kMostLoadVariation * force.mass_kg * posturography::kGravity) {
     warnings.emplace_back("the load varies by more than 5 %: this is not quiet standing, and the result means little");
   }
   return warnings;

@@ -17,6 +17,9 @@ namespace {
 
 constexpr std::size_t kLongestLine = 65536;
 constexpr std::size_t kLongestNumberText = 64;
+/// Bytes of memory for the numbers: cells that are not empty need at most 4 for each of the file, and a file may have some empty ones.
+constexpr std::size_t kMemoryPerByte = 4;
+constexpr std::size_t kMemoryOfEmptyCells = std::size_t{32} << 20U;
 
 std::string_view trimmed(std::string_view text) {
   const auto is_outside = [](char letter) { return letter == ' ' || letter == '\t' || letter == '"' || letter == '\r'; };
@@ -60,8 +63,12 @@ struct WrongRow {
   std::string text;
 };
 
-std::optional<WrongRow> read_row(std::string_view line, char separator, const std::vector<std::size_t>& places, std::vector<double>& row) {
+std::optional<WrongRow> read_row(std::string_view line, char separator, const std::vector<std::size_t>& places, std::size_t row_cells,
+                                 std::vector<double>& row) {
   const auto cells = cells_of(line, separator);
+  if (cells.size() < row_cells) {
+    return WrongRow{.text = std::to_string(cells.size()) + " cells, but " + std::to_string(row_cells) + " names"};
+  }
   for (std::size_t k = 0; k < places.size(); ++k) {
     if (places[k] >= cells.size()) {
       return WrongRow{.text = std::to_string(cells.size()) + " cells, the row needs " + std::to_string(places[k] + 1)};
@@ -133,24 +140,30 @@ core::Result<Beginning> read_beginning(const std::string& file) {
 }
 
 core::Result<NumberColumns> read_columns(const std::string& file, std::size_t first_line, char separator,
-                                         const std::vector<std::size_t>& places) {
+                                         const std::vector<std::size_t>& places, std::size_t row_cells) {
   std::size_t last_line = 0;  // with text
+  std::size_t bytes = 0;
   {
     Lines lines(file);
     for (std::string line; lines.next(line);) {
+      bytes += line.size() + 1;
       if (!trimmed(line).empty()) last_line = lines.number;
     }
     if (lines.is_too_long) return too_long(file, lines.number);
   }
   if (last_line < first_line) return unreadable(file, "has no row of numbers below the names of the columns", "export the file again");
   const std::size_t rows = last_line - first_line + 1;
+  if (rows * places.size() * sizeof(double) > kMemoryPerByte * bytes + kMemoryOfEmptyCells) {
+    return unreadable(file, "line " + std::to_string(first_line) + ": almost all cells of the " + std::to_string(rows) + " rows are empty",
+                      "remove the empty rows, or export the file again");
+  }
   NumberColumns read{.columns = std::vector<std::vector<double>>(places.size()), .warnings = {}};
   for (auto& column : read.columns) column.reserve(rows);
   Lines lines(file);
   std::vector<double> row(places.size());
   for (std::string line; lines.number < last_line && lines.next(line);) {
     if (lines.number < first_line) continue;
-    if (const auto wrong = read_row(line, separator, places, row)) {
+    if (const auto wrong = read_row(line, separator, places, row_cells, row)) {
       if (lines.number == last_line && rows > 1) {
         read.warnings.push_back("line " + std::to_string(lines.number) + " is not complete and is left out: the file is cut off");
         break;

@@ -41,8 +41,9 @@ struct NumberColumns {
 
 /// Reads the columns at `places` (counted from 0) of all rows from line `first_line` (counted from 1). Reads the file twice, so that it
 /// needs no more memory than its numbers. Empty lines at the end are ignored. A last row with too few cells is left out, with a warning.
-/// Fails with Failed, naming line and column, if another row is too short or a cell is not a number, and if there is no row.
+/// Fails with Failed, naming line and column, if another row has fewer than `row_cells` cells or not the last place, or if a cell is not a
+/// number; also if there is no row, and if almost all cells are empty, so that the numbers need much more memory than the file has bytes.
 [[nodiscard]] core::Result<NumberColumns> read_columns(const std::string& file, std::size_t first_line, char separator,
-                                                       const std::vector<std::size_t>& places);
+                                                       const std::vector<std::size_t>& places, std::size_t row_cells = 0);
 
 }  // namespace dts::lab::force

@@ -16,10 +16,11 @@ namespace {
 
 constexpr std::size_t kSamplesAtOnce = std::size_t{1} << 20U;
 
-/// A square around the origin: z down in a laboratory with z up; for OpenSim (y up), z up.
-c3d::Corners square(bool is_y_up) {
+/// A square around the origin. Its z points down in a laboratory with z up, unless the file says that it points up; OpenSim has y up.
+c3d::Corners square(const ForceFile& file) {
   constexpr double kHalf = 200.0;
-  if (is_y_up) return {{{kHalf, 0, -kHalf}, {-kHalf, 0, -kHalf}, {-kHalf, 0, kHalf}, {kHalf, 0, kHalf}}};
+  if (file.is_z_down == false) return {{{kHalf, kHalf, 0}, {-kHalf, kHalf, 0}, {-kHalf, -kHalf, 0}, {kHalf, -kHalf, 0}}};
+  if (file.axes == Axes::Laboratory) return {{{kHalf, 0, -kHalf}, {-kHalf, 0, -kHalf}, {-kHalf, 0, kHalf}, {kHalf, 0, kHalf}}};
   return {{{kHalf, -kHalf, 0}, {-kHalf, -kHalf, 0}, {-kHalf, kHalf, 0}, {kHalf, kHalf, 0}}};
 }
 
@@ -41,7 +42,7 @@ core::Status write_c3d(const ForceFile& file, double least_force_n, const std::s
     const bool has_place = file.axes == Axes::Plate && place_of(file.plates[plate]).has_value();
     if (!has_place)
       warnings.push_back("plate " + std::to_string(plate + 1) + ": no corners; a square of 400 mm around the origin is written");
-    outline.plates.push_back(has_place ? *file.plates[plate].corners_mm : square(file.axes == Axes::Laboratory));
+    outline.plates.push_back(has_place ? *file.plates[plate].corners_mm : square(file));
     views.emplace_back(file, plate, file.axes, least_force_n);
   }
   outline.events = file.events;
@@ -57,9 +58,11 @@ core::Status write_c3d(const ForceFile& file, double least_force_n, const std::s
   DTS_TRY_ASSIGN(std::string bytes, file_beginning(outline));
   DTS_TRY_ASSIGN(auto writer, files::WholeFileWriter::create(out));
   bool has_height = false;
+  bool has_lost_moments = false;
   for (std::size_t sample = 0; sample < file.samples; ++sample) {
     for (const PlateView& view : views) {
       const ForceSample seen = in_plate_axes(file, view.at(sample));
+      has_lost_moments = has_lost_moments || (std::isfinite(seen.moment_nm[0]) && !std::isfinite(seen.cop_mm[0]));
       has_height = has_height || std::abs(seen.cop_mm[2]) > 1e-6;
       const std::array<double, c3d::kChannelsOfPlate> values{seen.force_n[0], seen.force_n[1],
                                                              seen.force_n[2], seen.cop_mm[0],
@@ -71,6 +74,9 @@ core::Status write_c3d(const ForceFile& file, double least_force_n, const std::s
     bytes.clear();
   }
   if (has_height) warnings.emplace_back("the COP has a height, which a plate of type 1 cannot have: it is written without");
+  if (has_lost_moments) {
+    warnings.emplace_back("samples below --min-force have no COP: a plate of type 1 cannot have their moments Mx, My and Mz");
+  }
   DTS_TRY(writer.append(bytes));
   return writer.commit();
 }

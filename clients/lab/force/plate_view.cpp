@@ -52,9 +52,10 @@ PlateView::PlateView(const ForceFile& file, std::size_t plate, Axes axes, double
       place_(place_of(file.plates[plate])) {}
 
 bool PlateView::is_loaded(const ForceSample& of_file) const noexcept {
+  const PlateFacts& plate = file_->plates[plate_];
+  if (!plate.has_force) return plate.is_usable;
   const double force_n = of_file.force_n[file_->vertical];
-  if (!std::isnan(force_n)) return force_n != 0.0 && std::abs(force_n) >= least_force_n_;
-  return std::isnan(of_file.force_n[0]) && std::isnan(of_file.force_n[1]) && std::isnan(of_file.force_n[2]);
+  return force_n != 0.0 && std::abs(force_n) >= least_force_n_;  // false if the force is not known
 }
 
 ForceSample PlateView::in_axes(ForceSample of_file) const {

@@ -24,10 +24,7 @@ ForceSample raw_sample(const Channels& channels, std::size_t sample) {
   std::array<double, physics::kKistlerChannels> values{};
   for (std::size_t k = 0; k < channels.volts.size(); ++k) values[k] = channels.volts[k][sample] - channels.plate.tare_volts[k];
   const physics::ForcePlate& plate = channels.plate.plate;
-  const physics::Wrench wrench = plate.wrench(std::span(values).first(channels.volts.size()));
-  const physics::ForcePoint point = channels.plate.polynomial ? corrected(wrench, *channels.plate.polynomial) : force_point(wrench);
-  ForceSample seen{.force_n = wrench.force_n, .moment_nm = wrench.moment_nm, .cop_mm = {point.x_mm, point.y_mm, 0.0}};
-  seen.free_moment_nm = point.free_moment_nm;
+  ForceSample seen = sample_of(plate.wrench(std::span(values).first(channels.volts.size())), channels.plate.polynomial);
   if (plate.measures_shear()) return seen;
   seen.force_n[0] = seen.force_n[1] = seen.moment_nm[2] = seen.free_moment_nm = core::kNaN;
   return seen;
@@ -85,6 +82,7 @@ core::Result<ForceFile> read_raw_channels(const std::string& file, const std::st
   }
   if (facts.samples < 2) return unreadable(file, "has one row: there is no rate", "give at least two rows");
   facts.rate_hz = static_cast<double>(facts.samples - 1) / (facts.t_s.back() - facts.t_s.front());
+  facts.is_z_down = plate->is_z_down;
   facts.plates.emplace_back().polynomial = plate->polynomial;
   facts.plates.front().is_polynomial_applied = plate->polynomial.has_value();
   read.columns.erase(read.columns.begin());

@@ -113,6 +113,7 @@ double mean_vertical(const Bins& bins) {
 /// Returns 1 if a positive vertical force points up, -1 if down; nothing if the file does not say.
 std::optional<double> up_of(const ForceFile& file, std::size_t plate) {
   if (file.format == "opensim") return 1.0;
+  if (file.is_z_down) return *file.is_z_down ? -1.0 : 1.0;
   const auto place = place_of(file.plates[plate]);
   if (!place) return std::nullopt;
   const Vector& normal = place->axes[2];
@@ -163,7 +164,9 @@ std::optional<std::string> shear_warning(const Bins& bins, std::optional<double>
 
 void add_sign_warnings(ForceFile& file, double least_force_n) {
   std::vector<double> means_n;
-  for (std::size_t plate = 0; plate < file.plates.size(); ++plate) means_n.push_back(mean_vertical(bins_of(file, plate, least_force_n)));
+  for (std::size_t plate = 0; plate < file.plates.size(); ++plate) {
+    means_n.push_back(file.plates[plate].is_usable ? mean_vertical(bins_of(file, plate, least_force_n)) : 0.0);
+  }
   const auto loaded = std::ranges::count_if(means_n, [](double mean_n) { return mean_n != 0.0; });
   for (std::size_t plate = 0; plate < file.plates.size(); ++plate) {
     if (means_n[plate] == 0.0) continue;

@@ -66,7 +66,7 @@ class Collector {
 
 /// Returns the index of the chosen plate.
 core::Result<std::size_t> plate_of_choice(const std::string& name, const ForceFile& file, const CopChoice& choice) {
-  std::size_t number = 0;
+  std::size_t number = choice.plate == "net" ? 1 : 0;
   std::from_chars(choice.plate.data(), choice.plate.data() + choice.plate.size(), number);
   if (number < 1 || number > file.plates.size()) {
     return core::fail(core::ErrorCode::InvalidArgument,
@@ -122,7 +122,8 @@ core::Result<StandingCop> net_cop(const std::string& name, const ForceFile& file
     for (const PlateView& view : views) {
       const ForceSample sample = view.at(k);
       const double part_n = sample.force_n[vertical];
-      if (part_n == 0.0) continue;  // no centre of pressure, and no part in the sum
+      const bool has_point = std::isfinite(sample.cop_mm[0] + sample.cop_mm[1] + sample.cop_mm[2]);
+      if (part_n == 0.0 || (!has_point && std::abs(part_n) < choice.least_force_n)) continue;  // no part in the sum
       force_n += part_n;
       for (std::size_t axis = 0; axis < 3; ++axis) moments[axis] += part_n * sample.cop_mm[axis];
     }
@@ -160,7 +161,9 @@ bool has_plates(const std::string& file, const CopChoice& choice) {
 core::Result<StandingCop> read_standing_cop(const std::string& file, const CopChoice& choice) {
   const ReadOptions options{.is_zero_of_file = choice.zero == "file", .plate_file = is_force_file(file) ? "" : choice.plate_file};
   DTS_TRY_ASSIGN(const auto plates, read_force_file(file, options));
-  return choice.plate == "net" ? net_cop(file, plates, choice) : cop_of_plate(file, plates, choice);
+  // The only plate of a text export or of raw channels is the net, but nobody knows where it is in the laboratory.
+  const bool is_only_plate = plates.plates.size() == 1 && plates.axes == Axes::Plate && !place_of(plates.plates.front());
+  return choice.plate == "net" && !is_only_plate ? net_cop(file, plates, choice) : cop_of_plate(file, plates, choice);
 }
 
 }  // namespace dts::lab::force

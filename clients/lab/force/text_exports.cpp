@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/number_text.h"
 #include "lab/force/column_names.h"
 #include "physics/conversions.h"
 
@@ -16,6 +17,8 @@ namespace {
 
 /// Times that differ by less than this part from a whole rate have that rate: they are rounded.
 constexpr double kWholeRate = 1e-4;
+/// A stated rate that differs by more than this part from that of the times contradicts them.
+constexpr double kSameRate = 0.05;
 
 std::string lower(std::string_view text) {
   std::string small(text);
@@ -38,15 +41,18 @@ struct Names {
   char separator = ',';
   NamedColumns columns;
   std::size_t first_row = 0;  ///< Line of the first row of numbers, counted from 1.
+  std::size_t row_cells = 0;  ///< Cells that each row must have; 0: those that are read.
 };
 
-bool is_row_of_numbers(const std::vector<TextCell>& cells, char separator) {
-  std::size_t numbers = 0;
+/// Returns whether this is the row of units or an empty line. A row of empty cells and "nan" is one of undefined numbers.
+bool is_row_of_units(const std::vector<TextCell>& cells, char separator) {
+  bool has_text = cells.size() <= 1;
   for (const TextCell& cell : cells) {
     bool is_number = false;
-    if (!std::isnan(number_of(cell.text, separator, is_number))) ++numbers;
+    if (!std::isnan(number_of(cell.text, separator, is_number))) return false;
+    has_text = has_text || !is_number;
   }
-  return numbers > 0;
+  return has_text;
 }
 
 std::optional<Names> find_names(const Beginning& beginning) {
@@ -56,7 +62,7 @@ std::optional<Names> find_names(const Beginning& beginning) {
     std::vector<TextCell> units;
     const bool has_next = line + 1 < beginning.lines.size();
     if (has_next) units = cells_of(beginning.lines[line + 1], separator);
-    const bool has_units = has_next && !is_row_of_numbers(units, separator);
+    const bool has_units = has_next && is_row_of_units(units, separator);
     NamedColumns columns = named_columns(names, has_units ? units : std::vector<TextCell>());
     if (columns.plates.empty()) continue;
     return Names{.line = line, .separator = separator, .columns = std::move(columns), .first_row = line + (has_units ? 3 : 2)};
@@ -68,16 +74,26 @@ std::optional<Names> find_opensim_names(const Beginning& beginning) {
   const auto end = std::ranges::find_if(beginning.lines, is_opensim_end);
   if (end == beginning.lines.end() || end + 1 == beginning.lines.end()) return std::nullopt;
   const auto line = static_cast<std::size_t>(end - beginning.lines.begin()) + 1;
-  return Names{.line = line, .separator = ' ', .columns = opensim_columns(cells_of(beginning.lines[line], ' ')), .first_row = line + 2};
+  // A tab ends a cell, so that a cell may be empty; between spaces, none may be: it would move those behind it.
+  const auto separator_at = [&](std::size_t number) { return beginning.lines[number].find('\t') != std::string::npos ? '\t' : ' '; };
+  const auto cells = cells_of(beginning.lines[line], separator_at(line));
+  const char separator = line + 1 < beginning.lines.size() ? separator_at(line + 1) : ' ';
+  return Names{.line = line,
+               .separator = separator,
+               .columns = opensim_columns(cells),
+               .first_row = line + 2,
+               .row_cells = separator == ' ' ? cells.size() : 0};
 }
 
-/// Returns the first number above 0 behind a word of the lines before the names: "Rate (Hz):<tab>1000", "nRows=100".
-std::optional<double> fact_of(const Beginning& beginning, const Names& names, std::string_view word, char separator) {
+/// Returns the first number above 0 behind a key in the lines before the names: "Rate (Hz):<tab>1000", "nRows=100". The key is the first
+/// text of its line, so that "Generated: 2014" is no rate.
+std::optional<double> fact_of(const Beginning& beginning, const Names& names, std::string_view key, char separator) {
   for (std::size_t line = 0; line < names.line; ++line) {
     const std::string text = lower(beginning.lines[line]);
-    const std::size_t at = text.find(word);
-    if (at == std::string::npos) continue;
-    std::string rest = beginning.lines[line].substr(at + word.size());
+    const std::size_t begin = text.find_first_not_of(" \t\"");
+    if (begin == std::string::npos || !std::string_view(text).substr(begin).starts_with(key)) continue;
+    std::string rest = beginning.lines[line].substr(begin + key.size());
+    if (!rest.empty() && std::isalpha(static_cast<unsigned char>(rest.front())) != 0) continue;
     std::ranges::replace(rest, ':', separator);
     std::ranges::replace(rest, '=', separator);
     for (const TextCell& cell : cells_of(rest, separator)) {
@@ -171,6 +187,10 @@ std::optional<std::string> set_times(ForceFile& facts, std::optional<double> sta
   const double found_hz = t_s.size() > 1 ? rate_of(t_s) : 0.0;
   facts.rate_hz = stated_hz && (facts.format == "bioware" || found_hz <= 0.0) ? *stated_hz : found_hz;
   if (!(facts.rate_hz > 0.0)) return "there is no rate: no column of times, and no line with the rate";
+  if (stated_hz && is_rising && found_hz > 0.0 && std::abs(*stated_hz - found_hz) > kSameRate * found_hz) {
+    facts.warnings.push_back("the file states " + core::number_text(*stated_hz) + " Hz, but its times have " + core::number_text(found_hz) +
+                             " Hz: " + core::number_text(facts.rate_hz) + " Hz is used");
+  }
   if (is_rising && !t_s.empty()) facts.t_s = std::move(t_s);
   return std::nullopt;
 }
@@ -191,6 +211,7 @@ void add_warnings(ForceFile& facts, TextFormat format, const std::vector<PlateCo
   for (std::size_t k = 0; k < plates.size(); ++k) {
     PlateFacts& plate = facts.plates.emplace_back();
     const TextPlate& read = contents.plates[k];
+    plate.has_force = read.values[0] || read.values[1] || read.values[2];
     if (format != TextFormat::BioWare) continue;
     if (read.is_cop_of_file && plates[k].has_cop())
       plate.warnings.emplace_back("Ax and Ay may be relative to their own mean: BioWare does not say");
@@ -220,7 +241,7 @@ core::Result<ForceFile> read_text_export(const std::string& file, const Beginnin
   contents->vertical = is_opensim ? 1 : 2;
   for (const PlateColumns& plate : names->columns.plates) contents->plates.push_back(text_plate(plate, is_opensim, wanted));
   if (names->columns.time) wanted.add(*names->columns.time);
-  DTS_TRY_ASSIGN(auto read, read_columns(file, names->first_row, names->separator, wanted.places));
+  DTS_TRY_ASSIGN(auto read, read_columns(file, names->first_row, names->separator, wanted.places, names->row_cells));
   contents->columns = std::move(read.columns);
 
   ForceFile facts{.format = format_name(format, beginning), .samples = contents->columns.front().size()};
@@ -232,7 +253,11 @@ core::Result<ForceFile> read_text_export(const std::string& file, const Beginnin
     t_s = std::move(contents->columns[wanted.add(*names->columns.time)]);
     for (double& time_s : t_s) time_s *= names->columns.time->scale;
   }
-  if (const auto wrong = set_times(facts, fact_of(beginning, *names, "rate", names->separator), std::move(t_s))) {
+  std::optional<double> stated_hz;
+  for (const char* const key : {"rate", "sampling rate", "sample rate"}) {
+    if (!stated_hz) stated_hz = fact_of(beginning, *names, key, names->separator);
+  }
+  if (const auto wrong = set_times(facts, stated_hz, std::move(t_s))) {
     return unreadable(file, *wrong, "export the file again, with times");
   }
   const auto stated = is_opensim ? fact_of(beginning, *names, "nrows", ' ') : std::nullopt;

@@ -58,6 +58,18 @@ std::string floor_definition(double rate_hz) {
   return std::move(out).str();
 }
 
+std::string force_plate_definition(double rate_hz, double top_mm) {
+  std::ostringstream out;
+  out << "kind = \"floor\"\n\n[force_plate]\nkind = \"kistler8\"\n"
+         "scale_mv_per_n = [38.117, 37.723, 38.062, 38.008, 3.898, 3.889, 3.885, 3.891]\n"
+         "a_mm = 120.0\nb_mm = 200.0\naz0_mm = -48.0\naxes = \"z_down\"\nsize_mm = [400.0, 600.0]\nml = \"+x\"\nap = \"-y\"\n"
+         "\n[acquire]\nrate_hz = "
+      << files::toml_number(rate_hz)
+      << "\n\n[[stage]]\nid = \"guard\"\n\n[[stage]]\nid = \"force_plate\"\n\n[[stage]]\nid = \"force_cop\"\ntop_mm = "
+      << files::toml_number(top_mm) << '\n';
+  return std::move(out).str();
+}
+
 std::string chair_definition(double rate_hz) {
   const physics::RigModel rig = sim::chair_rig();
   const auto& used = *rig.transient_sensors;

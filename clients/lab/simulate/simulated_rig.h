@@ -9,6 +9,9 @@ namespace dts::lab::simulate {
 /// no rig file is specified.
 [[nodiscard]] std::string floor_definition(double rate_hz);
 
+/// Returns a Kistler plate of the size 9281EA as a rig definition, whose centre of pressure is on top of something `top_mm` high.
+[[nodiscard]] std::string force_plate_definition(double rate_hz, double top_mm);
+
 /// Returns the chair of sim::chair_rig with the stages that find reaches. Classifying trunk movement needs a model, and therefore a rig
 /// file.
 [[nodiscard]] std::string chair_definition(double rate_hz);

@@ -12,6 +12,7 @@
 #include "lab/steadiness/steadiness_model.h"
 #include "lab/steadiness/steadiness_rows.h"
 #include "lab/sway/sway_table.h"
+#include "lab/sway/sway_view.h"
 
 namespace dts::lab::steadiness {
 namespace {
@@ -102,11 +103,13 @@ void print_doubts(const std::vector<Prediction>& predictions, const SteadinessMo
   std::size_t outside = 0;
   std::size_t invalid = 0;
   std::size_t differing = 0;
+  std::size_t slower_or_faster = 0;
   for (const auto& [row, answer] : predictions) {
     if (!answer.best) ++silent;
     if (!answer.outside.empty()) ++outside;
     if (!row.is_valid) ++invalid;
     if (!row.profile.empty() && !model.profile.empty() && row.profile != model.profile) ++differing;
+    if (row.rate_hz > 0.0 && model.rate_hz > 0.0 && !is_same_rate(row.rate_hz, model.rate_hz)) ++slower_or_faster;
   }
   const auto say = [&](std::size_t count, const std::string& text) {
     if (count > 0) warn(console, std::to_string(count) + " of " + std::to_string(predictions.size()) + " rows " + text);
@@ -116,6 +119,8 @@ void print_doubts(const std::vector<Prediction>& predictions, const SteadinessMo
   say(outside, "are outside the range of the training: their labels are guesses");
   say(invalid, "are from subjects who stepped off or moved the feet");
   say(differing, "were measured with another profile than '" + model.profile + "', with which the model was trained");
+  say(slower_or_faster,
+      "were analysed at another rate than " + sway::significant(model.rate_hz, 4) + " Hz, at which the model was trained");
 }
 
 int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
@@ -127,7 +132,7 @@ int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
   files::Problems problems;
   std::vector<SteadinessRow> rows;
   if (force::has_plates(arguments.table, arguments.cop)) {
-    auto row = row_of_plates(arguments.table, arguments.cop, model->profile);
+    auto row = row_of_plates(arguments.table, arguments.cop, model->profile, model->rate_hz);
     if (!row) return fail_with(console, row.error());
     rows.push_back(std::move(*row));
   } else {

@@ -30,6 +30,7 @@ class ModelReader {
     if (number(json_, "format", 0.0, 1e6) != kFormat) fail("'format' is not " + std::to_string(kFormat));
     model.label = text(json_, "label");
     model.profile = text(json_, "profile");
+    if (json_.is_object() && json_.contains("rate_hz")) model.rate_hz = number(json_, "rate_hz", 0.0, 1e9);  // older models have none
     model.rows = static_cast<std::size_t>(number(json_, "rows", 0.0, 1e9));
     model.subjects = static_cast<std::size_t>(number(json_, "subjects", 0.0, 1e9));
     model.left_out_accuracy = number(json_, "left_out_accuracy", 0.0, 1.0);
@@ -148,6 +149,7 @@ std::string model_text(const SteadinessModel& model) {
             {"format", kFormat},
             {"label", model.label},
             {"profile", model.profile},
+            {"rate_hz", model.rate_hz},
             {"rows", model.rows},
             {"subjects", model.subjects},
             {"left_out_accuracy", model.left_out_accuracy},

@@ -12,8 +12,9 @@ namespace dts::lab::steadiness {
 
 /// A discriminant with the facts needed to use it.
 struct SteadinessModel {
-  std::string label;    ///< The column that it predicts.
-  std::string profile;  ///< Of all training rows; empty: unknown or mixed.
+  std::string label;     ///< The column that it predicts.
+  std::string profile;   ///< Of all training rows; empty: unknown or mixed.
+  double rate_hz = 0.0;  ///< At which all training rows were analysed; 0: unknown or mixed.
   Discriminant discriminant;
   std::size_t rows = 0;
   std::size_t subjects = 0;

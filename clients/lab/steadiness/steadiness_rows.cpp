@@ -71,6 +71,8 @@ SteadinessRow row_of(const CsvTable& table, const std::string& label, std::size_
   return one;
 }
 
+constexpr double kSameRate = 0.01;
+
 /// Adds "duration 20 to 60 s" if the known values differ by more than 1 %.
 void add_span(const std::vector<SteadinessRow>& rows, double SteadinessRow::*member, const std::string& what, const std::string& unit,
               std::vector<std::string>& differences) {
@@ -107,9 +109,13 @@ std::vector<SteadinessRow> read_rows(const std::string& file, const std::string&
   return rows;
 }
 
-core::Result<SteadinessRow> row_of_plates(const std::string& file, const force::CopChoice& choice, const std::string& profile) {
+bool is_same_rate(double a_hz, double b_hz) noexcept { return std::abs(a_hz - b_hz) <= kSameRate * b_hz; }
+
+core::Result<SteadinessRow> row_of_plates(const std::string& file, const force::CopChoice& choice, const std::string& profile,
+                                          double rate_hz) {
   sway::SwayArguments arguments{.inputs = {file}, .cop = choice};
   if (!profile.empty()) arguments.profile = profile;
+  if (rate_hz > 0.0) arguments.rate_hz = rate_hz;
   sway::MeasuredFile measured = sway::measure_file({.file = file}, arguments, [](double /*part*/) {});
   if (measured.error) return tl::make_unexpected(std::move(*measured.error));
   if (!measured.problems.empty()) return core::fail(core::ErrorCode::InvalidArgument, files::to_string(measured.problems.front()));

@@ -29,9 +29,13 @@ struct SteadinessRow {
 /// Reads a table. `label` is the name of its required label column; empty: none. Adds every error to `problems` with its position.
 [[nodiscard]] std::vector<SteadinessRow> read_rows(const std::string& file, const std::string& label, files::Problems& problems);
 
-/// Measures a file of force plates as `dtslab sway --profile PROFILE` does, and returns its one row.
-[[nodiscard]] core::Result<SteadinessRow> row_of_plates(const std::string& file, const force::CopChoice& choice,
-                                                        const std::string& profile);
+/// Measures a file of force plates as `dtslab sway --profile PROFILE --rate RATE` does, and returns its one row. `rate_hz` = 0: at the rate
+/// of the file.
+[[nodiscard]] core::Result<SteadinessRow> row_of_plates(const std::string& file, const force::CopChoice& choice, const std::string& profile,
+                                                        double rate_hz);
+
+/// Returns whether two rates differ by at most 1 %; false for unknown ones.
+[[nodiscard]] bool is_same_rate(double a_hz, double b_hz) noexcept;
 
 /// Returns the properties that affect the values and differ between the rows: "lp10 and asis", "duration 20 to 60 s"; empty if there are
 /// none.

@@ -160,12 +160,20 @@ void print_result(const Evaluation& evaluation, const SteadinessModel& model, co
   cli::print_hint(console, "to use it: dtslab steadiness classify " + file + " TABLE.csv");
 }
 
+/// Returns the rate of all rows; 0 if a row has none or another one.
+double common_rate(const std::vector<SteadinessRow>& rows) {
+  const double first_hz = rows.front().rate_hz;
+  const bool is_common = std::ranges::all_of(rows, [&](const SteadinessRow& row) { return is_same_rate(row.rate_hz, first_hz); });
+  return is_common ? first_hz : 0.0;
+}
+
 SteadinessModel model_of(const std::string& label, const std::vector<SteadinessRow>& rows, const Evaluation& evaluation,
                          Discriminant form) {
   std::set<std::string> profiles;
   for (const SteadinessRow& row : rows) profiles.insert(row.profile);
   return {.label = label,
           .profile = profiles.size() == 1 ? *profiles.begin() : std::string(),
+          .rate_hz = common_rate(rows),
           .discriminant = std::move(form),
           .rows = evaluation.rows,
           .subjects = evaluation.subjects,

@@ -21,6 +21,7 @@ const std::vector<std::pair<std::string_view, Maker>>& makers() {
       {"3.5", [](const auto&) { return thesis_proportions(true); }},
       {"3.6", [](const auto&) { return thesis_line_errors(); }},
       {"4.1", [](const auto&) { return thesis_loci(); }},
+      {"4.2", [](const auto& progress) { return thesis_stack(progress); }},
       {"5.2", [](const auto& progress) { return thesis_teachers(progress); }},
       {"6.2", [](const auto& progress) { return thesis_healthy(progress); }},
       {"6.3", [](const auto&) { return thesis_trunk_angles(); }},

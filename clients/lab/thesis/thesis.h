@@ -32,6 +32,7 @@ struct ThesisTable {
   int decimals = 3;   ///< Of printed and computed values.
   std::vector<ThesisRow> rows;
   Figures summary;
+  std::string figures;             ///< Script for gnuplot that draws the figures that belong to the table; empty: none.
   std::vector<std::string> notes;  ///< Assumptions, and printed figures that do not follow from the stated theory.
 };
 

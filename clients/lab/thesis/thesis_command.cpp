@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/thesis/thesis_command.h"
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "cli/exit_status.h"
@@ -8,14 +10,18 @@
 #include "cli/progress.h"
 #include "cli/table.h"
 #include "lab/base/command.h"
+#include "lab/base/gnuplot.h"
 #include "lab/base/problems.h"
 #include "lab/thesis/thesis.h"
 
 namespace dts::lab::thesis {
 namespace {
 
+constexpr std::string_view kTableWithFigures = "4.2";
+
 struct Arguments {
   std::string table;
+  std::string plot;  ///< Output file for the figures; empty: none.
   bool is_json = false;
 };
 
@@ -84,12 +90,27 @@ core::Result<std::vector<ThesisTable>> compute(const std::vector<std::string>& n
   return tables;
 }
 
+core::Status draw_figures(const Arguments& arguments, const std::vector<ThesisTable>& tables) {
+  if (arguments.plot.empty()) return {};
+  return draw(tables.front().figures, arguments.plot);
+}
+
+/// Only table 4.2 has figures.
+core::Status check_plot(const Arguments& arguments) {
+  if (arguments.plot.empty()) return {};
+  if (arguments.table == kTableWithFigures) return check_plot_name(arguments.plot);
+  return core::fail(core::ErrorCode::InvalidArgument, "table " + arguments.table + " has no figures to draw",
+                    "dtslab thesis " + std::string(kTableWithFigures) + " --plot " + arguments.plot);
+}
+
 int run_thesis(const Arguments& arguments, cli::Console& console) {
+  if (const auto plot = check_plot(arguments); !plot) return fail_with(console, plot.error());  // fail now, not after minutes
   std::vector<std::string> names{arguments.table};
   if (arguments.table == "all") names.assign(thesis_table_names().begin(), thesis_table_names().end());
   const auto computed = compute(names, console);
   if (!computed) return fail_with(console, computed.error());
   const std::vector<ThesisTable>& tables = *computed;
+  if (const auto drawn = draw_figures(arguments, tables); !drawn) return fail_with(console, drawn.error());
   if (arguments.is_json) {
     cli::Json all = cli::Json::array();
     for (const ThesisTable& table : tables) all.push_back(to_json(table));
@@ -110,10 +131,14 @@ void add_commands(cli::CommandLine& line) {
       add_command(line, line.app, "thesis", "Compute a table of the thesis again and show it beside the printed values",
                   "dtslab thesis 3.2 | deflections of the acrylic plate\n"
                   "dtslab thesis 4.1 | estimated positions of fifteen loads\n"
+                  "dtslab thesis 4.2 --plot loci.svg | floor platform on a force plate, simulated; also draw figures 4.11 to 4.13\n"
                   "dtslab thesis 6.2 | ten healthy volunteers, two networks, simulated people\n"
                   "dtslab thesis all --json | all tables, for a program\n",
                   run_thesis);
-  command.add_option("TABLE", arguments.table, "3.2, 3.3, 3.4, 3.5, 3.6, 4.1, 5.2, 6.2, 6.3, 6.4 or all")->required()->option_text(" ");
+  command.add_option("TABLE", arguments.table, "3.2, 3.3, 3.4, 3.5, 3.6, 4.1, 4.2, 5.2, 6.2, 6.3, 6.4 or all")
+      ->required()
+      ->option_text(" ");
+  add_plot(command, arguments.plot, "Draw figures 4.11 to 4.13 (only table 4.2)");
   add_json(command, arguments.is_json);
 }
 

@@ -20,6 +20,8 @@ inline constexpr std::size_t kReachDraws = 5;
 [[nodiscard]] core::Result<ThesisTable> thesis_line_errors();
 /// Table 4.1.
 [[nodiscard]] core::Result<ThesisTable> thesis_loci();
+/// Table 4.2, with figures 4.11 to 4.13.
+[[nodiscard]] core::Result<ThesisTable> thesis_stack(const TableProgress& progress);
 /// Table 5.2.
 [[nodiscard]] core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::size_t draws = kReachDraws);
 /// Table 6.2.

@@ -38,6 +38,7 @@ core::Result<std::unique_ptr<Scene>> create_kind_of_scene(const FloorOptions& op
     case FloorContact::Weights: return WeightsScene::create(options, rig);
     case FloorContact::Gaps: return GapsScene::create(options, rig);
     case FloorContact::Feet:
+    case FloorContact::OneFoot:
     case FloorContact::Point: break;
   }
   return PersonScene::create(options, rig);

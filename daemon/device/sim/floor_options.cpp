@@ -14,16 +14,17 @@ using enum OptionKind;
 
 constexpr std::array kFloorTable = {
     UriOption{"seed", Integer, "1", 0, 4294967295.0, "", "Chooses sway, noise, gains and gaps; the same seed gives the same data."},
-    UriOption{"contact", Word, "feet", 0, 0, "feet|point|weights|gaps",
-              "A person on two feet, a weight at one point, weights of a list one after the other, or spacers before the sensors."},
-    UriOption{"weight_n", Number, "686", 50, 2000, "", "Body weight (contact=feet)."},
+    UriOption{
+        "contact", Word, "feet", 0, 0, "feet|one_foot|point|weights|gaps",
+        "A person on two feet or on one, a weight at one point, weights of a list one after the other, or spacers before the sensors."},
+    UriOption{"weight_n", Number, "686", 50, 2000, "", "Body weight (contact=feet|one_foot)."},
     UriOption{"load_n", Number, "490", 1, 2000, "", "Load of the weight (contact=point)."},
     UriOption{"x_mm", Number, "0", -1000, 1000, "", "ML position of the weight or of the stance, from the plate's centre."},
     UriOption{"y_mm", Number, "0", -1000, 1000, "", "AP position of the weight or of the stance, from the plate's centre."},
     UriOption{"stance_width_mm", Number, "200", 50, 600, "", "Distance between the middle lines of the feet."},
     UriOption{"step_on_s", Number, "2.5", 0, 86400, "",
               "When the person first touches the plate; it is empty before, so that it can be tared."},
-    UriOption{"step_off_s", Number, "never", 0, kNever, "", "When the person or weight begins to leave (contact=feet|point)."},
+    UriOption{"step_off_s", Number, "never", 0, kNever, "", "When the person or weight begins to leave (contact=feet|one_foot|point)."},
     UriOption{"cop", File, "", 0, 0, "", "Recorded COP to repeat (CSV t_s,x_mm,y_mm) instead of synthetic sway."},
     UriOption{"weights", File, "", 0, 0, "", "Weights to put down in turn (CSV x_mm,y_mm,load_n; contact=weights)."},
     UriOption{"gaps_mm", Numbers, "", 0.1, 1000, "", "Gaps that every sensor sees in turn (contact=gaps)."},
@@ -49,20 +50,20 @@ constexpr std::array kFloorTable = {
 };
 
 constexpr std::array kFloorDependencies = {
-    Dependency{"weight_n", "contact", "feet"},
+    Dependency{"weight_n", "contact", "feet|one_foot"},
     Dependency{"stance_width_mm", "contact", "feet"},
-    Dependency{"cop", "contact", "feet"},
+    Dependency{"cop", "contact", "feet|one_foot"},
     Dependency{"load_n", "contact", "point"},
-    Dependency{"x_mm", "contact", "feet|point"},
-    Dependency{"y_mm", "contact", "feet|point"},
-    Dependency{"step_off_s", "contact", "feet|point"},
+    Dependency{"x_mm", "contact", "feet|one_foot|point"},
+    Dependency{"y_mm", "contact", "feet|one_foot|point"},
+    Dependency{"step_off_s", "contact", "feet|one_foot|point"},
     Dependency{"weights", "contact", "weights"},
     Dependency{"gaps_mm", "contact", "gaps"},
     Dependency{"hold_s", "contact", "weights|gaps"},
-    Dependency{"plate", "contact", "feet|point|weights"},
+    Dependency{"plate", "contact", "feet|one_foot|point|weights"},
     Dependency{"pause_s", "contact", "weights|gaps"},
     Dependency{"ramp_s", "contact", "weights|gaps"},
-    Dependency{"gap_spread_mm", "contact", "feet|point|weights"},
+    Dependency{"gap_spread_mm", "contact", "feet|one_foot|point|weights"},
     shared_option::kFaultChannelNeeds,
 };
 
@@ -81,6 +82,7 @@ core::Status check_contact(const DeviceUri& uri, const UriOptions& options) {
 }
 
 FloorContact floor_contact(const std::string& word) {
+  if (word == "one_foot") return FloorContact::OneFoot;
   if (word == "point") return FloorContact::Point;
   if (word == "weights") return FloorContact::Weights;
   return word == "gaps" ? FloorContact::Gaps : FloorContact::Feet;
@@ -100,11 +102,21 @@ core::Status check_placement(const DeviceUri& uri, const PlacementTimes& times) 
   return refuse(uri, ErrorCode::InvalidArgument, "ramp_s, hold_s and pause_s together are shorter than 1 ms");
 }
 
+physics::ContactKind contact_kind(FloorContact contact) {
+  switch (contact) {
+    case FloorContact::OneFoot: return physics::ContactKind::OneFoot;
+    case FloorContact::Point: return physics::ContactKind::Point;
+    case FloorContact::Feet:
+    case FloorContact::Weights:
+    case FloorContact::Gaps: break;
+  }
+  return physics::ContactKind::Feet;
+}
+
 physics::Stance stance(const UriOptions& options, std::uint64_t seed) {
   physics::Stance result;
-  const bool is_point = options.text("contact") == "point";
-  result.kind = is_point ? physics::ContactKind::Point : physics::ContactKind::Feet;
-  result.load = core::Newtons{options.number(is_point ? "load_n" : "weight_n")};
+  result.kind = contact_kind(floor_contact(options.text("contact")));
+  result.load = core::Newtons{options.number(result.kind == physics::ContactKind::Point ? "load_n" : "weight_n")};
   result.centre_ml = core::Millimetres{options.number("x_mm")};
   result.centre_ap = core::Millimetres{options.number("y_mm")};
   result.width = core::Millimetres{options.number("stance_width_mm")};

@@ -18,6 +18,7 @@ namespace dts::device::sim {
 /// The load on the plate, or the targets in front of the sensors.
 enum class FloorContact : std::uint8_t {
   Feet,     ///< A person on two feet.
+  OneFoot,  ///< A person on one foot.
   Point,    ///< One weight at one point.
   Weights,  ///< Weights of a list, one after the other.
   Gaps,     ///< No load: spacers of known height in front of the sensors.
@@ -27,8 +28,8 @@ enum class FloorContact : std::uint8_t {
 struct FloorOptions {
   std::uint64_t seed = 1;
   FloorContact contact = FloorContact::Feet;
-  physics::Stance stance;           ///< For Feet and Point.
-  std::string cop_file;             ///< For Feet; empty: synthetic sway.
+  physics::Stance stance;           ///< For Feet, OneFoot and Point.
+  std::string cop_file;             ///< For Feet and OneFoot; empty: synthetic sway.
   std::string weights_file;         ///< For Weights.
   std::vector<double> gaps_mm;      ///< For Gaps.
   PlacementTimes placement;         ///< For Weights and Gaps.

@@ -12,9 +12,4 @@ namespace dts::device::sim {
   return dts::sim::CounterRandom(seed ^ 0x6d6f756e74ULL);
 }
 
-/// Returns a number that is uniformly distributed in -1 .. 1.
-[[nodiscard]] inline double either_side(const dts::sim::CounterRandom& random, std::uint64_t n) noexcept {
-  return 2.0 * random.uniform(n) - 1.0;
-}
-
 }  // namespace dts::device::sim

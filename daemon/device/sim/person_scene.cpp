@@ -35,7 +35,7 @@ core::Status PersonScene::load() {
 
 void PersonScene::restart() {
   plate_.restart();
-  sway_.emplace(options_.seed);
+  sway_.emplace(options_.seed, options_.contact == FloorContact::OneFoot ? dts::sim::kOneFootSway : dts::sim::kTwoFeetSway);
 }
 
 dts::sim::CopPosition PersonScene::wanted_cop(double time_s) noexcept {

@@ -62,7 +62,9 @@ core::Result<core::Rate> SimDevice::start(const StartOptions& options) {
   segment_start_ = 0;
   is_stuck_ = false;
   is_interrupted_.store(false, std::memory_order_relaxed);
-  pacer_ = Pacer(clock_.now_ns(), options.rate, parts_.clock_error_ppm);
+  const std::int64_t start_ns = clock_.now_ns();
+  pacer_ = Pacer(start_ns, options.rate, parts_.clock_error_ppm);
+  parts_.scene->set_start(start_ns);
   move_to(DeviceState::Streaming);
   return options.rate;
 }

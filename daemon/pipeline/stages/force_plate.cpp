@@ -25,8 +25,7 @@ ForcePlate::ForcePlate(const StageOptions& options, const StageContext& context)
       tare_limit_n_(options.number("tare_limit_n")),
       tare_noise_n_(options.number("tare_noise_n")),
       tares_at_start_(options.word("tare_at_start") == "if_empty"),
-      drift_ms_(options.number("drift_ms")),
-      drift_(options.number("empty_below_n")) {}
+      drift_ms_(options.number("drift_ms")) {}
 
 const StageDescription& ForcePlate::description() {
   static const StageDescription described{
@@ -48,11 +47,6 @@ const StageDescription& ForcePlate::description() {
           {.name = "tare_at_start",
            .sentence = "if_empty: a segment that begins with an empty plate tares it, if there is no tare yet.",
            .choices = {"if_empty", "no"}},
-          {.name = "empty_below_n",
-           .sentence = "With less vertical force than this nobody is on the plate, and the drift of its zero is measured.",
-           .default_value = 20.0,
-           .minimum = 1.0,
-           .maximum = 2'000.0},
           {.name = "drift_ms",
            .sentence = "How long the plate must be empty for each measurement of the drift.",
            .default_value = 20'000.0,
@@ -132,7 +126,7 @@ void ForcePlate::finish_average() noexcept {
   if (outcome == TareOutcome::Done) {
     for (std::size_t c = 0; c < channel_count(); ++c) zero_v_[c] = average_.mean(c);
     is_tared_ = true;
-    drift_.restart_window();
+    drift_.set_zero();
   }
   report(outcome);
 }
@@ -207,11 +201,12 @@ void ForcePlate::forget() noexcept {
   zero_v_ = file_zero_v_;
   is_tared_ = false;
   average_.stop();
+  drift_.reset();
   reset();
 }
 
 void ForcePlate::reset() noexcept {
-  drift_.reset();
+  drift_.resume();
   const bool is_interrupted = average_.remaining_scans() > 0;
   if (is_interrupted || (tares_at_start_ && !is_tared_)) average_.start(tare_scans_);
 }

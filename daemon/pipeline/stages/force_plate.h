@@ -17,8 +17,8 @@ namespace dts::pipeline {
 ///
 /// The zero is that of the rig file (and every value has kUntared) until a tare succeeds, as in `Linearise`. A tare is rejected as loaded
 /// if the vertical force is farther than `tare_limit_n` from that of the rig file's zero. A fault bit or NaN on any channel makes the whole
-/// scan NaN, because every component depends on all channels. Values under a person also have kUntared while the zero has probably drifted
-/// by more than 1 % of the load since the plate was empty (ZeroDrift).
+/// scan NaN: nobody should trust a part of a plate that has a fault. Values under a person also have kUntared while the zero has probably
+/// drifted by more than 1 % of the load since the tare (ZeroDrift).
 class ForcePlate final : public Stage {
  public:
   ForcePlate(const StageOptions& options, const StageContext& context);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLeavingMs = 1000.0;
 constexpr std::uint64_t kFewestWindowScans = 3;
-constexpr std::uint64_t kMostLoadedScans = std::uint64_t{1} << 53U;
+constexpr std::uint64_t kMostScans = std::uint64_t{1} << 53U;
 constexpr double kDoubtfulPart = 0.01;  // of the load
 constexpr double kSecondsPerMinute = 60.0;
 constexpr double kLargestSum = 1e15;  // limit for values from a file
@@ -24,13 +24,12 @@ void ZeroDrift::prepare(core::Rate rate, double window_ms) noexcept {
 }
 
 bool ZeroDrift::add(double vertical_n) noexcept {
-  if (contact_.update(vertical_n)) {
-    loaded_scans_ = std::min(loaded_scans_ + 1, kMostLoadedScans);
+  since_level_ = std::min(since_level_ + 1, kMostScans);
+  if (contact_.update(vertical_n - drifted_n())) {
     settling_ = settle_scans_;
     restart_window();
     return false;
   }
-  loaded_scans_ = 0;
   if (settling_ > 0) {
     --settling_;
     return false;
@@ -40,9 +39,12 @@ bool ZeroDrift::add(double vertical_n) noexcept {
   sum_n_ += offset_n;
   weighted_sum_n_ += offset_n * static_cast<double>(scans_);
   if (++scans_ < window_scans_) return false;
-  // The least-squares slope over equidistant scans 0 .. n - 1.
+  // The least-squares line over equidistant scans 0 .. n - 1, and its value at the last of them.
   const auto n = static_cast<double>(window_scans_);
-  slope_n_per_scan_ = (weighted_sum_n_ - 0.5 * (n - 1.0) * sum_n_) * 12.0 / (n * (n * n - 1.0));
+  const double slope = (weighted_sum_n_ - 0.5 * (n - 1.0) * sum_n_) * 12.0 / (n * (n * n - 1.0));
+  slope_n_per_scan_ = slope;
+  level_n_ = origin_n_ + sum_n_ / n + 0.5 * (n - 1.0) * slope;
+  since_level_ = 0;
   restart_window();
   return true;
 }
@@ -54,39 +56,51 @@ void ZeroDrift::restart_window() noexcept {
   weighted_sum_n_ = 0.0;
 }
 
-void ZeroDrift::reset() noexcept {
-  contact_.reset();
-  loaded_scans_ = 0;
-  settling_ = 0;
-  slope_n_per_scan_.reset();
+void ZeroDrift::set_zero() noexcept {
+  level_n_ = 0.0;
+  since_level_ = 0;
   restart_window();
 }
 
+void ZeroDrift::resume() noexcept {
+  contact_.reset();
+  settling_ = settle_scans_;
+  restart_window();
+}
+
+void ZeroDrift::reset() noexcept {
+  contact_.reset();
+  settling_ = 0;
+  slope_n_per_scan_.reset();
+  set_zero();
+}
+
 bool ZeroDrift::is_doubtful(double vertical_n) const noexcept {
-  if (!slope_n_per_scan_ || loaded_scans_ == 0) return false;
-  return std::abs(*slope_n_per_scan_) * static_cast<double>(loaded_scans_) > kDoubtfulPart * std::abs(vertical_n);
+  return vertical_n >= kEmptyBelowN && std::abs(drifted_n()) > kDoubtfulPart * vertical_n;
 }
 
 void ZeroDrift::save(StateWriter& writer) const noexcept {
   contact_.save(writer);
-  writer.put_count(loaded_scans_);
   writer.put_count(settling_);
   writer.put_count(scans_);
   writer.put(origin_n_);
   writer.put(sum_n_);
   writer.put(weighted_sum_n_);
+  writer.put(level_n_);
+  writer.put_count(since_level_);
   writer.put(slope_n_per_scan_ ? 1.0 : 0.0);
   writer.put(slope_n_per_scan_.value_or(0.0));
 }
 
 void ZeroDrift::restore(StateReader& reader) noexcept {
   contact_.restore(reader);
-  loaded_scans_ = reader.count(kMostLoadedScans);
   settling_ = reader.count(settle_scans_);
   scans_ = reader.count(window_scans_ - 1);
   origin_n_ = reader.number(-kLargestSum, kLargestSum);
   sum_n_ = reader.number(-kLargestSum, kLargestSum);
   weighted_sum_n_ = reader.number(-kLargestSum, kLargestSum);
+  level_n_ = reader.number(-kLargestSum, kLargestSum);
+  since_level_ = reader.count(kMostScans);
   const bool has_slope = reader.flag();
   const double slope = reader.number(-kLargestSum, kLargestSum);
   slope_n_per_scan_ = has_slope ? std::optional(slope) : std::nullopt;

@@ -28,7 +28,9 @@ BidsNames::BidsNames(const Recording& recording, const std::string& subject) {
   subject_ = "sub-" + bids_label(subject, "unknown");
   session_ = "ses-" + bids_label(session.session_id, "unknown");
   task_ = bids_label(session.protocol, "free");
-  const std::uint32_t run = leading_part(session);  // companions have the same run and a tracking system of their own
+  // Companions have the same run and a tracking system of their own, unless the names of their rigs become equal.
+  const auto has_same_label = [&](const std::string& rig) { return bids_label(rig, "") == bids_label(session.rig, ""); };
+  const std::uint32_t run = std::ranges::count_if(session.rigs, has_same_label) > 1 ? session.part : leading_part(session);
   if (run > 1) run_ = "_run-" + std::to_string(run);
 }
 

@@ -104,11 +104,10 @@ class C3dSink : public ExportSink {
     for (const auto& values : columns_) most = std::max(most, values.size());
     return most;
   }
-  /// Returns the events by time; only the first ones if there are too many for C3D.
+  /// Returns the events by time.
   [[nodiscard]] std::vector<c3d::Event> events() const {
     std::vector<c3d::Event> sorted = events_;
     std::ranges::stable_sort(sorted, {}, &c3d::Event::time_s);
-    if (sorted.size() > c3d::kMostEvents) sorted.resize(c3d::kMostEvents);
     return sorted;
   }
   /// Returns Fx Fy Fz Px Py Mz of a sample.
@@ -168,6 +167,8 @@ core::Result<Exported> export_c3d(Recording& recording, const std::string& folde
   C3dSink sink(recording, corrections, origin_s, rate);
   DTS_TRY(walk(recording, sink, progress));
   c3d::Outline outline{.rate_hz = rate.hz(), .samples = sink.samples(), .plates = {kSubjectAxes}, .events = sink.events()};
+  const std::size_t dropped = outline.events.size() - std::min(outline.events.size(), c3d::kMostEvents);
+  outline.events.resize(outline.events.size() - dropped);
   if (recording.session()) outline.software = recording.session()->software;
   DTS_TRY_ASSIGN(std::string bytes, c3d::file_beginning(outline));
   OutputFiles files(folder);
@@ -179,7 +180,7 @@ core::Result<Exported> export_c3d(Recording& recording, const std::string& folde
   }
   DTS_TRY(file->status());
   return files.commit().map([&](OutputFiles::Written&& written) {
-    return Exported{.files = std::move(written.files), .rows = outline.samples, .bytes = written.bytes};
+    return Exported{.files = std::move(written.files), .rows = outline.samples, .bytes = written.bytes, .dropped_events = dropped};
   });
 }
 

@@ -15,6 +15,7 @@ struct Exported {
   std::vector<std::string> files;
   std::uint64_t rows = 0;
   std::uint64_t bytes = 0;
+  std::uint64_t dropped_events = 0;  ///< Of C3D, which holds at most 255: the last ones are not in the file.
 };
 
 // `corrections`: of the recording's session, see `corrections_beside`. Exports have the corrected values, and beside them the recorded
@@ -36,10 +37,10 @@ struct Exported {
 [[nodiscard]] core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress = {},
                                                  const Corrections& corrections = {});
 
-/// Writes `<session>.c3d`: the streams `cop` and `force` as one force plate of type 1 (32-bit real numbers, Intel), with markers, trials and
-/// triggers as events, at most 255. Axes of the subject: x to the right, y forward, z up; the force on the person. Undefined values, and
-/// samples in gaps, are NaN; the vertical force without `force` is the load. Never overwrites. Fails with Unsupported if the recording has
-/// neither stream, or if their rates differ, and with LimitExceeded if it has more than 8 million samples.
+/// Writes `<session>.c3d`: the streams `cop` and `force` as one force plate of type 1 (32-bit real numbers, Intel), with markers, trials
+/// and triggers as events, at most 255 (see `dropped_events`). Axes of the subject: x to the right, y forward, z up; the force on the
+/// person. Undefined values, and samples in gaps, are NaN; the vertical force without `force` is the load. Never overwrites. Fails with
+/// Unsupported if the recording has neither stream, or if their rates differ, and with LimitExceeded if it has more than 8 million samples.
 [[nodiscard]] core::Result<Exported> export_c3d(Recording& recording, const std::string& folder, const Progress& progress = {},
                                                 const Corrections& corrections = {});
 

@@ -117,6 +117,72 @@ TEST(C3dFile, MoreFramesThanAHeaderCounts_AreThoseOfTheParameters) {
   EXPECT_EQ(read(made).frames(), 70000U);
 }
 
+/// A file of 70000 frames whose header is saturated.
+MadeC3d saturated() {
+  MadeC3d made(MadeEncoding::Intel, false);
+  made.channels = 1;
+  made.last_frame = 65535;
+  for (int frame = 0; frame < 70000; ++frame) made.frame({1.0});
+  return made;
+}
+
+TEST(C3dFile, FramesThatTheParametersDoNotKnow_AreNotLost) {
+  MadeC3d trial = saturated();
+  trial.group("TRIAL");
+  trial.words("ACTUAL_START_FIELD", {2}, {0, 0});
+  trial.words("ACTUAL_END_FIELD", {2}, {0, 0});
+  trial.group("POINT");
+  trial.reals("LONG_FRAMES", {}, {70000});
+  EXPECT_EQ(read(trial).frames(), 70000U);
+  MadeC3d shorter = saturated();
+  shorter.group("TRIAL");
+  shorter.words("ACTUAL_START_FIELD", {2}, {1, 0});
+  shorter.words("ACTUAL_END_FIELD", {2}, {100, 0});
+  EXPECT_EQ(read(shorter).frames(), 70000U) << "less than the header";
+  MadeC3d full = saturated();
+  full.group("POINT");
+  full.words("FRAMES", {}, {65535});
+  EXPECT_EQ(read(full).frames(), 70000U);
+  EXPECT_THAT(read(full).warnings(), Contains(HasSubstr("number of frames is not known")));
+}
+
+TEST(C3dFile, MoreFramesThanStated_AreWarnedOf) {
+  for (const int frames : {300, 500}) {  // two bytes each: 300 fill up the last block
+    MadeC3d made(MadeEncoding::Intel, false);
+    made.channels = 1;
+    made.last_frame = 100;
+    made.group("ANALOG");
+    made.reals("SCALE", {1}, {1.0});
+    for (int frame = 0; frame < frames; ++frame) made.frame({1.0});
+    EXPECT_EQ(read(made).frames(), 100U);
+    const auto warned = Contains(HasSubstr("holds " + std::to_string(frames) + " frames, but only 100 are stated"));
+    if (frames == 500) {
+      EXPECT_THAT(read(made).warnings(), warned);
+    } else {
+      EXPECT_THAT(read(made).warnings(), IsEmpty());
+    }
+  }
+}
+
+TEST(C3dFile, RecordsThatOverlap_AreLeftOut) {
+  MadeC3d made = small(MadeEncoding::Intel, true);
+  // The head of the next record would be type and dimensions of this one: 255 x 128 numbers, those of all records behind it.
+  for (int record = 0; record < 20; ++record) made.raw_record("\xFF\x80", 2, "", 2);
+  for (int filler = 0; filler < 3; ++filler) made.texts("FILL", 255, std::vector<std::string>(100));
+  made.words("AFTER", {}, {5});
+  const C3dFile file = read(made);
+  for (const Parameter& parameter : file.parameters().all()) EXPECT_LE(parameter.numbers.size(), 2U) << parameter.name;
+  EXPECT_EQ(file.parameters().number("ANALOG", "AFTER"), 5.0);
+}
+
+TEST(C3dFile, NumberOfEventsThatIsNone_GivesNoEvents) {
+  MadeC3d made = small(MadeEncoding::Intel, true);
+  made.group("EVENT");
+  made.reals("USED", {}, {kUndefined});
+  made.reals("TIMES", {2, 1}, {0, 0.01});
+  EXPECT_THAT(read(made).events(), IsEmpty());
+}
+
 TEST(C3dFile, FileThatEndsEarly_HasTheFramesBefore) {
   std::string bytes = small(MadeEncoding::Intel, true).bytes();
   bytes.resize(bytes.size() - 1);
@@ -132,7 +198,7 @@ TEST(C3dFile, BrokenParameters_LeaveOutTheRecordAndSayWhere) {
     std::vector<int> dimensions;
     std::string says;
   };
-  for (const Case& broken : {Case{3, {1}, "unknown type 3"}, Case{4, {255, 255, 255, 255, 255, 255, 255}, "the section has fewer"},
+  for (const Case& broken : {Case{3, {1}, "unknown type 3"}, Case{4, {255, 255, 255, 255, 255, 255, 255}, "its record has fewer"},
                              Case{2, std::vector<int>(8, 1), "8 dimensions"}}) {
     MadeC3d made = small(MadeEncoding::Intel, true);
     made.parameter("BAD", broken.type, broken.dimensions, "");
@@ -238,6 +304,8 @@ TEST(C3dWriter, NothingToWrite_IsRejected) {
   const auto reason = [](const Outline& outline) { return file_beginning(outline).error().what; };
   const std::vector<Corners> one{corners_of(0)};
   EXPECT_THAT(reason({.rate_hz = 0.0, .samples = 1, .plates = one}), HasSubstr("rate"));
+  EXPECT_THAT(reason({.rate_hz = 1e39, .samples = 1, .plates = one}), HasSubstr("32-bit"));
+  EXPECT_THAT(reason({.rate_hz = 1e-39, .samples = 1, .plates = one}), HasSubstr("32-bit"));
   EXPECT_THAT(reason({.rate_hz = kUndefined, .samples = 1, .plates = one}), HasSubstr("rate"));
   EXPECT_THAT(reason({.rate_hz = 1.0, .samples = 0, .plates = one}), HasSubstr("one sample"));
   EXPECT_THAT(reason({.rate_hz = 1.0, .samples = 1}), HasSubstr("1 to 42 plates"));

@@ -32,7 +32,9 @@ TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
     if (line.empty() || line.starts_with("#")) continue;
     core::VirtualClock clock;
     emulator::FakeBus bus(clock);
-    const physics::RigModel rig = line.starts_with("sim:chair") ? dts::sim::chair_rig() : test::floor_rig();
+    const physics::RigModel rig = line.starts_with("sim:chair")   ? dts::sim::chair_rig()
+                                  : line.starts_with("sim:stack") ? test::stack_rig()
+                                                                  : test::floor_rig();
     const auto created = create_device(line, {clock, rig, has_usb ? &bus : nullptr});
     found += created ? test::text_of((*created)->describe(), "    ")
                      : "    " + std::string(core::name(created.error().code)) + ": " + indented(core::to_string(created.error())) + "\n";
@@ -41,7 +43,7 @@ TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Address,
-                         testing::Values("no_device", "without_usb", "mcc", "pair", "labjack", "ni", "replay", "floor", "chair"),
+                         testing::Values("no_device", "without_usb", "mcc", "pair", "labjack", "ni", "replay", "floor", "chair", "stack"),
                          [](const auto& file) { return std::string(file.param); });
 
 }  // namespace

@@ -9,6 +9,8 @@
 
 #include "device/sim/chair/chair_options.h"
 #include "device/sim/floor_options.h"
+#include "device/sim/stack/stack_options.h"
+#include "unit/device/sim_rig.h"
 
 namespace dts::device::sim {
 namespace {
@@ -28,7 +30,9 @@ std::string words(const core::Result<Options>& read) {
 const std::vector<Table> kTables = {{"sim:floor?", "daemon/device/sim/README.md", floor_option_table(),
                                      [](const DeviceUri& uri) { return words(read_floor_options(uri, 4)); }},
                                     {"sim:chair?", "daemon/device/sim/chair/README.md", chair_option_table(),
-                                     [](const DeviceUri& uri) { return words(read_chair_options(uri, 16)); }}};
+                                     [](const DeviceUri& uri) { return words(read_chair_options(uri, 16)); }},
+                                    {"sim:stack?", "daemon/device/sim/stack/README.md", stack_option_table(),
+                                     [](const DeviceUri& uri) { return words(read_stack_options(uri, test::stack_rig())); }}};
 
 TEST(SimOptions, EveryNumber_RefusedJustOutsideItsRange) {
   for (const Table& table : kTables) {

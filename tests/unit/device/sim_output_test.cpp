@@ -87,7 +87,9 @@ TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
       if (const std::size_t at = uri.find(word); at != std::string::npos) uri.replace(at + 1, std::string(word).size() - 1, path);
     }
     core::VirtualClock clock{1'000'000'000'000};
-    const physics::RigModel rig = uri.starts_with("sim:chair") ? dts::sim::chair_rig() : test::floor_rig();
+    const physics::RigModel rig = uri.starts_with("sim:chair")   ? dts::sim::chair_rig()
+                                  : uri.starts_with("sim:stack") ? test::stack_rig()
+                                                                 : test::floor_rig();
     const auto device = create_device(uri, {clock, rig});
     ASSERT_TRUE(device.has_value()) << core::to_string(device.error());
     found += line + "\n" + output_of(**device, clock, rate_hz, scans);
@@ -98,8 +100,8 @@ TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, SimOutput,
-                         testing::Values("floor", "floor_fast", "floor_faults", "recording", "bench", "chair_1", "chair_2", "chair_3",
-                                         "chair_4", "chair_5"),
+                         testing::Values("floor", "floor_fast", "floor_faults", "recording", "bench", "stack", "chair_1", "chair_2",
+                                         "chair_3", "chair_4", "chair_5"),
                          [](const auto& file) { return std::string(file.param); });
 
 }  // namespace

@@ -34,6 +34,18 @@ inline physics::RigModel floor_rig() {
   return rig;
 }
 
+/// The same rig with a Kistler plate of the size 9281EA: either part of `sim:stack`, which takes what it needs.
+inline physics::RigModel stack_rig() {
+  physics::RigModel rig = floor_rig();
+  physics::KistlerPlate kistler{.a_mm = 120.0, .b_mm = 200.0, .az0_mm = -48.0};
+  kistler.newtons_per_unit = {26.2, 26.5, 26.3, 26.3, 256.5, 257.1, 257.4, 257.0};
+  auto plate = physics::ForcePlate::create(kistler);
+  rig.force_plate = physics::ForcePlateModel{.plate = *plate,
+                                             .channel_names = {"fx12", "fx34", "fy14", "fy23", "fz1", "fz2", "fz3", "fz4"},
+                                             .tare_v = {0.01, -0.02, 0.0, 0.0, 0.03, 0.0, 0.0, -0.01}};
+  return rig;
+}
+
 /// A file name that no other test program, build or case uses at the same time.
 inline std::string temporary_path(const std::string& suffix) {
   const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();

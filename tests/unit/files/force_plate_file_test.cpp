@@ -55,5 +55,24 @@ TEST_F(ForcePlateFileTest, EveryProblemOfATable_HasItsPlace) {
   EXPECT_THAT(problems_of("kind = 1\n"), ElementsAre("force_plate is missing", HasSubstr("unknown key 'kind'")));
 }
 
+TEST_F(ForcePlateFileTest, KeysThatDoNotGoTogether_AreNotCalledUnknown) {
+  const std::string eight = " = [2, 2, 2, 2, 4, 4, 4, 4]\n";
+  const std::string kistler = "[force_plate]\nkind = \"kistler8\"\na_mm = 120\nb_mm = 200\naz0_mm = -48\nscale_mv_per_n" + eight;
+  EXPECT_THAT(problems_of(kistler + "sensitivity_pc_per_n" + eight),
+              ElementsAre("scale_mv_per_n and sensitivity_pc_per_n exclude each other: give one of the two"));
+  EXPECT_THAT(problems_of(kistler + "range_pc" + eight + "full_scale_v = 10\n"),
+              ElementsAre("range_pc is used only with sensitivity_pc_per_n: remove it",
+                          "full_scale_v is used only with sensitivity_pc_per_n: remove it"));
+  const std::string ones = " = [[1,0,0,0,0,0],[0,1,0,0,0,0],[0,0,1,0,0,0],[0,0,0,1,0,0],[0,0,0,0,1,0],[0,0,0,0,0,1]]\n";
+  const std::string six = "[force_plate]\nkind = \"six_component\"\nsurface_mm = [0, 0, 0]\n";
+  const std::string volts = "matrix_unit = \"n_per_v\"\n";
+  const std::string amplifier = "excitation_v = [1, 1, 1, 1, 1, 1]\ngain = [1, 1, 1, 1, 1, 1]\n";
+  EXPECT_THAT(problems_of(six + volts + "matrix" + ones + "gain = [1, 1, 1, 1, 1, 1]\n"),
+              ElementsAre("gain is used only with matrix_unit = \"n_per_uv_per_v\" or sensitivity: remove it"));
+  EXPECT_THAT(problems_of(six + volts + "matrix" + ones + "sensitivity" + ones),
+              ElementsAre("matrix and sensitivity exclude each other: give one of the two"));
+  EXPECT_THAT(problems_of(six + volts + amplifier + "sensitivity" + ones), ElementsAre("matrix_unit is used only with matrix: remove it"));
+}
+
 }  // namespace
 }  // namespace dts::files

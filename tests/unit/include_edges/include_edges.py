@@ -91,7 +91,7 @@ HOUSE = [
     ("clients/lab/training",     ["cli", "core", "files", "classifier", "record", "lab/base", "lab/reach"], ["CLI/", "Eigen/"]),
     ("clients/lab/training/onnx_schema.h", [],                                            ["onnx/"]),
     ("clients/lab/study",        ["cli", "core", "physics", "classifier", "lab/base", "lab/reach", "lab/training"], ["CLI/"]),
-    ("clients/lab/thesis",       ["cli", "core", "physics", "lab/base", "lab/study"],     ["CLI/"]),
+    ("clients/lab/thesis",       ["cli", "core", "physics", "lab/base", "lab/simulate", "lab/study"],     ["CLI/"]),
     ("clients/lab",              ["cli", "lab/plate", "lab/cop", "lab/place", "lab/compare", "lab/force", "lab/replay", "lab/simulate", "lab/sway",
                                   "lab/steadiness", "lab/results", "lab/reach", "lab/training", "lab/study", "lab/thesis"], ["CLI/"]),
     ("clients/gateway",          ["core", "cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),

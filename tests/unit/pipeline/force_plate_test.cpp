@@ -206,20 +206,54 @@ TEST(ForcePlateStage, TheDriftOfTheEmptyPlate_IsReportedAndMakesALongTrialDoubtf
   EXPECT_EQ(stage.report().outcome, TareOutcome::Done);
   EXPECT_THAT(empty.bits[0], Each(0));
 
-  const Output standing = stage.run(400, cells_under(600), 0.0005);  // 1 % are 6 N: 30 s, and a little more, because the load grows too
+  // 1 % of 600 N are reached 30 s after the middle of the tare, of which 21.5 s are over.
+  const Output standing = stage.run(400, cells_under(600), 0.0005);
   std::size_t good = 0;
   while (good < 400 && standing.bits[0][good] == 0) ++good;
-  EXPECT_NEAR(static_cast<double>(good), 304.0, 4.0);
+  EXPECT_NEAR(static_cast<double>(good), 86.0, 4.0);
   EXPECT_THAT(std::vector(standing.bits[0].begin() + static_cast<std::ptrdiff_t>(good), standing.bits[0].end()), Each(kUntared));
 
   EXPECT_THAT(stage.run(5, cells_under(0)).bits[0], Each(0)) << "the person has left";
+}
+
+TEST(ForcePlateStage, DriftOnTheEmptyPlate_MakesATrialDoubtfulFromItsStart_UntilATare) {
+  ForcePlateStage stage(cell_plate());
+  (void)stage.run(610, cells_under(0), 0.0005);  // 12 N in 60 s
+
+  EXPECT_THAT(stage.run(50, cells_under(600), 0.0005).bits[0], Each(kUntared));
+
+  (void)stage.tare().request();
+  (void)stage.run(10, cells_under(0), 0.0005);
+  EXPECT_THAT(stage.run(50, cells_under(600), 0.0005).bits[0], Each(0));
+}
+
+TEST(ForcePlateStage, AnEmptyPlateThatDriftsFar_IsStillEmpty) {
+  ForcePlateStage stage(cell_plate());
+
+  const Output output = stage.run(1510, cells_under(0), 0.0005);  // 30 N in 150 s
+
+  EXPECT_GT(last(output)[0], 29.0);
+  EXPECT_EQ(output.bits[0].back(), kUntared) << "what comes after would take it for a person";
+  EXPECT_NEAR(*stage.report().drift_n_per_min, 12.0, 1e-6);
+  (void)stage.run(400, cells_under(0), -0.0001);
+  EXPECT_LT(*stage.report().drift_n_per_min, 0.0) << "it is measured on";
+}
+
+TEST(ForcePlateStage, AGapUnderAPerson_KeepsTheDoubt) {
+  ForcePlateStage stage(cell_plate());
+  (void)stage.run(610, cells_under(0), 0.0005);
+  (void)stage.run(20, cells_under(600), 0.0005);
+
+  stage->reset();
+
+  EXPECT_THAT(stage.run(20, cells_under(600), 0.0005).bits[0], Each(kUntared));
 }
 
 TEST(ForcePlateStage, ALittleDrift_IsNoDoubt) {
   ForcePlateStage stage(cell_plate());
   (void)stage.run(220, cells_under(0), 0.00005);  // 1.2 N/min
 
-  EXPECT_THAT(stage.run(600, cells_under(600), 0.00005).bits[0], Each(0));
+  EXPECT_THAT(stage.run(600, cells_under(600), 0.00005).bits[0], Each(0));  // 1.6 N after 82 s
   EXPECT_NEAR(*stage.report().drift_n_per_min, 1.2, 1e-6);
 }
 

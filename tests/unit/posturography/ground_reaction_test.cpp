@@ -76,6 +76,20 @@ TEST(GroundReactionTest, EndsAndGaps_HaveNoResult) {
   EXPECT_EQ(force->supported, 4400U + 2390U);
 }
 
+TEST(GroundReactionTest, NoiseOfAnEmptyPlate_IsNoPartOfTheMass) {
+  CopSeries series = swinging(0.5, 0.5, 80.0);
+  for (std::size_t i = 0; i < 3000; ++i) {
+    series.ml_mm[i] = std::numeric_limits<double>::quiet_NaN();
+    series.load_n[i] = 1.0;
+  }
+  const auto force = ground_reaction(series, kBodyHeightM);
+  ASSERT_TRUE(force);
+  EXPECT_NEAR(force->mass_kg, 70.0, 1e-9);
+  EXPECT_NEAR(force->load_sd_n, 0.0, 1e-3);
+  series.load_n.assign(series.load_n.size(), std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(ground_reaction(series, kBodyHeightM)) << "no load where somebody stands";
+}
+
 TEST(GroundReactionTest, ShortStretchesOrWrongValues_AreRejectedWithTheReason) {
   EXPECT_FALSE(ground_reaction(swinging(0.5, 0.5, 25.9), kBodyHeightM));
   EXPECT_TRUE(ground_reaction(swinging(0.5, 0.5, 26.0), kBodyHeightM));

@@ -66,6 +66,20 @@ TEST(SessionFacts, TooManyRigs_AreRejected) {
   EXPECT_EQ(session_facts(facts).error().what, "the fact rigs is 65, at most 64");
 }
 
+TEST(SessionFacts, RigsThatContradictEachOther_AreRejected) {
+  SessionFacts companion = whole_session();
+  companion.rigs = {"floor", "plate"};
+  companion.part = 3;
+  for (const auto& [rig, leading_part] : {std::pair{"chair", 2U}, std::pair{"plate", 3U}, std::pair{"plate", 4294967295U}}) {
+    companion.rig = rig;
+    companion.leading_part = leading_part;
+    EXPECT_FALSE(session_facts(to_facts(companion))) << rig << ' ' << leading_part;
+  }
+  companion.rigs.clear();
+  companion.leading_part = 2;
+  EXPECT_FALSE(session_facts(to_facts(companion))) << "one rig has no companion";
+}
+
 TEST(SessionFacts, FactsOfOtherPrograms_AreIgnored) {
   auto facts = to_facts(whole_session());
   facts.emplace_back("datetime", "2026-11-21");

@@ -42,5 +42,36 @@ TEST(ReportOfAForcePlate, ItsAccuracy_IsNotThatOfABendingPlate) {
   EXPECT_THAT(accuracy_note(session), Not(HasSubstr("1.05 mm")));
 }
 
+/// The paragraph about the methods, for trials at these rates.
+std::string methods(SessionData session, const std::string& device_uri, const std::vector<double>& rates_hz = {100.0}) {
+  session.facts.emplace();
+  session.facts->kind = "floor";
+  session.facts->device_uri = device_uri;
+  session.facts->device_model = "USB-6008";
+  std::vector<TrialData> trials;
+  for (const double rate_hz : rates_hz) {
+    TrialData& trial = trials.emplace_back();
+    trial.recorded.cop.rate_hz = rate_hz;
+    trial.analysis.emplace();
+    trial.analysis->rate_hz = 100.0;
+  }
+  return methods_of(session, trials).value().items.front();
+}
+
+TEST(Methods, ThePlatform_IsTheInstrumentAndNotItsDataAcquisition) {
+  EXPECT_THAT(methods({}, "ni6008:"), HasSubstr("was recorded with a bending plate, data acquisition by USB-6008, at 100.0 Hz, filtered"));
+  EXPECT_THAT(methods({.is_force_plate = true}, "ni6008:"), HasSubstr("was recorded with a force plate, data"));
+}
+
+TEST(Methods, SimulatedData_AreNotDescribedAsAMeasurement) {
+  const std::string text = methods({.is_force_plate = true}, "sim:floor");
+  EXPECT_THAT(text, HasSubstr("synthetic, no person was measured: the centre of pressure was simulated for a force plate"));
+  EXPECT_THAT(text, Not(HasSubstr("was recorded")));
+}
+
+TEST(Methods, RatesOfTrialsThatDiffer_AreAllListed) {
+  EXPECT_THAT(methods({}, "ni6008:", {100.0, 1000.0, 100.0}), HasSubstr("at 100.0 and 1000 Hz, filtered"));
+}
+
 }  // namespace
 }  // namespace dts::report

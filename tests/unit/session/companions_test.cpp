@@ -211,7 +211,7 @@ TEST_F(CompanionsTest, CompanionWhoseDeviceIsLost_IsReported_AndTheSessionContin
 
   EXPECT_EQ(row(id).trials.at(0).outcome, "done");
   EXPECT_EQ(row(id).state, "incomplete");
-  EXPECT_THAT(row(id).message, HasSubstr("rig 'plate': the device was not connected when the session ended"));
+  EXPECT_THAT(row(id).message, HasSubstr("rig 'plate': the device delivered nothing when the session ended"));
   EXPECT_THAT(parts(id), ElementsAre("1 floor 1 complete", "2 plate 1 incomplete"));
 }
 
@@ -232,6 +232,7 @@ TEST_F(CompanionsTest, DeviceThatReturns_IsNotReportedAnyMore) {
 
   EXPECT_THAT(parts(id), ElementsAre("1 floor 1 complete", "2 plate 1 complete"));
   EXPECT_GT(row(id).parts[1].losses->total().gaps, 0U);
+  EXPECT_EQ(row(id).message, "rig plate delivered nothing for a time; the gaps show when");
 }
 
 TEST_F(CompanionsTest, TrialsContinue_WhileTheDeviceOfTheLeadingRigIsLost) {

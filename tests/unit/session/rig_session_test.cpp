@@ -429,7 +429,7 @@ TEST_F(RigSessionTest, DeviceAwayAtTheEnd_LeavesTheRecordingIncomplete) {
   ASSERT_TRUE(stop());
 
   EXPECT_EQ(row(id).state, "incomplete");
-  EXPECT_THAT(row(id).parts.at(0).reason, HasSubstr("the device was not connected when the session ended: "));
+  EXPECT_THAT(row(id).parts.at(0).reason, HasSubstr("the device delivered nothing when the session ended: "));
 }
 
 }  // namespace

@@ -164,6 +164,27 @@ TEST(StandingPerson, Point_CarriesTheWholeLoadWhereItStands) {
   EXPECT_EQ(contact.cop, (CopPosition{-129.0, 129.0}));
 }
 
+TEST(StandingPerson, OneFoot_StandsOnTheHalvesOfItsSole) {
+  physics::Stance stance;
+  stance.kind = physics::ContactKind::OneFoot;
+  stance.centre_ml = core::Millimetres{10.0};
+  const StandingPerson person = make(stance);
+
+  const Contact standing = person.at(kStanding, {12.0, -20.0});
+  const Contact arriving = person.at(2.5 + StandingPerson::kLoadingS, {12.0, -20.0});
+  const Contact beyond = person.at(kStanding, {100.0, 0.0});
+
+  ASSERT_EQ(person.patches().size(), 4U);
+  EXPECT_NEAR((person.patches()[3].centre.x - person.patches()[1].centre.x).value, 45.0, 1e-9);
+  EXPECT_EQ(person.patches()[1].width.value, 45.0);  // together as wide as a forefoot
+  EXPECT_NEAR(standing.cop.ml_mm, 22.0, 1e-9);
+  EXPECT_NEAR(centre_of_force(person, standing).ml_mm, 22.0, 1e-9);
+  EXPECT_NEAR(centre_of_force(person, standing).ap_mm, -20.0, 1e-9);
+  EXPECT_NEAR(sum_of(standing), standing.load_n, 1e-9);
+  EXPECT_NEAR(arriving.cop.ml_mm, 10.0, 1e-9);  // there is no other foot from which the weight would come
+  EXPECT_NEAR(beyond.cop.ml_mm, 10.0 + 22.5, 1e-9);
+}
+
 TEST(StandingPerson, StanceThatCannotBe_IsRefused) {
   const auto point = [](double ml_mm, double ap_mm) {
     return physics::Stance{.kind = physics::ContactKind::Point, .centre_ml = {ml_mm}, .centre_ap = {ap_mm}};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "unit/sim/sway_measures.h"
 
@@ -19,8 +20,8 @@ struct Path {
   Series ap;
 };
 
-Path record(std::uint64_t seed, double duration_s) {
-  Sway sway(seed);
+Path record(std::uint64_t seed, double duration_s, const SwayModels& models = kTwoFeetSway) {
+  Sway sway(seed, models);
   Path path;
   const auto count = static_cast<std::size_t>(duration_s * measures::kRateHz);
   for (std::size_t i = 0; i < count; ++i) {
@@ -70,6 +71,42 @@ TEST(Sway, OneMinute_IsHealthyQuietStanding) {
   }
   EXPECT_NEAR(size, 5.32, 1.0);
   EXPECT_NEAR(velocity, 8.64, 1.0);
+}
+
+// Half to once the velocities that separate older adults with falls from those without, 34 and 29 mm/s (Oliveira et al. 2018).
+TEST(Sway, OneFoot_IsLargerAndFasterInMlMostAndStaysOnTheFoot) {
+  const auto speed = [](const Series& x) { return measures::mean_velocity(measures::low_pass(x), Series(x.size(), 0.0)); };
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Path two = record(seed, 60.0);
+
+    const Path one = record(seed, 60.0, kOneFootSway);
+
+    EXPECT_GT(speed(one.ml), 17.0);
+    EXPECT_LT(speed(one.ml), 34.0);
+    EXPECT_GT(speed(one.ap), 14.5);
+    EXPECT_LT(speed(one.ap), 29.0);
+    EXPECT_GT(speed(one.ml) / speed(two.ml), speed(one.ap) / speed(two.ap));
+    EXPECT_GT(measures::population_sd(one.ml) + measures::population_sd(one.ap),
+              measures::population_sd(two.ml) + measures::population_sd(two.ap));
+    EXPECT_LT(measures::range(one.ml), 45.0);
+  }
+}
+
+TEST(Sway, Acceleration_IsThatOfThePendulumWithThisCop) {
+  Sway sway(5);
+  std::vector<SwayMotion> path;
+  for (int i = 0; i < 60'000; ++i) path.push_back(sway.motion_at(1e-3 * i));
+
+  // x'' = g (x - p) / l with l = 1 m, so x = p + x'' l / g; the slope of x is the integral of x''.
+  const double l_over_g = 1.0 / 9.81;
+  double velocity_m_per_s = 0.0;
+  const auto position_m = [&](const SwayMotion& at) { return at.cop.ap_mm / 1000.0 + l_over_g * at.ap_m_per_s2; };
+  const double first_velocity = (position_m(path[1]) - position_m(path[0])) / 1e-3;
+  for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+    ASSERT_NEAR((position_m(path[i + 1]) - position_m(path[i])) / 1e-3, first_velocity + velocity_m_per_s, 1e-6) << i;
+    velocity_m_per_s += 1e-3 * path[i].ap_m_per_s2;
+  }
 }
 
 TEST(Sway, SameSeed_GivesTheSameDataAsEver) {

@@ -69,14 +69,11 @@ struct Kistler {
     const double a = 0.120;
     const double b = 0.200;
     const auto [fx, fy, fz, mx, my, mz] = action(load, {0, 0, -0.048});
-    std::vector<double> channels{fx / 2,
-                                 fx / 2,
-                                 fy / 2 + mz / (2 * a),
-                                 fy / 2 - mz / (2 * a),
-                                 fz / 4 + mx / (4 * b) - my / (4 * a),
-                                 fz / 4 + mx / (4 * b) + my / (4 * a),
-                                 fz / 4 - mx / (4 * b) + my / (4 * a),
-                                 fz / 4 - mx / (4 * b) - my / (4 * a)};
+    // Two fifths of the moment about z come from the channels along x, so that no two channels are equal.
+    std::vector<double> channels{fx / 2 - 0.4 * mz / (2 * b),          fx / 2 + 0.4 * mz / (2 * b),
+                                 fy / 2 + 0.6 * mz / (2 * a),          fy / 2 - 0.6 * mz / (2 * a),
+                                 fz / 4 + mx / (4 * b) - my / (4 * a), fz / 4 + mx / (4 * b) + my / (4 * a),
+                                 fz / 4 - mx / (4 * b) + my / (4 * a), fz / 4 - mx / (4 * b) - my / (4 * a)};
     for (std::size_t c = 0; c < kChannels; ++c) channels[c] *= mv_per_n[c] / 1000.0;
     return channels;
   }

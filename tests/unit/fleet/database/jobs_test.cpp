@@ -39,6 +39,11 @@ TEST_F(JobsTest, Add_TakesStoredRecordingsOfVisibleSessions_EachOnceForAVersion)
   EXPECT_EQ(add({.kind = "replay", .version = "0.1.0"}), 4U);
 }
 
+TEST_F(JobsTest, Add_LeavesOutTheCompanionsOfALeadingRig) {
+  sql("UPDATE part SET leading_part = 1 WHERE part > 1 OR session = 's3'");
+  EXPECT_EQ(add({.kind = "sway", .version = "0.1.0"}), 2U);
+}
+
 TEST_F(JobsTest, Add_SelectsByClinicProtocolAndDay) {
   EXPECT_EQ(add({.kind = "a", .version = "1", .clinic = "kent"}), 3U);
   EXPECT_EQ(add({.kind = "b", .version = "1", .protocol = "romberg"}), 3U);

@@ -251,14 +251,16 @@ TEST_F(PagesTest, Sessions_ByEachFilter_WithoutHiddenOnes) {
 
 TEST_F(PagesTest, Session_SumsItsParts) {
   add_session("kent", "A", "2026-11-20 10:00Z");
-  sql("INSERT INTO part (clinic, session, part, bytes, duration_s, valid_trials, store_key) VALUES ('kent', 'A', 1, 5, 60, 2, 'x'), "
-      "('kent', 'A', 2, 5, 30, 1, NULL)");
+  sql("INSERT INTO part (clinic, session, part, bytes, duration_s, valid_trials, store_key, rig, leading_part) VALUES "
+      "('kent', 'A', 1, 5, 60, 2, 'x', 'floor', 0), ('kent', 'A', 2, 5, 30, 1, NULL, 'floor', 0), "
+      "('kent', 'A', 3, 5, 30, 0, NULL, 'plate', 2)");
 
   const json session = read(sessions_page(*database_, {}))["sessions"][0];
-  EXPECT_EQ(session["duration_s"], 90);
+  EXPECT_EQ(session["duration_s"], 90) << "the third was recorded at the same time as the second";
   EXPECT_EQ(session["valid_trials"], 3);
-  EXPECT_EQ(session["parts"], 2);
+  EXPECT_EQ(session["parts"], 3);
   EXPECT_EQ(session["stored_parts"], 1);
+  EXPECT_THAT(ids(read(sessions_page(*database_, {.rig = "plate"}))), ElementsAre("A"));
   EXPECT_EQ(session["started_ms"], 1795168800000);
 }
 

@@ -60,6 +60,8 @@ TEST(FactsOf, Session_KeepsItsNumbersAndChecksums) {
   part.set_duration_s(1.5);
   part.set_valid_trials(1);
   part.set_is_loss_unknown(true);
+  part.set_rig("plate");
+  part.set_leading_part(1);
   for (const int lost : {3, 4}) part.add_losses()->set_lost_scans_total(lost);
   session.add_parts()->set_sha256("no checksum");
   auto& result = *session.add_results();
@@ -83,6 +85,8 @@ TEST(FactsOf, Session_KeepsItsNumbersAndChecksums) {
   EXPECT_EQ(facts.parts(0).lost_scans(), 7U);
   EXPECT_EQ(facts.parts(0).valid_trials(), 1U);
   EXPECT_TRUE(facts.parts(0).is_loss_unknown());
+  EXPECT_EQ(facts.parts(0).rig(), "plate");
+  EXPECT_EQ(facts.parts(0).leading_part(), 1U);
   EXPECT_THAT(facts.parts(1).recorded_sha256(), IsEmpty());
   ASSERT_EQ(facts.results_size(), 1);
   EXPECT_EQ(facts.results(0).value(), 8.4);

@@ -162,6 +162,7 @@ TEST_F(C3dForce, PlateThatCannotBeRead_IsEmptyAndTheOthersAreRead) {
     expect_row(force("two.c3d", made.bytes())[0], kKistler);
     EXPECT_THAT(json()["plates"][1]["warnings"], Contains(HasSubstr(bad.says)));
     EXPECT_EQ(json()["plates"][1]["mean"]["fx_n"], nullptr);
+    EXPECT_EQ(json()["plates"][1]["loaded_samples"], 0);
     expect_row(force("two.c3d", made.bytes(), {"--plate", "2"})[0], {{"fx_n", kEmpty}, {"copx_mm", kEmpty}});
   }
   MadeC3d rows_missing;
@@ -169,6 +170,38 @@ TEST_F(C3dForce, PlateThatCannotBeRead_IsEmptyAndTheOthersAreRead) {
   rows_missing.plates({{.type = 3, .origin = {120, 200, -48}, .channels = first_channels(6)}});
   rows_missing.frame(kKistlerChannels);
   EXPECT_THAT(rejection("short.c3d", rows_missing.bytes()), HasSubstr("CHANNEL has 6 rows, type 3 needs 8"));
+}
+
+/// A small file could otherwise need minutes.
+TEST_F(C3dForce, ManyPlatesThatShareTheirChannels_AreNotAllRead) {
+  MadeC3d made(MadeEncoding::Intel, false);
+  made.channels = 1;
+  made.samples_per_frame = 10;
+  made.plates(std::vector<MadeC3d::Plate>(64, {.type = 2, .channels = std::vector<int>(6, 1)}));
+  for (int frame = 0; frame < 10000; ++frame) made.frame(std::vector<double>(10, 300.0));
+  ASSERT_EQ(run_with({"force", write("many.c3d", made.bytes()), "--json"}), cli::kOk) << talk();
+  ASSERT_EQ(json()["plates"].size(), 64U);
+  EXPECT_EQ(json()["plates"][19]["usable"], true);
+  EXPECT_EQ(json()["plates"][20]["usable"], false);
+  EXPECT_THAT(json()["plates"][20]["warnings"], Contains(HasSubstr("share 1 channels")));
+}
+
+TEST_F(C3dForce, ZeroThatCannotBeSubtracted_IsWarnedOf) {
+  const MadeC3d::Plate plate{.type = 2, .channels = first_channels(6)};
+  const std::vector<double> sample{12, -10, 700, 12480, -4224, 640};
+  force("z.c3d", one_plate(plate, sample, 2, {3, 5}).bytes(), {"--zero", "file"});
+  EXPECT_THAT(json()["plates"][0]["warnings"], Contains(HasSubstr("ZERO has frames 3 to 5")));
+  force("z.c3d", one_plate(plate, sample, 2, {1, 2}).bytes(), {"--zero", "file"});
+  EXPECT_THAT(talk(), ::testing::Not(HasSubstr("no effect")));
+  force("z.csv", "time,Fz,Mx,My\n0,700,7,-14\n0.01,700,7,-14\n", {"--zero", "file"});
+  EXPECT_THAT(json()["warnings"], Contains(HasSubstr("only C3D has ZERO")));
+}
+
+TEST_F(C3dForce, MatrixWithNaN_IsSaid) {
+  std::vector<double> matrix(36, 1.0);
+  matrix[7] = kEmpty;
+  force("n.c3d", one_plate({.type = 4, .channels = first_channels(6), .matrix = matrix}, {12, -10, 700, 12480, -4224, 640}).bytes());
+  EXPECT_THAT(talk(), HasSubstr("has a number that is not finite"));
 }
 
 TEST_F(C3dForce, FileThatIsCutOff_HasTheFramesBefore) {
@@ -208,8 +241,9 @@ TEST_F(C3dForce, WrittenAsC3d_ReadsBackAsTheSameFloats) {
   made.texts("CONTEXTS", 5, {"Right"});
   made.reals("TIMES", {2, 1}, {0, 0.02});
   made.plates({{.type = 2, .origin = {1, 2, -40}, .channels = first_channels(6)}, {.type = 9, .channels = first_channels(6)}});
-  for (int k = 0; k < 40; ++k) made.frame({12.1 + k, -10.3, -700.7 + 17 * k, 1248.123, -422.456 + k, 64.789});
+  for (int k = 0; k < 60; ++k) made.frame({12.1 + k, -10.3, -700.7 + 17 * k, 1248.123, -422.456 + k, 64.789});
   const auto before = force("in.c3d", made.bytes(), {"--to", path("out.c3d")});
+  EXPECT_THAT(json()["warnings"], Contains(HasSubstr("cannot have their moments"))) << "some samples are below 20 N";
   ASSERT_EQ(run_with({"force", path("out.c3d"), "--csv", path("again.csv"), "--json"}), cli::kOk);
   EXPECT_EQ(json()["events"], 1);
   EXPECT_EQ(json()["plates"][0]["type"], 1);
@@ -225,6 +259,9 @@ TEST_F(C3dForce, WrittenAsC3d_ReadsBackAsTheSameFloats) {
     }
   }
   EXPECT_EQ(run_with({"force", path("out.c3d"), "--to", path("out.c3d")}), cli::kUsage) << "would overwrite its input";
+  EXPECT_EQ(run_with({"force", path("in.c3d"), "--csv", path("both"), "--to", path("./both")}), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("--csv and --to both name the file"));
+  EXPECT_FALSE(std::filesystem::exists(path("both")));
 }
 
 }  // namespace

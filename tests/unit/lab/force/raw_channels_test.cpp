@@ -90,6 +90,19 @@ TEST_F(RawForce, LoadCells_HaveNoShearAndNoFreeMoment) {
              {{"fz_n", 300.0}, {"copy_mm", -100.0 / 3.0}});
 }
 
+TEST_F(RawForce, AxesOfThePlate_AreThoseOfTheWarningsAndOfTheC3dFile) {
+  const std::string cells =
+      "[force_plate]\nkind = \"load_cells\"\nposition_mm = [[0, 100], [-100, -100], [100, -100]]\nscale_n_per_v = 100\naxes = ";
+  for (const bool is_down : {true, false}) {
+    raw(cells + (is_down ? "\"z_down\"\n" : "\"z_up\"\n"), "t_s,c1,c2,c3\n0,2,2,2\n0.1,2,2,2\n");
+    EXPECT_EQ(talk().find("vertical force points down") != std::string::npos, is_down) << talk();
+    ASSERT_EQ(run_with({"force", path("raw.csv"), "--plate-file", path("plate.toml"), "--to", path("raw.c3d")}), cli::kOk) << talk();
+    ASSERT_EQ(run_with({"force", path("raw.c3d"), "--axes", "lab", "--json"}), cli::kOk) << talk();
+    EXPECT_NEAR(json()["plates"][0]["mean"]["fz_n"].get<double>(), is_down ? -600.0 : 600.0, 1e-3);
+    EXPECT_EQ(talk().find("vertical force points down") != std::string::npos, is_down) << talk();
+  }
+}
+
 TEST_F(RawForce, WrongPlateFile_SaysWhereAndWhatWasMeant) {
   EXPECT_THAT(plate_rejection(kKistler + "cop_poly_z = [0]\n"),
               HasSubstr("plate.toml:7:1: unknown key 'cop_poly_z' in [force_plate]; did you mean 'cop_poly_"));

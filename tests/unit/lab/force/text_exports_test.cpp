@@ -140,6 +140,51 @@ TEST_F(TextForce, OpenSimThatPointsDown_IsWarnedOf) {
   EXPECT_THAT(json()["plates"][0]["warnings"], Contains(HasSubstr("vertical force points down")));
 }
 
+TEST_F(TextForce, OpenSimWithAnEmptyCell_KeepsTheColumnsBehindIt) {
+  const std::string head = "walk.mot\nendheader\n";
+  const std::string names =
+      "time\tground_force_vx\tground_force_vy\tground_force_vz\tground_force_px\tground_force_py\tground_force_pz\textra\n";
+  const auto rows = force("gap.mot", head + names + "0\t1\t700\t2\t\t0.01\t0.2\t9\n0.01\t1\t700\t2\t0.1\t0.01\t0.2\t9\n");
+  expect_row(rows[0], {{"fy_n", 700.0}, {"copx_mm", kEmpty}, {"copy_mm", 10.0}, {"copz_mm", 200.0}});
+  expect_row(rows[1], {{"copx_mm", 100.0}, {"copy_mm", 10.0}, {"copz_mm", 200.0}});
+  const auto spaces = force("s.mot", head + names + "0 1 700 2 0.1 0.01 0.2 9\n0.01 1 700 2 0.1 0.01 0.2 9\n");
+  expect_row(spaces[1], {{"copx_mm", 100.0}, {"copz_mm", 200.0}});
+  EXPECT_THAT(rejection("s.mot", head + names + "0 1 700 2 0.01 0.2 9\n0.01 1 700 2 0.1 0.01 0.2 9\n"),
+              HasSubstr("line 4, column 1: 7 cells, but 8 names"));
+}
+
+TEST_F(TextForce, RateOfTheFile_IsThatOfAKeyAndAWarningNamesAContradiction) {
+  const std::string rows = "Fz,Mx,My\n700,1,1\n700,1,1\n";
+  EXPECT_THAT(rejection("r.csv", "Generated: 2014\nDescription,rate,5\n" + rows), HasSubstr("there is no rate"));
+  for (const char* const key : {"Rate,250", "Sampling Rate (Hz):,250", "\"sample rate\",250"}) {
+    force("r.csv", std::string(key) + "\n" + rows);
+    EXPECT_EQ(json()["rate_hz"], 250.0) << key;
+  }
+  force("b.txt", bioware("abs time (s)\tFx\tFy\tFz", "\tN\tN\tN", "0\t1\t2\t700\r\n0.002\t1\t2\t700\r\n0.004\t1\t2\t700\r\n"));
+  EXPECT_THAT(json()["warnings"], Contains(HasSubstr("states 1000 Hz, but its times have 500 Hz: 1000 Hz is used")));
+}
+
+TEST_F(TextForce, FirstRowOfUndefinedNumbers_IsNotTheRowOfUnits) {
+  for (const char* const undefined : {",,", "nan,nan,nan", "NaN,,"}) {
+    const auto rows = force("u.csv", std::string("Rate,100\nFz,Mx,My\n") + undefined + "\n700,1,1\n");
+    ASSERT_EQ(rows.size(), 2U) << undefined;
+    EXPECT_TRUE(std::isnan(rows[0].at("fz_n")));
+  }
+  EXPECT_EQ(force("u.csv", "Rate,100\nFz,Mx,My\nN,Nm,\n700,1,1\n").size(), 1U);
+  EXPECT_EQ(force("u.csv", "Rate,100\nFz,Mx,My\n\n700,1,1\n").size(), 1U) << "an empty line";
+}
+
+TEST_F(TextForce, UnitsInNames_AreThoseThatAreConverted) {
+  expect_row(force("u.csv", "t_ms,Fz_kN,Mx_Nmm,My_Ncm\n0,0.7,7000,-1400\n10,0.7,7000,-1400\n")[1],
+             {{"t_s", 0.01}, {"fz_n", 700.0}, {"mx_nm", 7.0}, {"my_nm", -14.0}, {"copx_mm", 20.0}, {"copy_mm", 10.0}});
+}
+
+TEST_F(TextForce, EmptyRows_MayNotNeedMuchMoreMemoryThanTheFile) {
+  std::string text = "Rate,100\nFx,Fy,Fz,Mx,My,Mz\n1,1,1,1,1,1\n";
+  for (int row = 0; row < 2'000'000; ++row) text += ",,,,,\n";
+  EXPECT_THAT(rejection("e.csv", text + "1,1,1,1,1,1\n"), HasSubstr("almost all cells of the 2000002 rows are empty"));
+}
+
 TEST_F(TextForce, LastRowThatIsCutOff_IsLeftOut) {
   EXPECT_EQ(force("t.csv", "time,Fz,Mx,My\n0,700,7,-14\n0.01,700,7,-14\n0.02,700,").size(), 2U);
   EXPECT_THAT(json()["warnings"], Contains(HasSubstr("line 4 is not complete")));

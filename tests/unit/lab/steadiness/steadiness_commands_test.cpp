@@ -85,6 +85,20 @@ TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
   EXPECT_THAT(talk(), HasSubstr("another profile than 'lp10'"));
 }
 
+TEST_F(SteadinessTest, FileOfForcePlates_IsAnalysedAtTheRateOfTheTraining) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
+  for (const int rate_hz : {200, 130}) {  // every n-th sample is kept: of 130 Hz all
+    std::string text = "time,Fz,Mx,My\n";
+    for (int k = 0; k < 30 * rate_hz; ++k) {
+      const double t_s = static_cast<double>(k) / rate_hz;
+      text += std::to_string(t_s) + ",700," + std::to_string(3 * std::sin(t_s)) + "," + std::to_string(4 * std::cos(1.7 * t_s)) + "\n";
+    }
+    const std::string file = write("plate.csv", text);
+    ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), file, "--ml", "+x", "--ap", "-y"}), cli::kOk) << talk();
+    EXPECT_EQ(talk().find("1 of 1 rows were analysed at another rate than 100 Hz") != std::string::npos, rate_hz == 130) << talk();
+  }
+}
+
 TEST_F(SteadinessTest, PredictionsForNamesOfFormulas_AreText) {
   ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
   const std::string other = write("other.csv", "file,subject,MVELO,RDIST,PEA95_F\n=far.csv,@S1,8,8,8\n");

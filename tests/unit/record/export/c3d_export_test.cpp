@@ -23,6 +23,7 @@ TEST_F(C3dExportTest, Cop_IsAPlateOfType1WithItsGapsAsNaN) {
   ASSERT_TRUE(exported.has_value()) << exported.error().what;
   EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1.c3d"));
   EXPECT_EQ(exported->rows, 107U) << "1.07 s at 100 Hz, with the gap";
+  EXPECT_EQ(exported->dropped_events, 0U);
   const c3d::C3dFile file = written();
   EXPECT_EQ(file.analogue_rate_hz(), 100.0);
   EXPECT_EQ(file.samples(), 107U);
@@ -55,6 +56,14 @@ TEST_F(C3dExportTest, Force_GivesShearAndFreeMoment) {
   EXPECT_EQ(file.analogue(1, 0), 10.0);
   EXPECT_EQ(file.analogue(1, 2), 710.0);
   EXPECT_NEAR(file.analogue(1, 5), 5000.0 - (0.3 * 20.0 - 0.4 * 10.0), 1e-3) << "N mm";
+}
+
+TEST_F(C3dExportTest, EventsThatC3dCannotHold_AreCounted) {
+  for (int marker = 0; marker < 300; ++marker) {
+    recording_.items.emplace_back(TimedEvent{.time_s = 8123.26, .event = test::event_of("scan: 1 marker { text: 'step' }")});
+  }
+  EXPECT_EQ(run()->dropped_events, 46U) << "301, of which C3D holds 255";
+  EXPECT_EQ(written().events().size(), 255U);
 }
 
 TEST_F(C3dExportTest, RecordingWithoutCentreOfPressure_IsRejected) {

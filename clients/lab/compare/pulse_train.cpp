@@ -5,10 +5,12 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "cli/table.h"
 #include "lab/compare/clock_fit.h"
+#include "lab/compare/paired.h"
 
 namespace dts::lab::compare {
 namespace {
@@ -23,6 +25,7 @@ constexpr double kFollow = 0.3;       ///< How fast the tracked offset follows t
 constexpr double kGapS = 0.5;         ///< A recording without scans for so long has a gap; the pulses in it are not reported one by one.
 constexpr double kAlike = 0.5;        ///< Of a scan: intervals that scatter less are all rounded alike.
 constexpr double kLeastSignalSdS = 1e-4;  ///< Filters differ by more than the standard error of a long correlation shows.
+constexpr double kSureCorrelation = 0.7;  ///< Of signals that may contradict the computer's clock.
 constexpr double kHostSdS = 0.02;         ///< Of a device's first time stamp on the computer's clock.
 
 /// Returns the mean of the intervals near the median: a lost pulse does not count, and rounding to scans averages out.
@@ -133,17 +136,32 @@ std::optional<Start> start_near(const Recording& a, const Recording& b, const Al
   return best;
 }
 
-core::Result<Start> find_start(const Recording& a, const Recording& b, double period_s) {
-  if (!a.host_clock.empty() && a.host_clock == b.host_clock) {
-    // Times on the computer's clock are right where a recording begins; later, the devices' clocks drift.
-    const double between_s = b.began_s - a.began_s;
-    const Alignment host{.offset_s = between_s, .offset_sd_s = kHostSdS, .reference_s = std::max(0.0, -between_s)};
-    if (const auto start = start_near(a, b, host, period_s)) return *start;
-  }
+/// Returns the pulses that belong together by the computer's clock; nothing if it does not have both recordings' times. Its times are right
+/// where a recording begins; later, the devices' clocks drift.
+std::optional<Start> start_by_host(const Recording& a, const Recording& b, double period_s) {
+  if (a.host_clock.empty() || a.host_clock != b.host_clock) return std::nullopt;
+  const double between_s = b.began_s - a.began_s;
+  return start_near(a, b, {.offset_s = between_s, .offset_sd_s = kHostSdS, .reference_s = std::max(0.0, -between_s)}, period_s);
+}
+
+/// Returns whether the signals agree clearly better in their own alignment than if these pulses belong together, and it is another one.
+bool is_contradicted(const Recording& a, const Recording& b, const Start& start, const Alignment& by_signal, double period_s) {
+  const double at_s = b.edges_s[start.j];
+  if (std::abs(by_signal.to_a_s(at_s) - a.edges_s[start.i]) < period_s / 2.0) return false;
+  const double by_pulse = correlation(pair_up(a, b, {.offset_s = a.edges_s[start.i] - at_s, .reference_s = at_s}));
+  const double own = correlation(pair_up(a, b, by_signal));
+  return own > kSureCorrelation && 1.0 - own < (1.0 - by_pulse) / 2.0;
+}
+
+/// Finds the pulses that belong together. A device may have a constant error of its times, so the signals are asked even if the computer's
+/// clock knows; `warning` receives their contradiction.
+core::Result<Start> find_start(const Recording& a, const Recording& b, double period_s, std::string& warning) {
+  const auto by_host = start_by_host(a, b, period_s);
   const auto by_signal = align_by_correlation(a, b);
-  if (by_signal) {
-    if (const auto start = start_near(a, b, *by_signal, period_s)) return *start;
-  }
+  const auto start = by_signal ? start_near(a, b, *by_signal, period_s) : std::nullopt;
+  if (by_host && !(start && is_contradicted(a, b, *by_host, *by_signal, period_s))) return *by_host;
+  if (by_host) warning = "the signals contradict the times of the recordings by more than half a period of the pulses: the signals decide";
+  if (start) return *start;
   return core::fail(core::ErrorCode::Failed,
                     "the pulses repeat every " + cli::decimal(period_s, 3) +
                         " s, and nothing shows which of them belong together: the times are not of one computer, and " +
@@ -240,7 +258,8 @@ core::Result<Alignment> align_by_pulse_train(const Recording& a, const Recording
                       "check that the trigger is a digital level");
   }
   const double period_s = period_of(a.edges_s);
-  DTS_TRY_ASSIGN(const Start start, find_start(a, b, period_s));
+  std::string warning;
+  DTS_TRY_ASSIGN(const Start start, find_start(a, b, period_s, warning));
   const Track track = follow_both_ways(a, b, start.i, start.j, kSamePulse * period_s);
   const double sd_s = std::hypot(a.edge_step_s, b.edge_step_s) / std::sqrt(12.0);
   std::vector<ClockReading> readings;
@@ -249,6 +268,7 @@ core::Result<Alignment> align_by_pulse_train(const Recording& a, const Recording
   remove_common_rounding(a, b, period_s, alignment);
   alignment.means = Alignment::Means::PulseTrain;
   alignment.period_s = period_s;
+  alignment.warning = warning;
   alignment.faults = faults_of(a, b, track, alignment, period_s);
   return alignment;
 }

@@ -172,6 +172,23 @@ TEST(PulseTrain, WholePeriodsAreOpen_UnlessOneComputerOrTheSignalsDecide) {
   EXPECT_FALSE(align(a, b));
 }
 
+TEST(PulseTrain, AConstantErrorOfTheTimesIsNotBelieved_IfTheSignalsContradict) {
+  const auto at_s = pulses(0.5, 60.0);
+  const Clock clock_b{.offset_s = 7.3, .length_s = 50.0};
+  Recording a = with_pulses({.length_s = 60.0}, at_s);
+  Recording b = with_pulses(clock_b, at_s);
+  a.host_clock = b.host_clock = "one computer";
+  a.began_s = 5000.0;
+  b.began_s = 5007.3 - 3.0;
+
+  const auto alignment = align(a, b);
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_EQ(alignment->means, Alignment::Means::PulseTrain);
+  EXPECT_NEAR(alignment->offset_s, 7.3, 0.01);
+  EXPECT_THAT(alignment->warning, HasSubstr("the signals contradict the times of the recordings"));
+}
+
 /// Pulses in step with A's clock, just after a scan: A rounds all of them by nearly a whole scan.
 std::vector<double> pulses_in_step(double to_s) {
   std::vector<double> at_s;

@@ -40,7 +40,7 @@ class CompareSession : public RunTest {
   ~CompareSession() override { ::unsetenv("DTSD_STATE_DIR"); }
 
   std::string record(const std::string& name, const Part& part, double length_s = 60.0) const {
-    record::SessionFacts facts{.session_id = part.session, .part = part.number, .rig = part.rig, .rigs = {"floor", "plate"}};
+    record::SessionFacts facts{.session_id = part.session, .part = part.number, .rig = part.rig, .rigs = {"floor", "plate", "third"}};
     facts.leading_part = part.leading == part.number ? 0 : part.leading;
     facts.kind = "floor";
     facts.protocol = "free";

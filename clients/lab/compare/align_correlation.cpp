@@ -272,7 +272,7 @@ std::optional<Alignment> align_windows(const Recording& a, const Recording& b, R
     if (const auto reading = refinement.read_window(line, begin_s, end_s)) readings.push_back(*reading);
   }
   if (static_cast<double>(readings.size()) < kFewestWindows) return std::nullopt;
-  auto fitted = fit_clocks(readings, restarts, ReadingErrors::Independent);
+  auto fitted = fit_clocks(readings, restarts);
   if (!fitted || !std::isfinite(fitted->drift_ppm)) return std::nullopt;
   fitted->window_count = std::exchange(fitted->event_count, 0);
   return *fitted;

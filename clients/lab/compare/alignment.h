@@ -43,7 +43,7 @@ struct Alignment {
   double period_s = std::numeric_limits<double>::quiet_NaN();          ///< Pulse train only.
   std::vector<PulseFault> faults{};                                    ///< Pulse train only.
   double peak_correlation = std::numeric_limits<double>::quiet_NaN();  ///< Correlation only.
-  std::string warning;                                                 ///< Why existing events were not used; empty: no warning.
+  std::string warning;  ///< Why existing events were not used, or what contradicts; empty: no warning.
 
   /// Returns NaN in a piece that nothing aligns.
   [[nodiscard]] double to_a_s(double t_b_s) const noexcept;

@@ -18,7 +18,6 @@ constexpr double kOutlierSd = 5.0;
 constexpr double kMadToSd = 1.4826;
 constexpr std::size_t kBatches = 10;
 constexpr std::size_t kFewestForBatches = 50;
-constexpr double kUnditheredSd = 0.2;  ///< Residuals so much smaller than the rounding show that all readings were rounded alike.
 
 double median(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -49,10 +48,10 @@ class ClockLine {
     }
   }
 
-  [[nodiscard]] Alignment alignment(ReadingErrors errors) const {
+  [[nodiscard]] Alignment alignment() const {
     const auto largest =
         static_cast<std::size_t>(std::ranges::max_element(sums_, {}, [](const PieceSums& sums) { return sums.weight; }) - sums_.begin());
-    const double factor = variance_factor(errors);
+    const double factor = variance_factor();
     Alignment alignment{.offset_s = sums_[largest].mean_late_s,
                         .offset_sd_s = std::sqrt(factor / sums_[largest].weight),
                         .reference_s = sums_[largest].mean_b_s,
@@ -77,7 +76,6 @@ class ClockLine {
     for (const PieceSums& sums : sums_) late.push_back(sums.weight > 0.0 ? sums.mean_late_s : std::numeric_limits<double>::quiet_NaN());
     return late;
   }
-  [[nodiscard]] const std::vector<bool>& used() const { return used_; }
 
  private:
   [[nodiscard]] std::size_t used_count() const { return static_cast<std::size_t>(std::ranges::count(used_, true)); }
@@ -141,7 +139,7 @@ class ClockLine {
   }
 
   /// Returns by how much the variances exceed those of independent readings with the given standard deviations.
-  [[nodiscard]] double variance_factor(ReadingErrors errors) const {
+  [[nodiscard]] double variance_factor() const {
     std::vector<double> residuals;
     for (std::size_t k = 0; k < readings_.size(); ++k) {
       if (used_[k]) residuals.push_back(residual_s(k) / readings_[k].sd_s);
@@ -151,7 +149,6 @@ class ClockLine {
         static_cast<double>(std::ranges::count_if(sums_, [](const PieceSums& sums) { return sums.weight > 0.0; })) + 1.0;
     double squares = 0.0;
     for (const double residual : residuals) squares += residual * residual;
-    if (errors == ReadingErrors::Rounded && squares < kUnditheredSd * kUnditheredSd * count) return count;
     double factor = count > unknowns ? std::max(1.0, squares / (count - unknowns)) : 1.0;
     if (residuals.size() < kFewestForBatches) return factor;
     // Neighbouring residuals may be alike (rounding while the clocks drift slowly): means of batches then scatter more.
@@ -175,8 +172,7 @@ class ClockLine {
 
 }  // namespace
 
-core::Result<Alignment> fit_clocks(const std::vector<ClockReading>& readings, const Restarts& restarts, ReadingErrors errors,
-                                   std::vector<bool>* used) {
+core::Result<Alignment> fit_clocks(const std::vector<ClockReading>& readings, const Restarts& restarts) {
   if (readings.empty()) return core::fail(core::ErrorCode::Failed, "the recordings have no common event");
   if (restarts.piece_count() > kMostPieces) {
     return core::fail(core::ErrorCode::LimitExceeded, "the recordings have more than " + std::to_string(kMostPieces) + " gaps",
@@ -186,12 +182,11 @@ core::Result<Alignment> fit_clocks(const std::vector<ClockReading>& readings, co
   for (const ClockReading& reading : readings) piece_of.push_back(restarts.piece_at(reading.b_s + reading.late_s, reading.b_s));
   ClockLine fit(readings, piece_of, restarts.piece_count());
   fit.run();
-  Alignment alignment = fit.alignment(errors);
+  Alignment alignment = fit.alignment();
   const std::vector<double> starts_s = restarts.starts_on_b_s(fit.late_s());
   for (std::size_t piece = 0; piece < alignment.pieces.size(); ++piece) {
     alignment.pieces[piece].from_s = piece == 0 ? -std::numeric_limits<double>::infinity() : starts_s[piece - 1];
   }
-  if (used != nullptr) *used = fit.used();
   return alignment;
 }
 

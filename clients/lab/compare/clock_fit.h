@@ -15,15 +15,8 @@ struct ClockReading {
   double sd_s = 0.0;    ///< Standard deviation of `late_s`.
 };
 
-/// How the errors of the readings are related.
-enum class ReadingErrors {
-  Independent,
-  Rounded,  ///< To scans: clocks without drift round every event in the same direction, so many events are no better than one.
-};
-
 /// Fits one drift, and one offset for each piece between two restarts of a clock, to readings in order of time. Robust: readings far off
-/// the others are left out. `used`: receives which readings count. Fails with Failed without readings.
-[[nodiscard]] core::Result<Alignment> fit_clocks(const std::vector<ClockReading>& readings, const Restarts& restarts, ReadingErrors errors,
-                                                 std::vector<bool>* used = nullptr);
+/// the others are left out. Fails with Failed without readings.
+[[nodiscard]] core::Result<Alignment> fit_clocks(const std::vector<ClockReading>& readings, const Restarts& restarts);
 
 }  // namespace dts::lab::compare

@@ -72,6 +72,7 @@ core::Result<Comparison> compare(const Recording& a, const Recording& b) {
                         .end_sd_s = end_sd_s(alignment, paired),
                         .delay_a_s = a.delay_s,
                         .delay_b_s = b.delay_s,
+                        .is_simulated = a.is_simulated || b.is_simulated,
                         .paired = {},
                         .overlap_s = overlap_s,
                         .scan_count = paired.t_a_s.size(),

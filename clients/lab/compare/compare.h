@@ -27,7 +27,8 @@ struct Comparison {
   double end_sd_s = 0.0;   ///< Standard deviation of the alignment at the end of the overlap that is further from its reference.
   double delay_a_s = 0.0;  ///< Filter delays that the times are corrected for.
   double delay_b_s = 0.0;
-  Paired paired;  ///< What was compared, on A's times since its first scan.
+  bool is_simulated = false;  ///< One of the recordings is from a simulator.
+  Paired paired;              ///< What was compared, on A's times since its first scan.
   double overlap_s = 0.0;
   std::size_t scan_count = 0;  ///< Number of compared scans: those of the slower recording; the other one is interpolated.
   double correlation = 0.0;    ///< Of both axes together.

@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
-#include <span>
 #include <utility>
 
 #include "report/number_text.h"
@@ -28,25 +26,30 @@ constexpr double kTopMm = 4.0;
 constexpr double kBottomMm = 8.0;
 constexpr std::size_t kMostLinePoints = 4000;
 constexpr std::size_t kMostDots = 3000;
+constexpr double kDotMm = 0.4;
+constexpr double kCutOff = 0.005;  ///< Part of the values at either end that may lie outside a picture.
+constexpr double kMargin = 0.25;
 
 struct Range {
   double low = 0.0;
   double high = 1.0;
 };
 
-/// Returns the range of the values with a margin; not empty.
-Range range_of(std::initializer_list<std::span<const double>> all) {
-  Range range{.low = std::numeric_limits<double>::infinity(), .high = -std::numeric_limits<double>::infinity()};
-  for (const auto values : all) {
-    for (const double value : values) {
-      if (!std::isfinite(value)) continue;
-      range.low = std::min(range.low, value);
-      range.high = std::max(range.high, value);
-    }
-  }
-  if (!(range.low <= range.high)) return {};
-  const double margin = std::max(0.05 * (range.high - range.low), 0.01);
-  return {.low = range.low - margin, .high = range.high + margin};
+/// Returns the range of nearly all values, with a margin; not empty. A few values far off the others would hide the rest: stepping on.
+Range range_of(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return {};
+  std::ranges::sort(values);
+  const auto at = [&](double part) { return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))]; };
+  const double margin = std::max(kMargin * (at(1.0 - kCutOff) - at(kCutOff)), 0.01);
+  return {.low = std::max(values.front() - margin / 2.0, at(kCutOff) - margin),
+          .high = std::min(values.back() + margin / 2.0, at(1.0 - kCutOff) + margin)};
+}
+
+/// Returns both series one after the other.
+std::vector<double> both(std::vector<double> first, const std::vector<double>& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
 }
 
 /// A frame with axes: mm on the paper from values.
@@ -56,6 +59,8 @@ class Frame {
       : width_mm_(width_mm - kLeftMm - kRightMm), height_mm_(height_mm - kTopMm - kBottomMm), x_(x), y_(y) {}
 
   [[nodiscard]] double x(double value) const { return kLeftMm + width_mm_ * (value - x_.low) / (x_.high - x_.low); }
+  [[nodiscard]] bool has(double x, double y) const { return x >= x_.low && x <= x_.high && y >= y_.low && y <= y_.high; }
+  [[nodiscard]] double y_cut(double value) const { return std::isfinite(value) ? y(std::clamp(value, y_.low, y_.high)) : value; }
   [[nodiscard]] double y(double value) const { return kTopMm + height_mm_ * (y_.high - value) / (y_.high - y_.low); }
 
   void draw(Canvas& canvas, const std::string& x_label, const std::string& y_label) const {
@@ -76,10 +81,10 @@ class Frame {
     canvas.text(2.6, kTopMm + height_mm_ / 2.0, y_label, {.size = 2.4, .anchor = Anchor::Middle, .is_upward = true});
   }
 
-  /// Draws a horizontal line with its value at the right end.
-  void level(Canvas& canvas, double value, const std::string& text, const report::Stroke& stroke) const {
+  /// Draws a horizontal line with its value at the right end, above or below.
+  void level(Canvas& canvas, double value, const std::string& text, bool is_above, const report::Stroke& stroke) const {
     canvas.line(kLeftMm, y(value), kLeftMm + width_mm_, y(value), stroke);
-    canvas.text(kLeftMm + width_mm_ - 0.6, y(value) - 0.6, text + " " + report::fixed(value, 2),
+    canvas.text(kLeftMm + width_mm_ - 0.6, y(value) + (is_above ? -0.7 : 2.3), text + " " + report::fixed(value, 2),
                 {.size = report::kSmallText, .anchor = Anchor::End, .colour = stroke.colour});
   }
 
@@ -120,7 +125,7 @@ void draw_line(Canvas& canvas, const Frame& frame, const std::vector<double>& t_
         std::find(breaks.begin() + static_cast<std::ptrdiff_t>(last) + 1, breaks.begin() + static_cast<std::ptrdiff_t>(index) + 1, true) !=
         breaks.begin() + static_cast<std::ptrdiff_t>(index) + 1;
     if (index > last && has_gap) points.push_back({.x = std::nan(""), .y = std::nan("")});
-    points.push_back({.x = frame.x(t_s[index]), .y = frame.y(values[index])});
+    points.push_back({.x = frame.x(t_s[index]), .y = frame.y_cut(values[index])});
     last = index;
   }
   canvas.path(report::path_data(points), stroke);
@@ -132,8 +137,8 @@ report::Figure overlay_figure(const Paired& paired, const PairAxis& axis, const 
   const auto draw = [&paired, axis, name_a, name_b](Canvas& canvas) {
     const std::vector<double> a = without_mean(axis.a_mm);
     const std::vector<double> b = without_mean(axis.b_mm);
-    const Frame frame(report::kFullWidthMm, kOverlayMm, range_of({paired.t_a_s}), range_of({a, b}));
-    frame.draw(canvas, "time on the clock of A, s", axis.name + " less its mean, mm");
+    const Frame frame(report::kFullWidthMm, kOverlayMm, {.low = paired.t_a_s.front(), .high = paired.t_a_s.back()}, range_of(both(a, b)));
+    frame.draw(canvas, "time since the first scan of A, s", axis.name + " less its mean, mm");
     draw_line(canvas, frame, paired.t_a_s, a, {.colour = colour::kBlue, .width = 0.25});
     draw_line(canvas, frame, paired.t_a_s, b, {.colour = colour::kVermillion, .width = 0.18});
     canvas.text(kLeftMm, 2.8, "A: " + name_a, {.size = report::kSmallText, .colour = colour::kBlue});
@@ -146,24 +151,34 @@ report::Figure agreement_figure(const PairAxis& axis) {
   const auto draw = [axis](Canvas& canvas) {
     std::vector<double> means;
     std::vector<double> differences;
-    const std::size_t stride = 1 + axis.a_mm.size() / kMostDots;
-    for (std::size_t k = 0; k < axis.a_mm.size(); k += stride) {
+    for (std::size_t k = 0; k < axis.a_mm.size(); ++k) {
       means.push_back((axis.a_mm[k] + axis.b_mm[k]) / 2.0);
       differences.push_back(axis.b_mm[k] - axis.a_mm[k]);
     }
-    const std::vector<double> levels{axis.difference.lower_limit_mm, axis.difference.upper_limit_mm};
-    const Frame frame(report::kHalfWidthMm, kAgreementMm, range_of({means}), range_of({differences, levels}));
+    const AxisDifference& difference = axis.difference;
+    Range y = range_of(differences);
+    const double room_mm = 0.15 * (difference.upper_limit_mm - difference.lower_limit_mm) + 0.01;
+    y = {.low = std::min(y.low, difference.lower_limit_mm - room_mm), .high = std::max(y.high, difference.upper_limit_mm + room_mm)};
+    const Frame frame(report::kHalfWidthMm, kAgreementMm, range_of(means), y);
     frame.draw(canvas, "mean of A and B, mm", "B - A, mm");
     std::vector<PlotPoint> dots;
-    for (std::size_t k = 0; k < means.size(); ++k) {
-      dots.push_back({.x = frame.x(means[k]), .y = frame.y(differences[k])});
+    for (std::size_t k = 0; k < means.size(); k += 1 + means.size() / kMostDots) {
+      if (!frame.has(means[k], differences[k])) continue;
+      dots.push_back({.x = frame.x(means[k]) - kDotMm / 2.0, .y = frame.y(differences[k])});
+      dots.push_back({.x = frame.x(means[k]) + kDotMm / 2.0, .y = frame.y(differences[k])});
       dots.push_back({.x = std::nan(""), .y = std::nan("")});
     }
-    canvas.path(report::path_data(dots), {.colour = colour::kGrey, .width = 0.4});
+    canvas.path(report::path_data(dots), {.colour = colour::kGrey, .width = kDotMm});
+    std::size_t outside = 0;
+    for (std::size_t k = 0; k < means.size(); ++k) outside += frame.has(means[k], differences[k]) ? 0 : 1;
+    if (outside > 0) {
+      canvas.text(kLeftMm, 2.8, std::to_string(outside) + " of " + std::to_string(means.size()) + " scans are outside this picture",
+                  {.size = report::kSmallText, .colour = colour::kDarkGrey});
+    }
     const report::Stroke limit{.colour = colour::kVermillion, .width = 0.25, .dash = "1.5 0.8"};
-    frame.level(canvas, axis.difference.upper_limit_mm, "+1.96 SD", limit);
-    frame.level(canvas, axis.difference.mean_difference_mm, "bias", {.colour = colour::kBlue, .width = 0.3});
-    frame.level(canvas, axis.difference.lower_limit_mm, "-1.96 SD", limit);
+    frame.level(canvas, difference.upper_limit_mm, "+1.96 SD", true, limit);
+    frame.level(canvas, difference.mean_difference_mm, "bias", true, {.colour = colour::kBlue, .width = 0.3});
+    frame.level(canvas, difference.lower_limit_mm, "-1.96 SD", false, limit);
   };
   return {.title = axis.name + ": Bland-Altman", .width_mm = report::kHalfWidthMm, .height_mm = kAgreementMm, .draw = draw};
 }

@@ -30,9 +30,8 @@ std::vector<report::Fact> facts_of(const Comparison& comparison, const PairNames
   facts.push_back({.name = "Aligned by", .value = std::string(name(alignment.means))});
   facts.push_back({.name = "Offset", .value = plus_minus(alignment.offset_s, alignment.offset_sd_s, 4, "s")});
   facts.push_back({.name = "Drift", .value = plus_minus(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm")});
-  facts.push_back({.name = "Uncertainty at the ends", .value = fixed(1e3 * comparison.end_sd_s, 1) + " ms"});
-  facts.push_back(
-      {.name = "Filter delays removed", .value = "A " + delay_text(comparison.delay_a_s) + ", B " + delay_text(comparison.delay_b_s)});
+  facts.push_back({.name = "SD at the ends", .value = fixed(1e3 * comparison.end_sd_s, 1) + " ms"});
+  facts.push_back({.name = "Filter delays", .value = "A " + delay_text(comparison.delay_a_s) + ", B " + delay_text(comparison.delay_b_s)});
   facts.push_back(
       {.name = "Compared", .value = std::to_string(comparison.scan_count) + " scans over " + fixed(comparison.overlap_s, 2) + " s"});
   return facts;
@@ -109,10 +108,13 @@ std::vector<report::Section> pictures_of(const Comparison& comparison, const Pai
 }
 
 report::PageContent content_of(const Comparison& comparison, const PairNames& names) {
+  std::vector<std::string> alerts;
+  if (comparison.is_simulated) alerts.emplace_back("Synthetic data from a simulator. No person was measured.");
+  for (const std::string& warning : warnings_of(comparison)) alerts.push_back("Note: " + warning + ".");
   return {.title = "Two centres of pressure",
           .subtitle = names.a + " and " + names.b,
           .facts = facts_of(comparison, names),
-          .alerts = warnings_of(comparison),
+          .alerts = std::move(alerts),
           .sections = {}};
 }
 

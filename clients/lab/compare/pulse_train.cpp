@@ -5,10 +5,12 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "cli/table.h"
 #include "lab/compare/clock_fit.h"
+#include "lab/compare/paired.h"
 
 namespace dts::lab::compare {
 namespace {
@@ -21,7 +23,10 @@ constexpr double kMostRegular = 0.8;  ///< Of the intervals.
 constexpr double kSamePulse = 0.25;   ///< Of the period: largest distance of a pulse from where its neighbours say that it is.
 constexpr double kFollow = 0.3;       ///< How fast the tracked offset follows the pulses.
 constexpr double kGapS = 0.5;         ///< A recording without scans for so long has a gap; the pulses in it are not reported one by one.
-constexpr double kHostSdS = 0.02;     ///< Of a device's first time stamp on the computer's clock.
+constexpr double kAlike = 0.5;        ///< Of a scan: intervals that scatter less are all rounded alike.
+constexpr double kLeastSignalSdS = 1e-4;  ///< Filters differ by more than the standard error of a long correlation shows.
+constexpr double kSureCorrelation = 0.7;  ///< Of signals that may contradict the computer's clock.
+constexpr double kHostSdS = 0.02;         ///< Of a device's first time stamp on the computer's clock.
 
 /// Returns the mean of the intervals near the median: a lost pulse does not count, and rounding to scans averages out.
 double period_of(std::span<const double> edges_s) {
@@ -131,17 +136,32 @@ std::optional<Start> start_near(const Recording& a, const Recording& b, const Al
   return best;
 }
 
-core::Result<Start> find_start(const Recording& a, const Recording& b, double period_s) {
-  if (!a.host_clock.empty() && a.host_clock == b.host_clock) {
-    // Times on the computer's clock are right where a recording begins; later, the devices' clocks drift.
-    const double between_s = b.began_s - a.began_s;
-    const Alignment host{.offset_s = between_s, .offset_sd_s = kHostSdS, .reference_s = std::max(0.0, -between_s)};
-    if (const auto start = start_near(a, b, host, period_s)) return *start;
-  }
+/// Returns the pulses that belong together by the computer's clock; nothing if it does not have both recordings' times. Its times are right
+/// where a recording begins; later, the devices' clocks drift.
+std::optional<Start> start_by_host(const Recording& a, const Recording& b, double period_s) {
+  if (a.host_clock.empty() || a.host_clock != b.host_clock) return std::nullopt;
+  const double between_s = b.began_s - a.began_s;
+  return start_near(a, b, {.offset_s = between_s, .offset_sd_s = kHostSdS, .reference_s = std::max(0.0, -between_s)}, period_s);
+}
+
+/// Returns whether the signals agree clearly better in their own alignment than if these pulses belong together, and it is another one.
+bool is_contradicted(const Recording& a, const Recording& b, const Start& start, const Alignment& by_signal, double period_s) {
+  const double at_s = b.edges_s[start.j];
+  if (std::abs(by_signal.to_a_s(at_s) - a.edges_s[start.i]) < period_s / 2.0) return false;
+  const double by_pulse = correlation(pair_up(a, b, {.offset_s = a.edges_s[start.i] - at_s, .reference_s = at_s}));
+  const double own = correlation(pair_up(a, b, by_signal));
+  return own > kSureCorrelation && 1.0 - own < (1.0 - by_pulse) / 2.0;
+}
+
+/// Finds the pulses that belong together. A device may have a constant error of its times, so the signals are asked even if the computer's
+/// clock knows; `warning` receives their contradiction.
+core::Result<Start> find_start(const Recording& a, const Recording& b, double period_s, std::string& warning) {
+  const auto by_host = start_by_host(a, b, period_s);
   const auto by_signal = align_by_correlation(a, b);
-  if (by_signal) {
-    if (const auto start = start_near(a, b, *by_signal, period_s)) return *start;
-  }
+  const auto start = by_signal ? start_near(a, b, *by_signal, period_s) : std::nullopt;
+  if (by_host && !(start && is_contradicted(a, b, *by_host, *by_signal, period_s))) return *by_host;
+  if (by_host) warning = "the signals contradict the times of the recordings by more than half a period of the pulses: the signals decide";
+  if (start) return *start;
   return core::fail(core::ErrorCode::Failed,
                     "the pulses repeat every " + cli::decimal(period_s, 3) +
                         " s, and nothing shows which of them belong together: the times are not of one computer, and " +
@@ -189,6 +209,40 @@ std::vector<PulseFault> faults_of(const Recording& a, const Recording& b, const 
   return faults;
 }
 
+/// Returns the standard deviation of an error that all pulses of a recording have in common. If the pulses come with the recording's own
+/// clock, all of them are rounded to scans alike, and many pulses are no better than one; else the rounding scatters and averages out.
+double common_rounding_s(const Recording& recording, double period_s) {
+  const double rounding_s = recording.edge_step_s / std::sqrt(12.0);
+  double least_s = 0.0;
+  double most_s = 0.0;
+  for (std::size_t k = 1; k < recording.edges_s.size(); ++k) {
+    const double interval_s = recording.edges_s[k] - recording.edges_s[k - 1];
+    const double off_s = interval_s - std::round(interval_s / period_s) * period_s;
+    least_s = std::min(least_s, off_s);
+    most_s = std::max(most_s, off_s);
+  }
+  return most_s - least_s < kAlike * recording.edge_step_s ? rounding_s : 0.0;
+}
+
+/// The pulses give the drift. Where all of them are rounded alike, they leave the offset open within a scan: the signals narrow it down, as
+/// far as that scan allows, because a filter of unknown delay may mislead them.
+void remove_common_rounding(const Recording& a, const Recording& b, double period_s, Alignment& alignment) {
+  const double of_a_s = common_rounding_s(a, period_s);
+  const double of_b_s = common_rounding_s(b, period_s);
+  const double rounding_s = std::hypot(of_a_s, of_b_s);
+  if (rounding_s == 0.0) return;
+  const double pulse_sd_s = std::hypot(alignment.offset_sd_s, rounding_s);
+  alignment.offset_sd_s = pulse_sd_s;
+  const auto by_signal = align_by_correlation(a, b);
+  if (!by_signal || !by_signal->pieces.empty() || !(by_signal->offset_sd_s < pulse_sd_s)) return;
+  const double signal_sd_s = std::max(by_signal->sd_at_s(alignment.reference_s), kLeastSignalSdS);
+  const double weight = pulse_sd_s * pulse_sd_s / (pulse_sd_s * pulse_sd_s + signal_sd_s * signal_sd_s);
+  const double most_s = std::sqrt(3.0) * (of_a_s + of_b_s);  // half a scan of each
+  const double differs_s = by_signal->to_a_s(alignment.reference_s) - alignment.to_a_s(alignment.reference_s);
+  alignment.offset_s += std::clamp(weight * differs_s, -most_s, most_s);
+  alignment.offset_sd_s = std::abs(differs_s) > most_s + 4.0 * signal_sd_s ? pulse_sd_s : std::sqrt(weight) * signal_sd_s;
+}
+
 }  // namespace
 
 bool have_pulse_trains(const Recording& a, const Recording& b) {
@@ -204,14 +258,17 @@ core::Result<Alignment> align_by_pulse_train(const Recording& a, const Recording
                       "check that the trigger is a digital level");
   }
   const double period_s = period_of(a.edges_s);
-  DTS_TRY_ASSIGN(const Start start, find_start(a, b, period_s));
+  std::string warning;
+  DTS_TRY_ASSIGN(const Start start, find_start(a, b, period_s, warning));
   const Track track = follow_both_ways(a, b, start.i, start.j, kSamePulse * period_s);
   const double sd_s = std::hypot(a.edge_step_s, b.edge_step_s) / std::sqrt(12.0);
   std::vector<ClockReading> readings;
   for (const auto& [a_s, b_s] : track.pairs) readings.push_back({.b_s = b_s, .late_s = a_s - b_s, .sd_s = sd_s});
-  DTS_TRY_ASSIGN(auto alignment, fit_clocks(readings, Restarts(a, b), ReadingErrors::Rounded));
+  DTS_TRY_ASSIGN(auto alignment, fit_clocks(readings, Restarts(a, b)));
+  remove_common_rounding(a, b, period_s, alignment);
   alignment.means = Alignment::Means::PulseTrain;
   alignment.period_s = period_s;
+  alignment.warning = warning;
   alignment.faults = faults_of(a, b, track, alignment, period_s);
   return alignment;
 }

@@ -61,8 +61,9 @@ Recording read_csv_recording(const std::string& file, files::Problems& problems)
                       .x_mm = table.numbers(position->ml),
                       .y_mm = table.numbers(position->ap),
                       .marker = table.texts("marker")};
-  recording.edges_s = rising_edges_s(recording.t_s, table.numbers("trigger"));
-  recording.edge_step_s = recording.step_s();
+  RisingEdges edges = rising_edges(recording.t_s, table.numbers("trigger"));
+  recording.edges_s = std::move(edges.at_s);
+  recording.edge_step_s = edges.step_s;
   recording.restarts_s = restarts_of(recording.t_s);
   return recording;
 }
@@ -99,19 +100,34 @@ Recording read_recording(const std::string& file, const force::CopChoice& choice
 
 double Recording::step_s() const { return median_step(t_s); }
 
-std::vector<double> rising_edges_s(std::span<const double> t_s, std::span<const double> level) {
-  std::vector<double> edges;
+RisingEdges rising_edges(std::span<const double> t_s, std::span<const double> level) {
+  constexpr double kFar = 0.1;  // of the range: a scan this near to the low or high level is not within the edge
+  constexpr double kLow = 0.25;
+  constexpr double kSoftStep = 0.1;
+  RisingEdges edges;
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < level.size(); ++row) {
     if (std::isfinite(level[row])) rows.push_back(row);
   }
   if (rows.empty()) return edges;
-  const auto [low, high] = std::ranges::minmax(rows, {}, [&](std::size_t row) { return level[row]; });
-  const double middle = (level[low] + level[high]) / 2.0;
-  if (level[low] == level[high]) return edges;
+  const auto [low_row, high_row] = std::ranges::minmax(rows, {}, [&](std::size_t row) { return level[row]; });
+  const double low = level[low_row];
+  const double range = level[high_row] - low;
+  if (!(range > 0.0)) return edges;
+  bool is_armed = level[rows.front()] - low < kLow * range;
+  std::size_t soft = 0;
   for (std::size_t k = 1; k < rows.size(); ++k) {
-    if (level[rows[k - 1]] <= middle && level[rows[k]] > middle) edges.push_back((t_s[rows[k - 1]] + t_s[rows[k]]) / 2.0);
+    const double before = (level[rows[k - 1]] - low) / range;
+    const double now = (level[rows[k]] - low) / range;
+    if (is_armed && now > 0.5) {
+      is_armed = false;
+      edges.at_s.push_back(t_s[rows[k - 1]] + (0.5 - before) / (now - before) * (t_s[rows[k]] - t_s[rows[k - 1]]));
+      soft += before > kFar || now < 1.0 - kFar ? 1 : 0;
+    }
+    is_armed = is_armed || now < kLow;
   }
+  const bool are_soft = 2 * soft > edges.at_s.size();
+  edges.step_s = (are_soft ? kSoftStep : 1.0) * median_step(t_s);
   return edges;
 }
 

@@ -16,9 +16,10 @@ struct Recording {
   std::vector<double> x_mm;
   std::vector<double> y_mm;
   std::vector<double> edges_s{};      ///< Rising edges of the trigger.
-  double edge_step_s = 0.0;           ///< Time between two scans of the trigger: an edge is in the middle between two scans.
+  double edge_step_s = 0.0;           ///< See `RisingEdges`.
   std::vector<std::string> marker{};  ///< Text at its scan; empty without this column.
   std::vector<double> restarts_s{};   ///< First scans after gaps at which the clock may have jumped. Rise strictly.
+  bool is_simulated = false;          ///< No person was measured.
   double delay_s = 0.0;               ///< Filter delay that `t_s` is corrected for; 0: none, or unknown.
   std::string host_clock{};           ///< Recordings with the same text have times of one computer's clock; empty: unknown.
 
@@ -29,9 +30,15 @@ struct Recording {
   [[nodiscard]] double step_s() const;
 };
 
-/// Returns the times at which a level rises through the middle of its range, half a scan early, because it rose between two scans. Rows
-/// without a level count for nothing.
-[[nodiscard]] std::vector<double> rising_edges_s(std::span<const double> t_s, std::span<const double> level);
+/// Rising edges of a level.
+struct RisingEdges {
+  std::vector<double> at_s{};
+  double step_s = 0.0;  ///< An edge may be off by half of this time.
+};
+/// Returns where a level rises through the middle of its range, interpolated between two scans. A signal that rises within one scan is
+/// known to one scan only; if most edges last longer, they are known to a tenth of it. After an edge, the level must fall below a quarter
+/// of its range before the next one counts. Rows without a level count for nothing.
+[[nodiscard]] RisingEdges rising_edges(std::span<const double> t_s, std::span<const double> level);
 
 /// Reads a recording: an XDF file if its name ends in .xdf or .xdf.part, a file of force plates (ML as x, AP as y), else a CSV file with
 /// the columns `t_s,x_mm,y_mm` (or ml_mm,ap_mm) and optionally `trigger` and `marker`. Times become relative to the first. Adds every error

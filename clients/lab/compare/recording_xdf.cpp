@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/result.h"
+#include "files/toml_reader.h"
 #include "lab/compare/recording.h"
 #include "record/recording.h"
 
@@ -36,6 +37,32 @@ std::optional<CopColumns> find_cop(const record::Recording& file) {
                     .delay_s = static_cast<double>(info.delay_ns) * 1e-9};
 }
 
+/// The channel of the trigger in "aux".
+struct TriggerColumn {
+  std::size_t stream = 0;
+  std::size_t width = 0;
+  std::size_t column = 0;
+  double rate_hz = 1.0;
+};
+
+/// Finds it by the recorded rig definition; nothing if the rig has no trigger or the stream was not recorded.
+std::optional<TriggerColumn> find_trigger(const record::Recording& file) {
+  const auto stream = file.find_stream("aux");
+  if (!stream || !file.streams()[*stream].rate || !file.session()) return std::nullopt;
+  files::Problems ignored;
+  const auto definition = files::parse_toml_text(file.session()->rig_definition, "the recorded rig", ignored);
+  if (!definition) return std::nullopt;
+  const auto channel = definition->at_path("trigger.channel").value<std::int64_t>();
+  const record::StreamInfo& info = file.streams()[*stream];
+  const auto found = std::ranges::find_if(
+      info.channels, [&](const record::ChannelInfo& one) { return channel && one.device_channel == *channel && *channel >= 0; });
+  if (found == info.channels.end()) return std::nullopt;
+  return TriggerColumn{.stream = *stream,
+                       .width = info.channels.size(),
+                       .column = static_cast<std::size_t>(found - info.channels.begin()),
+                       .rate_hz = info.rate->hz()};
+}
+
 struct Event {
   double time_s = 0.0;
   bool is_trigger = false;
@@ -45,7 +72,9 @@ struct Event {
 /// State of the reading.
 struct Reading {
   std::vector<Event> events{};
-  std::uint32_t segment = 0;  ///< Of the last scans.
+  std::vector<double> level_s{};  ///< Of the trigger, if it was recorded: time stamps...
+  std::vector<double> level{};    ///< ...and values.
+  std::uint32_t segment = 0;      ///< Of the last scans.
 };
 
 void add_scans(const record::RecordedScans& scans, const CopColumns& cop, Recording& recording, Reading& reading) {
@@ -61,6 +90,13 @@ void add_scans(const record::RecordedScans& scans, const CopColumns& cop, Record
     recording.t_s.push_back((first_s - recording.began_s) + static_cast<double>(i) / cop.rate_hz);
     recording.x_mm.push_back(scans.values[i * cop.width + cop.x]);
     recording.y_mm.push_back(scans.values[i * cop.width + cop.y]);
+  }
+}
+
+void add_level(const record::RecordedScans& scans, const TriggerColumn& trigger, Reading& reading) {
+  for (std::size_t i = 0; i < scans.count; ++i) {
+    reading.level_s.push_back(scans.first_time_s + static_cast<double>(i) / trigger.rate_hz);
+    reading.level.push_back(scans.values[i * trigger.width + trigger.column]);
   }
 }
 
@@ -87,21 +123,34 @@ void place_events(std::vector<Event>& events, Recording& recording) {
   }
 }
 
+/// Replaces the edges of the events by those of the recorded level, which are known better than to one scan if the signal rises slowly.
+void set_edges(Reading& reading, Recording& recording) {
+  for (double& level_s : reading.level_s) level_s -= recording.began_s;
+  RisingEdges edges = rising_edges(reading.level_s, reading.level);
+  recording.edges_s = std::move(edges.at_s);
+  recording.edge_step_s = edges.step_s;
+}
+
 core::Status read_items(record::Recording& file, const CopColumns& cop, Recording& recording) {
+  const auto trigger = find_trigger(file);
   Reading reading;
   while (true) {
     DTS_TRY_ASSIGN(const auto item, file.next());
     if (!item) break;
-    if (const auto* scans = std::get_if<record::RecordedScans>(&*item); scans != nullptr && scans->stream == cop.stream) {
+    const auto* scans = std::get_if<record::RecordedScans>(&*item);
+    if (scans != nullptr && scans->stream == cop.stream) {
       add_scans(*scans, cop, recording, reading);
+    } else if (scans != nullptr && trigger && scans->stream == trigger->stream) {
+      add_level(*scans, *trigger, reading);
     } else if (const auto* event = std::get_if<record::TimedEvent>(&*item)) {
       add_event(*event, reading.events);
     }
-    if (recording.t_s.size() > kMostScans || reading.events.size() > kMostScans) {
+    if (recording.t_s.size() > kMostScans || reading.events.size() > kMostScans || reading.level.size() > kMostScans) {
       return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostScans) + " scans");
     }
   }
   place_events(reading.events, recording);
+  if (trigger) set_edges(reading, recording);
   return {};
 }
 
@@ -128,7 +177,10 @@ Recording read_xdf_recording(const std::string& file, files::Problems& problems)
   }
   recording.delay_s = cop->delay_s;
   recording.edge_step_s = trigger_step_s(**opened, *cop);
-  if ((*opened)->session()) recording.host_clock = (*opened)->session()->boot_id;
+  if (const auto& session = (*opened)->session()) {
+    recording.host_clock = session->boot_id;
+    recording.is_simulated = session->device_uri.starts_with("sim:");
+  }
   if (const auto read = read_items(**opened, *cop, recording); !read) {
     problems.push_back({.file = file, .text = core::to_string(read.error())});
   }

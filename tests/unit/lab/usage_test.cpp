@@ -27,7 +27,7 @@ TEST_F(RunTest, WrongUsage_ExitsWithTwoAndSaysWhatWasMeant) {
                                  {{"plate", "solve", "x.toml", "--divisions", "40.5"}, "from 4 to 200"},
                                  {{"plate", "solve", "x.toml", "--plot", "x.pdf"}, "ends in .svg or .png"},
                                  {{"thesis"}, "TABLE is required"},
-                                 {{"thesis", "6.5"}, "one of 3.2, 3.3, 3.4, 3.5, 3.6, 4.1, 5.2, 6.2, 6.3, 6.4, or all"},
+                                 {{"thesis", "6.5"}, "one of 3.2, 3.3, 3.4, 3.5, 3.6, 4.1, 4.2, 5.2, 6.2, 6.3, 6.4, or all"},
                                  {{"sway"}, "FILE is required"},
                                  {{"sway", "x.csv", "--profile", "lp5"}, "asis,lp10"},
                                  {{"steadiness"}, "one of: train, classify"},

@@ -250,6 +250,19 @@ TEST_F(RunTest, CompareExportedTable_ColumnsOfTheExportAreKnown) {
   EXPECT_EQ(run_with({"compare", "a.csv", write("c.csv", "t_s,up_mm\n0,1\n")}), cli::kUsage);
 }
 
+TEST_F(RunTest, ReadRecording_OnlyAGapOffTheGridIsARestartOfTheClock) {
+  const auto restarts = [&](double gap_s) {
+    Recording recording = recorded({.length_s = 4.0});
+    for (std::size_t k = 200; k < recording.t_s.size(); ++k) recording.t_s[k] += gap_s;
+    files::Problems problems;
+    return read_recording(write("gap.csv", csv_of(recording)), {}, problems).restarts_s;
+  };
+
+  EXPECT_THAT(restarts(0.5), ::testing::IsEmpty()) << "50 scans are missing";
+  EXPECT_THAT(restarts(0.504), ::testing::ElementsAre(::testing::DoubleNear(2.504, 1e-9)));
+  EXPECT_THAT(restarts(0.004), ::testing::IsEmpty()) << "no gap";
+}
+
 TEST_F(RunTest, CompareBadFiles_ExitWithTwo) {
   const std::string good = write("a.csv", csv_of(recorded({})));
   const std::string back = write("b.csv", "t_s,x_mm,y_mm\n0,1,1\n0,2,2\n");

@@ -54,8 +54,9 @@ inline void add_triggers(Recording& recording, const Clock& clock, const std::ve
     const bool is_high = next != at_s.begin() && now_s < *(next - 1) + 0.05;
     level.push_back(is_high ? 4.9 : 0.1);
   }
-  recording.edges_s = rising_edges_s(recording.t_s, level);
-  recording.edge_step_s = recording.step_s();
+  const RisingEdges edges = rising_edges(recording.t_s, level);
+  recording.edges_s = edges.at_s;
+  recording.edge_step_s = edges.step_s;
 }
 
 /// True offset at the alignment's reference.

@@ -172,25 +172,113 @@ TEST(PulseTrain, WholePeriodsAreOpen_UnlessOneComputerOrTheSignalsDecide) {
   EXPECT_FALSE(align(a, b));
 }
 
-TEST(PulseTrain, ClocksWithoutDriftRoundEveryPulseAlike_AndManyPulsesAreNoBetterThanOne) {
-  std::vector<double> at_s;
-  for (int k = 0; k < 60; ++k) at_s.push_back(1.0 + k);
-  const Clock clock_b{.offset_s = 0.0043, .length_s = 60.0};
+TEST(PulseTrain, AConstantErrorOfTheTimesIsNotBelieved_IfTheSignalsContradict) {
+  const auto at_s = pulses(0.5, 60.0);
+  const Clock clock_b{.offset_s = 7.3, .length_s = 50.0};
+  Recording a = with_pulses({.length_s = 60.0}, at_s);
+  Recording b = with_pulses(clock_b, at_s);
+  a.host_clock = b.host_clock = "one computer";
+  a.began_s = 5000.0;
+  b.began_s = 5007.3 - 3.0;
 
-  const auto alignment = align(with_pulses({.length_s = 60.0}, at_s), with_pulses(clock_b, at_s));
+  const auto alignment = align(a, b);
 
   ASSERT_TRUE(alignment) << alignment.error().what;
-  EXPECT_GT(alignment->offset_sd_s, 0.003);
-  EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, 30.0)), 3.0 * alignment->offset_sd_s);
+  EXPECT_EQ(alignment->means, Alignment::Means::PulseTrain);
+  EXPECT_NEAR(alignment->offset_s, 7.3, 0.01);
+  EXPECT_THAT(alignment->warning, HasSubstr("the signals contradict the times of the recordings"));
 }
 
-TEST(RisingEdges, AreHalfAScanBeforeTheFirstHighLevel) {
+/// Pulses in step with A's clock, just after a scan: A rounds all of them by nearly a whole scan.
+std::vector<double> pulses_in_step(double to_s) {
+  std::vector<double> at_s;
+  for (double t_s = 1.0; t_s < to_s; t_s += 1.0) at_s.push_back(t_s + 1e-6);
+  return at_s;
+}
+
+TEST(PulseTrain, PulsesOfARecordingsOwnClockAreRoundedAlike_AndManyOfThemAreNoBetterThanOne) {
+  for (const double drift_ppm : {0.0, 100.0}) {
+    const Clock clock_b{.offset_s = 0.0043, .drift_ppm = drift_ppm, .length_s = 600.0};
+    Recording a = with_pulses({.length_s = 600.0}, pulses_in_step(600.0));
+    Recording b = with_pulses(clock_b, pulses_in_step(600.0));
+    for (std::size_t k = 0; k < b.t_s.size(); ++k) b.x_mm[k] = b.y_mm[k] = static_cast<double>(k % 7);
+    a.host_clock = b.host_clock = "one computer";
+
+    const auto alignment = align(a, b);
+
+    ASSERT_TRUE(alignment) << alignment.error().what;
+    EXPECT_GT(alignment->offset_sd_s, 0.0028);
+    EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, 30.0)), 3.0 * alignment->offset_sd_s);
+  }
+}
+
+TEST(PulseTrain, PulsesRoundedAlike_TheSignalsGiveTheOffsetWithinTheScanAndNoMore) {
+  const auto at_s = pulses_in_step(kHalfAnHourS);
+  Recording a = with_pulses(kClockA, at_s, 0.2);
+  const Recording b = with_pulses(kClockB, at_s, 0.3);
+  const double end_s = kClockB.length_s;
+
+  const auto alignment = align(a, b);
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_EQ(alignment->means, Alignment::Means::PulseTrain);
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 1e-3);
+  EXPECT_LT(std::abs(error_at_s(*alignment, kClockB, end_s)), 4.0 * alignment->sd_at_s(end_s));
+
+  const double delay_s = 0.1;  // of an unknown filter
+  for (double& t_s : a.t_s) t_s += delay_s;
+  const auto misled = align(a, b);
+  ASSERT_TRUE(misled) << misled.error().what;
+  EXPECT_LT(std::abs(error_at_s(*misled, kClockB, end_s)), 0.011);
+  EXPECT_GT(misled->offset_sd_s, 0.0028);
+}
+
+/// The pulses as an analogue signal that needs 30 ms to rise, centred on the edge.
+std::vector<double> ramps(const Recording& recording, const Clock& clock, const std::vector<double>& at_s) {
+  std::vector<double> level;
+  for (const double t_s : recording.t_s) {
+    const double now_s = clock.true_s(t_s);
+    const auto next = std::ranges::upper_bound(at_s, now_s + 0.015);
+    const double since_s = next == at_s.begin() ? 1.0 : now_s - *(next - 1) + 0.015;
+    level.push_back(since_s > 0.1 ? 0.0 : 5.0 * std::min(1.0, since_s / 0.03));
+  }
+  return level;
+}
+
+TEST(PulseTrain, PulsesThatRiseSlowly_AreKnownBetterThanToAScan) {
+  std::vector<double> at_s;
+  for (int k = 0; k < 600; ++k) at_s.push_back(1.0 + k + 0.0021);
+  const Clock clock_a{.length_s = 600.0};
+  const Clock clock_b{.offset_s = 3.217, .drift_ppm = 100.0, .length_s = 590.0};
+  Recording a = recorded(clock_a);
+  Recording b = recorded(clock_b);
+  for (const auto& [recording, clock] : {std::pair{&a, &clock_a}, std::pair{&b, &clock_b}}) {
+    const RisingEdges edges = rising_edges(recording->t_s, ramps(*recording, *clock, at_s));
+    recording->edges_s = edges.at_s;
+    recording->edge_step_s = edges.step_s;
+  }
+
+  const auto alignment = align(a, b);
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, 590.0)), 0.2e-3);
+  EXPECT_LT(alignment->sd_at_s(590.0), 0.5e-3);
+}
+
+TEST(RisingEdges, AreInterpolated_AndTheLevelMustFallBeforeTheNext) {
+  const std::vector<double> t_s{0.0, 1.0, 2.0, 3.0, 4.0, 5.0};
   const double none = std::nan("");
 
-  EXPECT_THAT(rising_edges_s(std::vector{0.0, 1.0, 2.0, 3.0, 4.0, 5.0}, std::vector{0.0, 0.1, 5.0, none, 0.0, 5.0}),
-              testing::ElementsAre(1.5, 4.5));
-  EXPECT_THAT(rising_edges_s(std::vector{0.0, 1.0}, std::vector{1.0, 1.0}), IsEmpty());
-  EXPECT_THAT(rising_edges_s(std::vector{0.0, 1.0}, {}), IsEmpty());
+  const RisingEdges hard = rising_edges(t_s, std::vector{0.0, 0.0, 5.0, none, 0.0, 5.0});
+  EXPECT_THAT(hard.at_s, testing::ElementsAre(1.5, 4.5));
+  EXPECT_EQ(hard.step_s, 1.0);
+
+  const RisingEdges soft = rising_edges(t_s, std::vector{0.0, 1.0, 3.5, 2.0, 4.0, 5.0});
+  EXPECT_THAT(soft.at_s, testing::ElementsAre(testing::DoubleEq(1.6))) << "the level did not fall far enough for a second edge";
+  EXPECT_DOUBLE_EQ(soft.step_s, 0.1);
+
+  EXPECT_THAT(rising_edges(t_s, std::vector(6, 1.0)).at_s, IsEmpty());
+  EXPECT_THAT(rising_edges(t_s, {}).at_s, IsEmpty());
 }
 
 }  // namespace

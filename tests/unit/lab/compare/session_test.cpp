@@ -31,6 +31,7 @@ struct Part {
   std::string boot = "boot-1";
   int lost_pulse = -1;
   std::string session = "s1";
+  std::string definition{};  ///< With the channel of the trigger, its level is read from "aux"; without, its events count.
 };
 
 class CompareSession : public RunTest {
@@ -39,11 +40,13 @@ class CompareSession : public RunTest {
   ~CompareSession() override { ::unsetenv("DTSD_STATE_DIR"); }
 
   std::string record(const std::string& name, const Part& part, double length_s = 60.0) const {
-    record::SessionFacts facts{.session_id = part.session, .part = part.number, .rig = part.rig, .rigs = {"floor", "plate"}};
+    record::SessionFacts facts{.session_id = part.session, .part = part.number, .rig = part.rig, .rigs = {"floor", "plate", "third"}};
     facts.leading_part = part.leading == part.number ? 0 : part.leading;
     facts.kind = "floor";
     facts.protocol = "free";
     facts.boot_id = part.boot;
+    facts.device_uri = "sim:floor";
+    facts.rig_definition = part.definition;
     auto created = record::XdfWriter::create(path(name), record::to_facts(facts));
     EXPECT_TRUE(created);
     record::XdfWriter& xdf = **created;
@@ -55,6 +58,11 @@ class CompareSession : public RunTest {
                                      .rate = rate,
                                      .channels = {{.label = "ml_mm", .unit = "mm"}, {.label = "ap_mm", .unit = "mm"}},
                                      .delay_ns = static_cast<std::int64_t>(part.delay_s * 1e9)});
+    const auto aux = xdf.add_stream(
+        {.name = part.rig + "/aux",
+         .content = "DTS",
+         .rate = rate,
+         .channels = {{.label = "other", .unit = "V", .device_channel = 1}, {.label = "sync", .unit = "V", .device_channel = 4}}});
     const auto events = xdf.add_stream(
         {.name = part.rig + "/events", .content = "Markers", .value_type = record::ValueType::Text, .channels = {{.label = "event"}}});
     const auto tell = [&](double time_s, const std::string& text) {
@@ -74,6 +82,15 @@ class CompareSession : public RunTest {
       }
       EXPECT_TRUE(xdf.write_samples(raw, stamp_s, std::vector<double>(count, 1.5), {.segment = segment}));
       EXPECT_TRUE(xdf.write_samples(cop, stamp_s, values, {.segment = segment}));
+      std::vector<double> levels;
+      for (std::size_t k = 0; k < count; ++k) {  // a pulse needs 40 ms to rise
+        const double true_s = part.begins_s + (from_s + static_cast<double>(k) / kRateHz) * factor;
+        const double since_s = std::fmod(true_s - 1000.68, 1.013);
+        const bool is_lost = static_cast<int>((true_s - 1000.68) / 1.013) == part.lost_pulse;
+        levels.push_back(7.0);
+        levels.push_back(true_s < 1000.68 || is_lost || since_s > 0.2 ? 0.0 : 5.0 * std::min(1.0, since_s / 0.04));
+      }
+      EXPECT_TRUE(xdf.write_samples(aux, stamp_s, levels, {.segment = segment}));
       int pulse = 0;
       for (double at_s = 1000.7; at_s < part.begins_s + to_s * factor; at_s += 1.013, ++pulse) {
         const double device_s = (at_s - part.begins_s) / factor;
@@ -119,6 +136,21 @@ TEST_F(CompareSession, BothRigsOfASession_AreAlignedByTheirPulses) {
   EXPECT_THAT(out(), HasSubstr("LIMITS OF AGREEMENT"));
 }
 
+TEST_F(CompareSession, ARecordedTriggerChannelThatRisesSlowly_IsBetterThanItsEvents) {
+  const std::string definition = "[trigger]\nchannel = 4\n";
+  const std::string a = record("floor.xdf", {.definition = definition});
+  const std::string b =
+      record("plate.xdf", {.number = 2, .rig = "plate", .begins_s = 1000.2, .drift_ppm = 100.0, .definition = definition});
+
+  ASSERT_EQ(run_with({"compare", a, b, "--json"}), cli::kOk) << talk();
+
+  const auto aligned = json().at("alignment");
+  EXPECT_EQ(aligned.at("by"), "pulse train");
+  EXPECT_NEAR(aligned.at("drift_ppm").get<double>(), 100.0, 10.0);
+  EXPECT_LT(aligned.at("end_sd_s").get<double>(), 0.5e-3);
+  EXPECT_THAT(aligned.at("faults"), IsEmpty());
+}
+
 TEST_F(CompareSession, ASegmentWithAnotherTimeBase_HasItsOwnOffset) {
   const std::string a = record("floor.xdf", {}, 120.0);
   const std::string b = record("plate.xdf", {.number = 2, .rig = "plate", .gap_from_s = 50.0}, 120.0);
@@ -156,8 +188,9 @@ TEST_F(CompareSession, ReportAndPictures_HaveValuesAndBothAxes) {
   ASSERT_EQ(run_with({"compare", "--session", "s1", "--report", path("pair.html"), "--plot", path("pair.svg")}), cli::kOk) << talk();
 
   const std::string page = content("pair.html");
-  for (const char* text : {"floor and plate", "Bias, B - A", "Upper limit of agreement", "RMSE, means removed", "pulse train",
-                           "ML (x): both recordings", "AP (y): Bland-Altman", "Methods, for a paper", "B lost the pulse at"}) {
+  for (const char* text :
+       {"floor and plate", "Bias, B - A", "Upper limit of agreement", "RMSE, means removed", "pulse train", "ML (x): both recordings",
+        "AP (y): Bland-Altman", "Methods, for a paper", "B lost the pulse at", "No person was measured"}) {
     EXPECT_THAT(page, HasSubstr(text));
   }
   EXPECT_THAT(page, Not(HasSubstr(path("")))) << "no folder names";

@@ -391,9 +391,8 @@ TEST_F(CatalogueRebuild, WhatIsNoRecordingOfOursOrHostile_IsToldAndLeftOut) {
 }
 
 TEST_F(CatalogueRebuild, FilesOfASession_AreFoundWithoutACatalogue_TheBestOfEachPart) {
-  record("s1.xdf.part", facts("s1"), End::Abandoned);
-  const auto copied = recover(file("s1.xdf.part"), recovered_name(file("s1.xdf.part")));
-  ASSERT_TRUE(copied) << what(copied);
+  record("s1.xdf", facts("s1"), End::Abandoned);
+  ASSERT_TRUE(recover(file("s1.xdf.part"), recovered_name(file("s1.xdf.part"))));
   SessionFacts companion = facts("s1", 2);
   companion.rig = "plate";
   companion.rigs = {"floor", "plate"};

@@ -17,7 +17,7 @@ inline constexpr std::size_t kMaxContacts = 4;
 
 enum class ContactKind : std::uint8_t {
   Feet,     ///< Two feet, each a heel and a forefoot patch.
-  OneFoot,  ///< One foot: the left and the right half of its heel and of its forefoot.
+  OneFoot,  ///< One foot: the left and the right half of its heel and of its forefoot, the heel's as far apart as the forefoot's.
   Point,    ///< The whole load at one point: a calibration weight.
 };
 

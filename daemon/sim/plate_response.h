@@ -24,7 +24,8 @@ struct PlateDefects {
 ///     person's force at the COP, `height_mm` above the surface -> wrench about the surface -> cross-talk, drift -> PlateInverse -> volts
 ///
 /// The drift is that of charge amplifiers: it is proportional to time, as if a force that grows acted at one point near the centre, with
-/// a quarter of it as shear. Noise and codes come from `Daq`. Immutable; const methods: Thread: any. Realtime-safe: yes.
+/// up to a quarter of it along each axis as shear. Noise and codes come from `Daq`. Immutable; const methods: Thread: any. Realtime-safe:
+/// yes.
 class PlateResponse {
  public:
   PlateResponse(const physics::ForcePlateModel& plate, double height_mm, const PlateDefects& defects);

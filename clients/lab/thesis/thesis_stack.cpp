@@ -76,7 +76,8 @@ core::Result<ThesisTable> thesis_stack(const TableProgress& progress) {
           "Ours: simulated people on a simulated platform on a simulated force plate, synthetic, through the stages of both rigs. It shows "
           "the errors of bending, noise, filter and estimator only.",
           "Volunteers: " + stack_volunteers_text() +
-              ", within 12 mm of the centre. Each trial has 25 s at 100 Hz, of which the first 5 s are discarded, as printed; the thesis "
+              ", within 12 mm of the centre along each axis. Each trial has 25 s at 100 Hz, of which the first 5 s are discarded, as "
+              "printed; the thesis "
               "gives no masses and no height of the platform (ours: 50 mm).",
           "The thesis says that the coordinate systems were aligned, but not whether an offset was removed. Raw, two feet differ from "
           "point "

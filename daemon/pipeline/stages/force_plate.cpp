@@ -126,7 +126,7 @@ void ForcePlate::finish_average() noexcept {
   if (outcome == TareOutcome::Done) {
     for (std::size_t c = 0; c < channel_count(); ++c) zero_v_[c] = average_.mean(c);
     is_tared_ = true;
-    drift_.set_zero();
+    drift_.set_zero(tare_scans_);
   }
   report(outcome);
 }
@@ -149,7 +149,7 @@ void ForcePlate::compute(const core::Block& in, core::Block& out, std::size_t fi
       bits |= explained(volts[c], in.quality(c)[i]);
     }
     if ((bits & kFaultBits) != 0) {
-      drift_.restart_window();
+      drift_.skip();
       stream.put({.force_n = {core::kNaN, core::kNaN, core::kNaN}, .moment_nm = {core::kNaN, core::kNaN, core::kNaN}}, bits, out, i);
       continue;
     }

@@ -9,10 +9,13 @@ namespace {
 
 constexpr double kLeavingMs = 1000.0;
 constexpr std::uint64_t kFewestWindowScans = 3;
-constexpr std::uint64_t kMostScans = std::uint64_t{1} << 53U;
+constexpr double kMostScans = 9e15;     // exact as a double
 constexpr double kDoubtfulPart = 0.01;  // of the load
 constexpr double kSecondsPerMinute = 60.0;
 constexpr double kLargestSum = 1e15;  // limit for values from a file
+
+/// Distance from the last of `scans` scans to their middle.
+double to_middle(std::uint64_t scans) noexcept { return 0.5 * (static_cast<double>(scans) - 1.0); }
 
 }  // namespace
 
@@ -24,7 +27,7 @@ void ZeroDrift::prepare(core::Rate rate, double window_ms) noexcept {
 }
 
 bool ZeroDrift::add(double vertical_n) noexcept {
-  since_level_ = std::min(since_level_ + 1, kMostScans);
+  count_scan();
   if (contact_.update(vertical_n - drifted_n())) {
     settling_ = settle_scans_;
     restart_window();
@@ -35,44 +38,59 @@ bool ZeroDrift::add(double vertical_n) noexcept {
     return false;
   }
   if (scans_ == 0) origin_n_ = vertical_n;
-  const double offset_n = vertical_n - origin_n_;
-  sum_n_ += offset_n;
-  weighted_sum_n_ += offset_n * static_cast<double>(scans_);
+  sum_n_ += vertical_n - origin_n_;
   if (++scans_ < window_scans_) return false;
-  // The least-squares line over equidistant scans 0 .. n - 1, and its value at the last of them.
-  const auto n = static_cast<double>(window_scans_);
-  const double slope = (weighted_sum_n_ - 0.5 * (n - 1.0) * sum_n_) * 12.0 / (n * (n * n - 1.0));
-  slope_n_per_scan_ = slope;
-  level_n_ = origin_n_ + sum_n_ / n + 0.5 * (n - 1.0) * slope;
-  since_level_ = 0;
+  level_n_ = origin_n_ + sum_n_ / static_cast<double>(window_scans_);
+  since_level_ = to_middle(window_scans_);
+  const bool has_line = has_begin_;
+  if (has_line) {
+    slope_n_per_scan_ = (level_n_ - begin_n_) / (since_begin_ - since_level_);
+  } else {
+    has_begin_ = true;
+    begin_n_ = level_n_;
+    since_begin_ = since_level_;
+  }
   restart_window();
-  return true;
+  return has_line;
+}
+
+void ZeroDrift::skip() noexcept {
+  count_scan();
+  restart_window();
+}
+
+void ZeroDrift::count_scan() noexcept {
+  since_begin_ = std::min(since_begin_ + 1.0, kMostScans);
+  since_level_ = std::min(since_level_ + 1.0, kMostScans);
 }
 
 void ZeroDrift::restart_window() noexcept {
   scans_ = 0;
   origin_n_ = 0.0;
   sum_n_ = 0.0;
-  weighted_sum_n_ = 0.0;
 }
 
-void ZeroDrift::set_zero() noexcept {
-  level_n_ = 0.0;
-  since_level_ = 0;
+void ZeroDrift::set_zero(std::uint64_t tare_scans) noexcept {
+  has_begin_ = true;
+  begin_n_ = level_n_ = 0.0;
+  since_begin_ = since_level_ = to_middle(tare_scans);
   restart_window();
 }
 
 void ZeroDrift::resume() noexcept {
   contact_.reset();
   settling_ = settle_scans_;
+  has_begin_ = false;
   restart_window();
 }
 
 void ZeroDrift::reset() noexcept {
   contact_.reset();
   settling_ = 0;
+  has_begin_ = false;
+  begin_n_ = since_begin_ = level_n_ = since_level_ = 0.0;
   slope_n_per_scan_.reset();
-  set_zero();
+  restart_window();
 }
 
 bool ZeroDrift::is_doubtful(double vertical_n) const noexcept {
@@ -85,9 +103,8 @@ void ZeroDrift::save(StateWriter& writer) const noexcept {
   writer.put_count(scans_);
   writer.put(origin_n_);
   writer.put(sum_n_);
-  writer.put(weighted_sum_n_);
-  writer.put(level_n_);
-  writer.put_count(since_level_);
+  writer.put(has_begin_ ? 1.0 : 0.0);
+  for (const double value : {begin_n_, since_begin_, level_n_, since_level_}) writer.put(value);
   writer.put(slope_n_per_scan_ ? 1.0 : 0.0);
   writer.put(slope_n_per_scan_.value_or(0.0));
 }
@@ -98,9 +115,11 @@ void ZeroDrift::restore(StateReader& reader) noexcept {
   scans_ = reader.count(window_scans_ - 1);
   origin_n_ = reader.number(-kLargestSum, kLargestSum);
   sum_n_ = reader.number(-kLargestSum, kLargestSum);
-  weighted_sum_n_ = reader.number(-kLargestSum, kLargestSum);
+  has_begin_ = reader.flag();
+  begin_n_ = reader.number(-kLargestSum, kLargestSum);
+  since_begin_ = reader.number(0.0, kMostScans);
   level_n_ = reader.number(-kLargestSum, kLargestSum);
-  since_level_ = reader.count(kMostScans);
+  since_level_ = reader.number(0.0, kMostScans);
   const bool has_slope = reader.flag();
   const double slope = reader.number(-kLargestSum, kLargestSum);
   slope_n_per_scan_ = has_slope ? std::optional(slope) : std::nullopt;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/special_numbers.h"
 #include "unit/pipeline/standing_force.h"
@@ -235,8 +237,20 @@ TEST(ForcePlateStage, AnEmptyPlateThatDriftsFar_IsStillEmpty) {
   EXPECT_GT(last(output)[0], 29.0);
   EXPECT_EQ(output.bits[0].back(), kUntared) << "what comes after would take it for a person";
   EXPECT_NEAR(*stage.report().drift_n_per_min, 12.0, 1e-6);
-  (void)stage.run(400, cells_under(0), -0.0001);
-  EXPECT_LT(*stage.report().drift_n_per_min, 0.0) << "it is measured on";
+  (void)stage.run(400, cells_under(0), 0.0001);
+  EXPECT_LT(*stage.report().drift_n_per_min, 10.0) << "it is measured on";
+}
+
+TEST(ForcePlateStage, SlowNoiseOfTheEmptyPlate_IsNoDriftForALongTrial) {
+  ForcePlateStage stage(cell_plate());
+  const auto noise = [](std::size_t scan) { return 0.7 / 400.0 * std::sin(2.0 * std::numbers::pi * static_cast<double>(scan) / 370.0); };
+  Signal signal = make_signal(10, "V", std::vector<std::vector<double>>(4));
+  for (std::size_t c = 0; c < 4; ++c) {
+    for (std::size_t scan = 0; scan < 7000; ++scan) signal.values[c].push_back(noise(scan) + (scan < 1010 ? 0.0 : 600.0 / 400.0));
+    signal.bits[c].assign(7000, 0);
+  }
+
+  EXPECT_EQ(std::ranges::count(stage.run(signal).bits[0], kUntared), 10) << "only before the tare: 0.7 N, 37 s long; 10 min of standing";
 }
 
 TEST(ForcePlateStage, AGapUnderAPerson_KeepsTheDoubt) {
@@ -267,12 +281,12 @@ TEST(ForcePlateStage, APersonOrAFaultInTheWindow_BeginsItAgain) {
   (void)stage.run(1, cells_under(0), 0.0005);
   ASSERT_TRUE(stage.report().drift_n_per_min);
 
-  stage->reset();  // a gap: nobody knows what happened in it
-  (void)stage.run(100, cells_under(0), -0.001);
+  stage->reset();  // a gap: nobody knows how long it was
+  (void)stage.run(110, cells_under(0), -0.001);
   (void)stage.run(1, {kNaN, 0, 0, 0});
-  (void)stage.run(199, cells_under(0), -0.001);
+  (void)stage.run(399, cells_under(0), -0.001);
   EXPECT_NEAR(*stage.report().drift_n_per_min, 12.0, 1e-6);
-  (void)stage.run(1, cells_under(0), -0.001);
+  (void)stage.run(1, cells_under(0), -0.001);  // the second window after the gap
   EXPECT_NEAR(*stage.report().drift_n_per_min, -24.0, 1e-6);
 }
 

@@ -73,7 +73,9 @@ TEST_F(RunTest, ThesisPlot_DrawsEightPanels) {
   ASSERT_EQ(run_with({"thesis", "4.2", "--plot", path("loci.svg")}), cli::kOk) << talk();
 
   const std::string svg = content("loci.svg");
-  for (const char* title : {"4.11: V3, two feet, COP x", "4.12: V4, one foot, COP y", "4.13: V5, one foot"}) {
+  for (const char* title :
+       {"4.11: V3, two feet, COP x", "4.11: V3, two feet, COP y", "4.12: V4, one foot, COP x", "4.12: V4, one foot, COP y",
+        "4.13: V4, two feet", "4.13: V3, one foot", "4.13: V4, one foot", "4.13: V5, one foot"}) {
     EXPECT_THAT(svg, ::testing::HasSubstr(title));
   }
 }

@@ -13,6 +13,7 @@
 #include "files/whole_file.h"
 #include "lab/base/command.h"
 #include "lab/base/csv.h"
+#include "lab/base/position_columns.h"
 #include "lab/base/problems.h"
 #include "lab/force/force_commands.h"
 #include "posturography/ground_reaction.h"
@@ -92,15 +93,13 @@ int run_grf(const Arguments& arguments, cli::Console& console) {
   const auto apart = check_out(arguments.csv, {arguments.file});
   if (!apart) return fail_with(console, apart.error());
   files::Problems problems;
-  const CsvTable table = CsvTable::read(arguments.file,
-                                        {{.name = "t_s"},
-                                         {.name = "x_mm", .may_be_empty = true},
-                                         {.name = "y_mm", .may_be_empty = true},
-                                         {.name = "load_n", .may_be_empty = true}},
-                                        problems);
-  if (!problems.empty()) return report_problems(console, problems);
+  std::vector<CsvColumn> columns{{.name = "t_s"}, {.name = "load_n", .may_be_empty = true}};
+  add_position_columns(columns);
+  const CsvTable table = CsvTable::read(arguments.file, columns, problems);
+  const auto position = position_columns(arguments.file, table, problems);
+  if (!problems.empty() || !position) return report_problems(console, problems);
   const std::vector<double>& t_s = table.numbers("t_s");
-  const auto series = posturography::even_series(t_s, table.numbers("x_mm"), table.numbers("y_mm"), table.numbers("load_n"));
+  const auto series = posturography::even_series(t_s, table.numbers(position->ml), table.numbers(position->ap), table.numbers("load_n"));
   if (!series) return fail_with(console, series.error());
   const auto force = posturography::ground_reaction(*series, arguments.height_m);
   if (!force) return fail_with(console, force.error());
@@ -122,9 +121,13 @@ void add_grf(cli::CommandLine& line) {
   const auto [command, arguments] = add_command(
       line, line.app, "grf",
       "Estimate the horizontal force of the ground on a standing person from the centre of pressure, between 0.1 and 2 Hz. The person "
-      "counts as an inverted pendulum. The estimate has no constant part, no step, and no force of one foot against the other.",
+      "counts as an inverted pendulum. The estimate has no constant part, no step, and no force of one foot against the other",
       "dtslab grf standing.csv --height 1.75 --csv force.csv | a person of 1.75 m\n", run_grf);
-  command.add_option("FILE", arguments.file, "CSV file with columns t_s,x_mm,y_mm,load_n")->required()->option_text(" ");
+  command
+      .add_option("FILE", arguments.file,
+                  "CSV file with columns t_s,x_mm,y_mm,load_n or t_s,ml_mm,ap_mm,load_n, as dtsctl session export writes it")
+      ->required()
+      ->option_text(" ");
   command.add_option("--height", arguments.height_m, "Body height in metres")->option_text("M")->required();
   command.add_option("--csv", arguments.csv, "File to write: t_s,fx_n,fy_n,fz_n; empty cells where there is no result")
       ->option_text("OUT.csv")

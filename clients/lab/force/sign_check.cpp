@@ -84,13 +84,13 @@ std::vector<double> band_of(std::span<const Bin> stance, std::size_t value, doub
   return high;
 }
 
-/// Returns the correlation of a force with -p''; nothing if one of them does not move.
+/// Returns the correlation of a force with the acceleration of the COP; nothing if one of them does not move.
 std::optional<double> correlation(const std::vector<double>& force, const std::vector<double>& position, std::size_t margin) {
   double products = 0.0;
   double forces = 0.0;
   double bends = 0.0;
   for (std::size_t k = margin; k + margin < force.size(); ++k) {
-    const double bend = -(position[k + 1] - 2.0 * position[k] + position[k - 1]);
+    const double bend = position[k + 1] - 2.0 * position[k] + position[k - 1];
     products += force[k] * bend;
     forces += force[k] * force[k];
     bends += bend * bend;
@@ -148,8 +148,8 @@ std::optional<std::string> shear_warning(const Bins& bins, std::optional<double>
   const auto found = correlations(bins);
   if (!found) return std::nullopt;
   const auto& r = *found;
-  const std::string values = "correlation of the shear with -p'': " + cli::decimal(r[0], 2) + " along the first horizontal axis, " +
-                             cli::decimal(r[1], 2) + " along the second";
+  const std::string values = "correlation of the shear with the acceleration of the COP: " + cli::decimal(r[0], 2) +
+                             " along the first horizontal axis, " + cli::decimal(r[1], 2) + " along the second";
   if (std::abs(r[0]) < kLeastCorrelation || std::abs(r[1]) < kLeastCorrelation) {
     return "shear and COP contradict each other (" + values + "): axes may be exchanged, or plates mixed";
   }

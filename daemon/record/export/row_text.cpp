@@ -74,9 +74,10 @@ char* put_value(char* at, double value, ValueType type, std::string_view undefin
 
 std::string name_with_unit(const ChannelInfo& channel) {
   if (channel.unit.empty()) return channel.label;
-  std::string suffix = "_" + channel.unit;
-  std::ranges::transform(suffix, suffix.begin(),
-                         [](char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter; });
+  std::string suffix = "_";
+  for (const char letter : channel.unit) {
+    if (letter != ' ') suffix += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;  // "N m": mx_nm
+  }
   return channel.label.ends_with(suffix) ? channel.label : channel.label + suffix;
 }
 

@@ -206,7 +206,7 @@ TEST_F(TextForce, WrongFile_SaysWhereInOneLine) {
   EXPECT_EQ(run_with({"force", path("t.csv"), "--axes", "lab"}), cli::kUsage) << "where the plate is, is not known";
 }
 
-/// 60 s at 50 Hz of a pendulum: shear of the person's reaction follows -p''.
+/// 60 s at 50 Hz of a pendulum whose shear follows -p'' for positive signs: that on the plate.
 std::string standing(double sign_x, double sign_y, bool is_exchanged) {
   std::ostringstream text;
   text << "time,Fx,Fy,Fz,Mx,My,Mz\n";
@@ -231,6 +231,27 @@ TEST_F(TextForce, ShearAgainstTheCentreOfPressure_ContradictsIfAnAxisIsMirroredO
   EXPECT_THAT(json()["warnings"], Contains(HasSubstr("one horizontal axis is mirrored")));
   force("s.csv", standing(1, 1, true));
   EXPECT_THAT(json()["warnings"], Contains(HasSubstr("axes may be exchanged")));
+}
+
+TEST_F(TextForce, ShearOfAPendulum_ContradictsAVerticalForceOfTheOtherDirection) {
+  for (const bool is_reaction : {true, false}) {
+    std::ostringstream text;
+    text << kMot.substr(0, kMot.find("time\t"))
+         << "time\tground_force_vx\tground_force_vy\tground_force_vz\tground_force_px\tground_force_py\tground_force_pz\n";
+    for (int k = 0; k < 3000; ++k) {  // m x'' = m g / l (x - p), as p = a sin wt gives it
+      const double t = k / 50.0;
+      const auto along = [t](double amplitude_m, double hz) { return amplitude_m * std::sin(2 * M_PI * hz * t); };
+      const auto shear = [&](double amplitude_m, double hz) {
+        const double w2 = 4 * M_PI * M_PI * hz * hz;
+        return (is_reaction ? -1.0 : 1.0) * 70.0 * 9.81 * w2 / (9.81 + w2) * along(amplitude_m, hz);
+      };
+      text << t << '\t' << shear(0.004, 0.5) << "\t700\t" << shear(0.005, 0.4) << '\t' << along(0.004, 0.5) << "\t0\t" << along(0.005, 0.4)
+           << '\n';
+    }
+    force("p.mot", text.str());
+    const auto contradicts = Contains(HasSubstr("shear and vertical force contradict each other"));
+    EXPECT_EQ(::testing::Value(json()["plates"][0]["warnings"], contradicts), !is_reaction) << json()["plates"][0]["warnings"];
+  }
 }
 
 }  // namespace

@@ -66,6 +66,13 @@ TEST(ToNs, TimesNoClockShows_StayInRange) {
   EXPECT_GT(to_ns(1e300), 9'000'000'000'000'000'000);
 }
 
+TEST(NameWithUnit, HasTheUnitOnce_WithoutSpacesAndCapitals) {
+  EXPECT_EQ(name_with_unit({.label = "mx_nm", .unit = "N m"}), "mx_nm");
+  EXPECT_EQ(name_with_unit({.label = "ml_mm", .unit = "mm"}), "ml_mm");
+  EXPECT_EQ(name_with_unit({.label = "Fz", .unit = "N"}), "Fz_n");
+  EXPECT_EQ(name_with_unit({.label = "fz"}), "fz");
+}
+
 TEST(TimeAxis, StampThatDisagrees_BeginsAnew) {
   TimeAxis axis(100.0, *core::Rate::create(100, 1));
   axis.begin({.segment = 0, .first_scan = {0}, .first_time_s = 100.0});

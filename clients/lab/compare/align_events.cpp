@@ -111,7 +111,11 @@ double Alignment::to_a_s(double t_b_s) const noexcept {
 }
 
 double Alignment::sd_at_s(double t_b_s) const noexcept {
-  return std::isfinite(drift_sd_ppm) ? std::hypot(offset_sd_s, 1e-6 * drift_sd_ppm * (t_b_s - reference_s)) : offset_sd_s;
+  const auto next = std::ranges::upper_bound(pieces, t_b_s, {}, &Piece::from_s);
+  const bool is_whole = next == pieces.begin();
+  const double sd_s = is_whole ? offset_sd_s : (next - 1)->sd_s;
+  const double from_s = is_whole ? reference_s : (next - 1)->reference_s;
+  return std::isfinite(drift_sd_ppm) ? std::hypot(sd_s, 1e-6 * drift_sd_ppm * (t_b_s - from_s)) : sd_s;
 }
 
 std::string_view name(Alignment::Means means) noexcept {

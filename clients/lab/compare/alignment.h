@@ -27,8 +27,10 @@ struct Alignment {
   /// After a gap a clock may have jumped: from this time on B's clock, the offset differs by `shift_s`.
   struct Piece {
     double from_s = 0.0;
-    double shift_s = 0.0;  ///< NaN: unknown, because nothing aligns this piece.
-    double shift_sd_s = 0.0;
+    double shift_s = 0.0;      ///< NaN: unknown, because nothing aligns this piece.
+    double shift_sd_s = 0.0;   ///< 0 for the piece that `offset_s` is for.
+    double reference_s = 0.0;  ///< On B's clock, in the middle of the piece's data.
+    double sd_s = 0.0;         ///< Standard deviation of `to_a_s` at that time.
   };
 
   Means means = Means::Correlation;
@@ -43,11 +45,12 @@ struct Alignment {
   double period_s = std::numeric_limits<double>::quiet_NaN();          ///< Pulse train only.
   std::vector<PulseFault> faults{};                                    ///< Pulse train only.
   double peak_correlation = std::numeric_limits<double>::quiet_NaN();  ///< Correlation only.
+  bool is_refined_by_signals = false;                                  ///< Pulse train only: the signals narrowed the offset down.
   std::string warning;  ///< Why existing events were not used, or what contradicts; empty: no warning.
 
   /// Returns NaN in a piece that nothing aligns.
   [[nodiscard]] double to_a_s(double t_b_s) const noexcept;
-  /// Returns the standard deviation of `to_a_s`, without that of the pieces.
+  /// Returns the standard deviation of `to_a_s`; NaN in a piece that nothing aligns.
   [[nodiscard]] double sd_at_s(double t_b_s) const noexcept;
 };
 

@@ -65,8 +65,18 @@ class ClockLine {
     for (const PieceSums& sums : sums_) {
       const double at_reference_s = sums.mean_late_s - drift_ * (sums.mean_b_s - alignment.reference_s);
       const bool is_known = sums.weight > 0.0;
-      alignment.pieces.push_back({.shift_s = is_known ? at_reference_s - alignment.offset_s : std::numeric_limits<double>::quiet_NaN(),
-                                  .shift_sd_s = is_known ? std::sqrt(factor / sums.weight) : std::numeric_limits<double>::quiet_NaN()});
+      if (!is_known) {
+        constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+        alignment.pieces.push_back({.shift_s = kUnknown, .shift_sd_s = kUnknown, .reference_s = kUnknown, .sd_s = kUnknown});
+        continue;
+      }
+      const double by_drift_s = has_drift() ? std::sqrt(factor / spread_) * (sums.mean_b_s - alignment.reference_s) : 0.0;
+      const double sd_s = std::sqrt(factor / sums.weight);
+      const bool is_reference = &sums == &sums_[largest];
+      alignment.pieces.push_back({.shift_s = at_reference_s - alignment.offset_s,
+                                  .shift_sd_s = is_reference ? 0.0 : std::hypot(sd_s, alignment.offset_sd_s, by_drift_s),
+                                  .reference_s = sums.mean_b_s,
+                                  .sd_s = sd_s});
     }
     return alignment;
   }

@@ -48,14 +48,23 @@ AxisDifference difference(const std::vector<double>& a, const std::vector<double
 Alignment on_clocks(Alignment alignment, const Recording& a, const Recording& b) {
   alignment.offset_s += a.began_s - b.began_s;
   alignment.reference_s += b.began_s;
-  for (Alignment::Piece& piece : alignment.pieces) piece.from_s += b.began_s;
+  for (Alignment::Piece& piece : alignment.pieces) {
+    piece.from_s += b.began_s;
+    piece.reference_s += b.began_s;
+  }
   for (PulseFault& fault : alignment.faults) fault.time_s += a.began_s;
   return alignment;
 }
 
 double end_sd_s(const Alignment& alignment, const Paired& paired) {
-  const auto at_s = [&](double t_a_s) { return alignment.sd_at_s(t_a_s - alignment.offset_s); };
-  return std::max(at_s(paired.t_a_s.front()), at_s(paired.t_a_s.back()));
+  const auto at_s = [&](double t_a_s, double shift_s) { return alignment.sd_at_s(t_a_s - alignment.offset_s - shift_s); };
+  // The first and the last piece that are aligned: they contain the first and the last scan that are compared.
+  const auto is_known = [](const Alignment::Piece& piece) { return std::isfinite(piece.shift_s); };
+  const auto first = std::ranges::find_if(alignment.pieces, is_known);
+  const auto last = std::find_if(alignment.pieces.rbegin(), alignment.pieces.rend(), is_known);
+  const double sd_of_first_s = at_s(paired.t_a_s.front(), first == alignment.pieces.end() ? 0.0 : first->shift_s);
+  const double sd_of_last_s = at_s(paired.t_a_s.back(), last == alignment.pieces.rend() ? 0.0 : last->shift_s);
+  return std::fmax(sd_of_first_s, sd_of_last_s);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "cli/table.h"
 
@@ -107,13 +108,27 @@ cli::Json to_json(const Comparison& comparison) {
   return json;
 }
 
+std::string pieces_text(const Alignment& alignment) {
+  double least_s = std::numeric_limits<double>::infinity();
+  double most_s = -least_s;
+  for (const Alignment::Piece& piece : alignment.pieces) {
+    if (!std::isfinite(piece.shift_s)) continue;
+    least_s = std::min(least_s, alignment.offset_s + piece.shift_s);
+    most_s = std::max(most_s, alignment.offset_s + piece.shift_s);
+  }
+  return std::to_string(alignment.pieces.size()) + " pieces, offsets from " + decimal(least_s, 4) + " to " + decimal(most_s, 4) + " s";
+}
+
 std::string alignment_text(const Comparison& comparison) {
   const Alignment& alignment = comparison.alignment;
   std::string text = "aligned by " + std::string(name(alignment.means)) + basis_of(alignment) + ": add " +
                      with_deviation(alignment.offset_s, alignment.offset_sd_s, 4, "s") + " to the times of B";
-  if (!std::isfinite(alignment.drift_ppm)) return text + ", drift unknown";
+  std::string more;
+  if (!alignment.pieces.empty()) more += "; " + pieces_text(alignment);
+  if (alignment.is_refined_by_signals) more += "; the signals refined the offset";
+  if (!std::isfinite(alignment.drift_ppm)) return text + ", drift unknown" + more;
   return text + ", whose clock is " + with_deviation(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm") + " slow; at the ends: +- " +
-         decimal(1e3 * comparison.end_sd_s, 1) + " ms";
+         decimal(1e3 * comparison.end_sd_s, 1) + " ms" + more;
 }
 
 std::vector<std::string> warnings_of(const Comparison& comparison) {

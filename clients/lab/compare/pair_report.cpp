@@ -29,6 +29,8 @@ std::vector<report::Fact> facts_of(const Comparison& comparison, const PairNames
   facts.push_back({.name = "B", .value = names.b});
   facts.push_back({.name = "Aligned by", .value = std::string(name(alignment.means))});
   facts.push_back({.name = "Offset", .value = plus_minus(alignment.offset_s, alignment.offset_sd_s, 4, "s")});
+  if (!alignment.pieces.empty()) facts.push_back({.name = "Jumps of a clock", .value = pieces_text(alignment)});
+  if (alignment.is_refined_by_signals) facts.push_back({.name = "Refined by", .value = "the signals"});
   facts.push_back({.name = "Drift", .value = plus_minus(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm")});
   facts.push_back({.name = "SD at the ends", .value = fixed(1e3 * comparison.end_sd_s, 1) + " ms"});
   facts.push_back({.name = "Filter delays", .value = "A " + delay_text(comparison.delay_a_s) + ", B " + delay_text(comparison.delay_b_s)});
@@ -85,13 +87,16 @@ report::Notes methods_of(const Comparison& comparison, const PairNames& names) {
   std::string text = "The centre of pressure was recorded by two instruments (A: " + names.a + ", B: " + names.b +
                      ") with clocks of their own. The clocks were aligned " + means_text(alignment) +
                      ". The offset has a standard error of " + fixed(1e3 * alignment.offset_sd_s, 2) + " ms";
+  if (alignment.is_refined_by_signals) text += "; the signals refined it";
+  if (!alignment.pieces.empty())
+    text += "; a clock jumped at gaps, so each piece has an offset of its own (" + pieces_text(alignment) + ")";
   if (std::isfinite(alignment.drift_ppm)) {
     text += ", the drift was " + plus_minus(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm");
   }
   text +=
       ". Known delays of the filters were removed first. The recording with the higher rate was interpolated (cubic Hermite) at the scans "
       "of "
-      "the other. ML is positive to the right, AP is positive forward. Agreement is described as in Bland and Altman (1986). Computed with "
+      "the other. Agreement is described as in Bland and Altman (1986). Computed with "
       "dtslab " DTS_VERSION ".";
   return {.title = "Methods, for a paper",
           .items = {std::move(text),

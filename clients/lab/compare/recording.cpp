@@ -17,6 +17,40 @@ constexpr double kShortestS = 2.0;
 constexpr double kGapSteps = 3.5;      ///< Two missing samples are interpolated; three are a gap.
 constexpr double kOffGridSteps = 0.1;  ///< After a gap, times further off the grid of the times before are those of a restarted clock.
 
+/// The low and the high level of a digital signal.
+struct Levels {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// Returns the levels without the rarest values, which may be spikes; but pulses may be rare too, and must not be lost.
+Levels levels_of(std::span<const double> values, const std::vector<std::size_t>& rows) {
+  constexpr double kLeastPart = 0.25;  // of the whole range: less between two quantiles is noise, and the pulses are rarer
+  std::vector<double> sorted;
+  for (const std::size_t row : rows) sorted.push_back(values[row]);
+  if (sorted.empty()) return {};
+  std::ranges::sort(sorted);
+  const auto all = static_cast<double>(sorted.size() - 1);
+  for (const double part : {0.01, 0.001}) {
+    const Levels levels{.low = sorted[static_cast<std::size_t>(std::floor(part * all))],
+                        .high = sorted[static_cast<std::size_t>(std::ceil((1.0 - part) * all))]};
+    if (levels.high - levels.low >= kLeastPart * (sorted.back() - sorted.front())) return levels;
+  }
+  return {.low = sorted.front(), .high = sorted.back()};
+}
+
+/// Returns whether most values are near one of the levels, as those of a digital signal are.
+bool are_two_levels(std::span<const double> values, const std::vector<std::size_t>& rows, const Levels& levels) {
+  constexpr double kLeastRange = 0.05;  // V, or of a signal that is 0 or 1
+  const double range = levels.high - levels.low;
+  if (!(range >= kLeastRange)) return false;
+  const auto between = std::ranges::count_if(rows, [&](std::size_t row) {
+    const double part = (values[row] - levels.low) / range;
+    return part > 0.25 && part < 0.75;
+  });
+  return 2 * static_cast<std::size_t>(between) < rows.size();
+}
+
 double median_step(std::span<const double> t_s) {
   if (t_s.size() < 2) return 0.0;
   std::vector<double> steps;
@@ -37,13 +71,41 @@ void check_times(const std::string& file, bool is_xdf, const Recording& recordin
   problems.push_back({file, 0, 0, "too short: a recording needs at least " + std::to_string(kFewestScans) + " scans over 2 s"});
 }
 
-/// A CSV file does not name its segments: after a gap, a clock that did not restart stays on its grid.
+/// The time between scans, where no scan is missing.
+struct Grid {
+  double step_s = 0.0;      ///< Mean: rounded times have no exact step.
+  double rounding_s = 0.0;  ///< Range of most steps.
+  double count = 0.0;
+  double stretches = 1.0;  ///< Between gaps. The rounding at their ends is in the mean.
+};
+
+Grid grid_of(std::span<const double> t_s) {
+  constexpr double kLongestStep = 1.5;
+  const double median_s = median_step(t_s);
+  Grid grid;
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < t_s.size(); ++k) {
+    const double step_s = t_s[k] - t_s[k - 1];
+    step_s < kLongestStep* median_s ? steps.push_back(step_s) : void(grid.stretches += 1.0);
+  }
+  if (steps.empty()) return grid;
+  std::ranges::sort(steps);
+  grid.count = static_cast<double>(steps.size());
+  for (const double step_s : steps) grid.step_s += step_s / grid.count;
+  grid.rounding_s = steps[steps.size() - 1 - steps.size() / 20] - steps[steps.size() / 20];
+  return grid;
+}
+
+/// A CSV file does not name its segments: after a gap, a clock that did not restart stays on its grid. The error of the grid grows with the
+/// length of the gap.
 std::vector<double> restarts_of(std::span<const double> t_s) {
   std::vector<double> restarts;
-  const double step_s = median_step(t_s);
+  const Grid grid = grid_of(t_s);
   for (std::size_t k = 1; k < t_s.size(); ++k) {
-    const double steps = (t_s[k] - t_s[k - 1]) / step_s;
-    if (steps > kGapSteps && std::abs(steps - std::round(steps)) > kOffGridSteps) restarts.push_back(t_s[k]);
+    const double steps = (t_s[k] - t_s[k - 1]) / grid.step_s;
+    const double rounding = grid.rounding_s / grid.step_s;
+    const double tolerance = kOffGridSteps + rounding + rounding * steps * grid.stretches / grid.count;
+    if (steps > kGapSteps && std::abs(steps - std::round(steps)) > tolerance) restarts.push_back(t_s[k]);
   }
   return restarts;
 }
@@ -100,34 +162,45 @@ Recording read_recording(const std::string& file, const force::CopChoice& choice
 
 double Recording::step_s() const { return median_step(t_s); }
 
-RisingEdges rising_edges(std::span<const double> t_s, std::span<const double> level) {
+RisingEdges rising_edges(std::span<const double> t_s, std::span<const double> values, std::optional<TriggerLevel> trigger) {
   constexpr double kFar = 0.1;  // of the range: a scan this near to the low or high level is not within the edge
-  constexpr double kLow = 0.25;
   constexpr double kSoftStep = 0.1;
   RisingEdges edges;
   std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < level.size(); ++row) {
-    if (std::isfinite(level[row])) rows.push_back(row);
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    if (std::isfinite(values[row])) rows.push_back(row);
   }
+  const Levels levels = levels_of(values, rows);
+  const double range = levels.high - levels.low;
+  if (!trigger && !are_two_levels(values, rows, levels)) return edges;
   if (rows.empty()) return edges;
-  const auto [low_row, high_row] = std::ranges::minmax(rows, {}, [&](std::size_t row) { return level[row]; });
-  const double low = level[low_row];
-  const double range = level[high_row] - low;
-  if (!(range > 0.0)) return edges;
-  bool is_armed = level[rows.front()] - low < kLow * range;
+  const double step_s = median_step(t_s);
+  const double level = trigger ? trigger->level : levels.low + range / 2.0;
+  const double armed_below = level - (trigger ? trigger->band / 2.0 : range / 4.0);
+  const double complete_above = level + (trigger ? trigger->band / 2.0 : 0.0);
+  bool is_armed = values[rows.front()] < armed_below;
   std::size_t soft = 0;
+  double crossed_s = 0.0;
+  bool is_soft = false;
   for (std::size_t k = 1; k < rows.size(); ++k) {
-    const double before = (level[rows[k - 1]] - low) / range;
-    const double now = (level[rows[k]] - low) / range;
-    if (is_armed && now > 0.5) {
-      is_armed = false;
-      edges.at_s.push_back(t_s[rows[k - 1]] + (0.5 - before) / (now - before) * (t_s[rows[k]] - t_s[rows[k - 1]]));
-      soft += before > kFar || now < 1.0 - kFar ? 1 : 0;
+    const double before = values[rows[k - 1]];
+    const double now = values[rows[k]];
+    const double from_s = t_s[rows[k - 1]];
+    const double to_s = t_s[rows[k]];
+    if (to_s - from_s > kGapSteps * step_s) is_armed = false;
+    if (is_armed && before <= level && now > level) {
+      crossed_s = from_s + (level - before) / (now - before) * (to_s - from_s);
+      is_soft = before > levels.low + kFar * range || now < levels.high - kFar * range;
     }
-    is_armed = is_armed || now < kLow;
+    if (is_armed && now > complete_above) {
+      is_armed = false;
+      edges.at_s.push_back(crossed_s);
+      soft += is_soft ? 1 : 0;
+    }
+    is_armed = is_armed || now < armed_below;
   }
   const bool are_soft = 2 * soft > edges.at_s.size();
-  edges.step_s = (are_soft ? kSoftStep : 1.0) * median_step(t_s);
+  edges.step_s = (are_soft ? kSoftStep : 1.0) * step_s;
   return edges;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,10 +36,18 @@ struct RisingEdges {
   std::vector<double> at_s{};
   double step_s = 0.0;  ///< An edge may be off by half of this time.
 };
-/// Returns where a level rises through the middle of its range, interpolated between two scans. A signal that rises within one scan is
-/// known to one scan only; if most edges last longer, they are known to a tenth of it. After an edge, the level must fall below a quarter
-/// of its range before the next one counts. Rows without a level count for nothing.
-[[nodiscard]] RisingEdges rising_edges(std::span<const double> t_s, std::span<const double> level);
+/// The level of a trigger and the width of the band around it: an edge is complete when the signal leaves the band at its upper end.
+struct TriggerLevel {
+  double level = 0.0;
+  double band = 0.0;
+};
+/// Returns where the values rise through the level, interpolated between two scans. A signal that rises within one scan is known to one
+/// scan only; if most edges last longer, they are known to a tenth of it. Ignores rows without a value and rises within a gap.
+/// Without a given level, takes the middle between the low and the high level of the recording; after an edge, the values must fall below
+/// a quarter of their distance before the next one counts. A few spikes do not set these levels. Returns no edges if the values are noise:
+/// no two levels, or levels closer than 0.05.
+[[nodiscard]] RisingEdges rising_edges(std::span<const double> t_s, std::span<const double> values,
+                                       std::optional<TriggerLevel> trigger = std::nullopt);
 
 /// Reads a recording: an XDF file if its name ends in .xdf or .xdf.part, a file of force plates (ML as x, AP as y), else a CSV file with
 /// the columns `t_s,x_mm,y_mm` (or ml_mm,ap_mm) and optionally `trigger` and `marker`. Times become relative to the first. Adds every error

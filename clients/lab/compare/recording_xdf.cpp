@@ -5,6 +5,7 @@
 #include "core/result.h"
 #include "files/toml_reader.h"
 #include "lab/compare/recording.h"
+#include "pipeline/edge_detector.h"
 #include "record/recording.h"
 
 namespace dts::lab::compare {
@@ -43,6 +44,7 @@ struct TriggerColumn {
   std::size_t width = 0;
   std::size_t column = 0;
   double rate_hz = 1.0;
+  TriggerLevel level{};
 };
 
 /// Finds it by the recorded rig definition; nothing if the rig has no trigger or the stream was not recorded.
@@ -52,6 +54,7 @@ std::optional<TriggerColumn> find_trigger(const record::Recording& file) {
   files::Problems ignored;
   const auto definition = files::parse_toml_text(file.session()->rig_definition, "the recorded rig", ignored);
   if (!definition) return std::nullopt;
+  const pipeline::TriggerInput defaults;
   const auto channel = definition->at_path("trigger.channel").value<std::int64_t>();
   const record::StreamInfo& info = file.streams()[*stream];
   const auto found = std::ranges::find_if(
@@ -60,7 +63,9 @@ std::optional<TriggerColumn> find_trigger(const record::Recording& file) {
   return TriggerColumn{.stream = *stream,
                        .width = info.channels.size(),
                        .column = static_cast<std::size_t>(found - info.channels.begin()),
-                       .rate_hz = info.rate->hz()};
+                       .rate_hz = info.rate->hz(),
+                       .level = {.level = definition->at_path("trigger.level").value_or(defaults.level),
+                                 .band = definition->at_path("trigger.hysteresis").value_or(defaults.hysteresis)}};
 }
 
 struct Event {
@@ -123,10 +128,12 @@ void place_events(std::vector<Event>& events, Recording& recording) {
   }
 }
 
-/// Replaces the edges of the events by those of the recorded level, which are known better than to one scan if the signal rises slowly.
-void set_edges(Reading& reading, Recording& recording) {
+/// Replaces the edges of the events by those of the recorded values, which are known better than to one scan if the signal rises slowly.
+/// Keeps those of the events if the recorded values have no edges.
+void set_edges(Reading& reading, const TriggerLevel& level, Recording& recording) {
   for (double& level_s : reading.level_s) level_s -= recording.began_s;
-  RisingEdges edges = rising_edges(reading.level_s, reading.level);
+  RisingEdges edges = rising_edges(reading.level_s, reading.level, level);
+  if (edges.at_s.empty()) return;
   recording.edges_s = std::move(edges.at_s);
   recording.edge_step_s = edges.step_s;
 }
@@ -150,7 +157,7 @@ core::Status read_items(record::Recording& file, const CopColumns& cop, Recordin
     }
   }
   place_events(reading.events, recording);
-  if (trigger) set_edges(reading, recording);
+  if (trigger) set_edges(reading, trigger->level, recording);
   return {};
 }
 

@@ -263,6 +263,24 @@ TEST_F(RunTest, ReadRecording_OnlyAGapOffTheGridIsARestartOfTheClock) {
   EXPECT_THAT(restarts(0.004), ::testing::IsEmpty()) << "no gap";
 }
 
+TEST_F(RunTest, CompareTimesRoundedToMilliseconds_AreOnTheirGrid) {
+  const auto restarts = [&](double jump_s) {
+    Recording recording = recorded({.rate_hz = 60.0, .length_s = 60.0});
+    Recording cut;
+    for (std::size_t k = 0; k < recording.t_s.size(); ++k) {
+      if (k >= 600 && k < 3000) continue;
+      cut.t_s.push_back(std::round(1e3 * (recording.t_s[k] + (k < 600 ? 0.0 : jump_s))) / 1e3);
+      cut.x_mm.push_back(recording.x_mm[k]);
+      cut.y_mm.push_back(recording.y_mm[k]);
+    }
+    files::Problems problems;
+    return read_recording(write("rounded.csv", csv_of(cut)), {}, problems).restarts_s;
+  };
+
+  EXPECT_THAT(restarts(0.0), ::testing::IsEmpty());
+  EXPECT_THAT(restarts(0.408), ::testing::SizeIs(1)) << "half a scan off";
+}
+
 TEST_F(RunTest, CompareBadFiles_ExitWithTwo) {
   const std::string good = write("a.csv", csv_of(recorded({})));
   const std::string back = write("b.csv", "t_s,x_mm,y_mm\n0,1,1\n0,2,2\n");

@@ -150,6 +150,45 @@ TEST(PulseTrain, GapsAtWhichTheClocksJump_EachPieceHasItsOwnOffset) {
   expect_aligned_about_the_restarts(a, b, clock_b, 5e-3);
 }
 
+TEST(PulseTrain, AJumpOfMoreThanAQuarterPeriodAtAGap_DoesNotShiftThePulsesByAPeriod) {
+  const Clock clock_a{.length_s = 410.0};
+  const Clock clock_b{.offset_s = 3.217, .length_s = 400.0};
+  const auto at_s = pulses(0.5, 410.0);
+  for (const double jump_s : {0.9034, -3.0566, 5.1234, 0.4}) {
+    const Recording a = with_pulses(clock_a, at_s, 0.2);
+    Recording b = with_pulses(clock_b, at_s, 0.3);
+    restart(b, 330.0, 340.0, jump_s);
+    if (jump_s == 0.4) b.restarts_s.clear();  // on the grid: only the pulses show it
+
+    const auto alignment = align(a, b);
+
+    ASSERT_TRUE(alignment) << alignment.error().what;
+    ASSERT_EQ(alignment->pieces.size(), 2U) << jump_s;
+    EXPECT_NEAR(alignment->to_a_s(100.0), clock_b.true_s(100.0), 3e-3) << jump_s;
+    EXPECT_NEAR(alignment->to_a_s(380.0 + jump_s), clock_b.true_s(380.0), 3e-3) << jump_s;
+    EXPECT_THAT(alignment->faults, IsEmpty()) << jump_s;
+  }
+}
+
+TEST(PulseTrain, NothingShowsWhichPulsesBelongTogetherAfterAGap_ThatPieceIsUnknown) {
+  const Clock clock_a{.length_s = 410.0};
+  const Clock clock_b{.offset_s = 3.217, .length_s = 400.0};
+  const auto at_s = pulses(0.5, 410.0);
+  const Recording a = with_pulses(clock_a, at_s, 0.2);
+  Recording b = with_pulses(clock_b, at_s, 0.3);
+  restart(b, 330.0, 340.0, 0.9034);
+  for (std::size_t k = 0; k < b.t_s.size(); ++k) {
+    if (b.t_s[k] > 335.0) b.x_mm[k] = b.y_mm[k] = static_cast<double>(k % 7);
+  }
+
+  const auto alignment = align(a, b);
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_NEAR(alignment->to_a_s(100.0), clock_b.true_s(100.0), 3e-3);
+  EXPECT_TRUE(std::isnan(alignment->to_a_s(380.0)));
+  EXPECT_TRUE(std::isnan(alignment->sd_at_s(380.0)));
+}
+
 TEST(PulseTrain, WholePeriodsAreOpen_UnlessOneComputerOrTheSignalsDecide) {
   const auto at_s = pulses(0.5, 60.0);
   const Clock clock_b{.offset_s = 7.3, .length_s = 50.0};
@@ -277,8 +316,62 @@ TEST(RisingEdges, AreInterpolated_AndTheLevelMustFallBeforeTheNext) {
   EXPECT_THAT(soft.at_s, testing::ElementsAre(testing::DoubleEq(1.6))) << "the level did not fall far enough for a second edge";
   EXPECT_DOUBLE_EQ(soft.step_s, 0.1);
 
+  const RisingEdges given = rising_edges(t_s, std::vector{0.0, 1.0, 2.2, 2.9, 0.0, 4.0}, TriggerLevel{.level = 2.5, .band = 1.0});
+  EXPECT_THAT(given.at_s, testing::ElementsAre(testing::DoubleEq(4.625))) << "2.9 is within the band";
+
   EXPECT_THAT(rising_edges(t_s, std::vector(6, 1.0)).at_s, IsEmpty());
   EXPECT_THAT(rising_edges(t_s, {}).at_s, IsEmpty());
+}
+
+TEST(RisingEdges, OneSpikeAmongPulsesDoesNotLoseThem_AndIdleNoiseHasNone) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise_v(0.0, 0.05);
+  std::vector<double> t_s;
+  std::vector<double> pulses_v;
+  std::vector<double> rare_v;
+  std::vector<double> idle_v;
+  std::vector<double> small_v;
+  for (int k = 0; k < 12'000; ++k) {
+    t_s.push_back(0.01 * k);
+    pulses_v.push_back(k == 5555 ? 10.0 : (k % 100 < 5 && k > 20 ? 5.0 : 0.0) + noise_v(random));
+    rare_v.push_back((k > 6000 && k < 6005 ? 5.0 : 0.0) + noise_v(random));
+    idle_v.push_back(3.0 * noise_v(random));
+    small_v.push_back(k % 3 == 0 ? 0.0003 : 0.0);
+  }
+
+  EXPECT_THAT(rising_edges(t_s, pulses_v).at_s, testing::SizeIs(119 + 1)) << "the pulses and the spike";
+  EXPECT_THAT(rising_edges(t_s, rare_v).at_s, testing::SizeIs(1));
+  EXPECT_THAT(rising_edges(t_s, idle_v).at_s, IsEmpty());
+  EXPECT_THAT(rising_edges(t_s, small_v).at_s, IsEmpty()) << "one step of the converter";
+}
+
+TEST(RisingEdges, ARiseWithinAGapIsNoEdge) {
+  std::vector<double> t_s;
+  std::vector<double> level;
+  for (int k = 0; k < 40; ++k) {
+    t_s.push_back(k < 20 ? 0.01 * k : 0.01 * k + 10.0);
+    level.push_back(k >= 20 && k < 25 ? 5.0 : (k >= 30 ? 5.0 : 0.0));
+  }
+
+  EXPECT_THAT(rising_edges(t_s, level).at_s, testing::ElementsAre(testing::DoubleNear(10.295, 1e-9)));
+}
+
+TEST(PulseTrain, PulsesInStepWithARecordingWhileTheClocksDriftByLessThanAScan_HaveHonestErrors) {
+  for (const double length_s : {60.0, 240.0}) {
+    for (const double drift_ppm : {30.0, 100.0}) {
+      for (const double phase_s : {0.0005, 0.0045, 0.0085}) {
+        const Clock clock_b{.offset_s = phase_s, .drift_ppm = drift_ppm, .length_s = length_s - 1.0};
+        const auto at_s = pulses_in_step(length_s);
+
+        const auto alignment = align(with_pulses({.length_s = length_s}, at_s, 0.2), with_pulses(clock_b, at_s, 0.3));
+
+        ASSERT_TRUE(alignment) << alignment.error().what;
+        const double end_s = clock_b.length_s;
+        EXPECT_LT(std::abs(alignment->drift_ppm - drift_ppm), 4.0 * alignment->drift_sd_ppm) << length_s << ' ' << phase_s;
+        EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, end_s)), 4.0 * alignment->sd_at_s(end_s)) << length_s << ' ' << phase_s;
+      }
+    }
+  }
 }
 
 }  // namespace

@@ -66,17 +66,21 @@ SixBySix required_matrix(TomlReader& reader, std::string_view key) {
   return matrix;
 }
 
-std::array<double, kKistlerChannels> kistler_scales(TomlReader& reader) {
+/// Returns the eight numbers at `key`, none of which may be 0; zeros if the list is wrong, with a problem.
+std::array<double, kKistlerChannels> eight_not_zero(TomlReader& reader, std::string_view key, const Problems& problems) {
+  const std::size_t known_problems = problems.size();
+  const auto values = required_list<kKistlerChannels>(reader, key);
+  const bool has_zero = std::ranges::find(values, 0.0) != values.end();
+  if (has_zero && problems.size() == known_problems) reader.report(key, std::string(key) + " has a 0");
+  return values;
+}
+
+std::array<double, kKistlerChannels> kistler_scales(TomlReader& reader, const Problems& problems) {
   std::array<double, kKistlerChannels> newtons_per_volt{};
-  const auto not_zero = [&reader](std::string_view key, const std::array<double, kKistlerChannels>& values) {
-    if (reader.has(key) && std::ranges::find(values, 0.0) != values.end()) reader.report(key, std::string(key) + " has a 0");
-  };
   if (reader.has("sensitivity_pc_per_n") && !reader.has("scale_mv_per_n")) {
-    const auto sensitivity = required_list<kKistlerChannels>(reader, "sensitivity_pc_per_n");
-    const auto range = required_list<kKistlerChannels>(reader, "range_pc");
+    const auto sensitivity = eight_not_zero(reader, "sensitivity_pc_per_n", problems);
+    const auto range = eight_not_zero(reader, "range_pc", problems);
     const double full_scale_v = reader.number("full_scale_v", 10.0, 0.001, 1000.0);
-    not_zero("sensitivity_pc_per_n", sensitivity);
-    not_zero("range_pc", range);
     for (std::size_t k = 0; k < kKistlerChannels; ++k) newtons_per_volt.at(k) = range.at(k) / (full_scale_v * sensitivity.at(k));
     return newtons_per_volt;
   }
@@ -86,15 +90,14 @@ std::array<double, kKistlerChannels> kistler_scales(TomlReader& reader) {
   } else {
     report_unused(reader, {"range_pc", "full_scale_v"}, "sensitivity_pc_per_n");
   }
-  const auto scale = required_list<kKistlerChannels>(reader, "scale_mv_per_n");
-  not_zero("scale_mv_per_n", scale);
+  const auto scale = eight_not_zero(reader, "scale_mv_per_n", problems);
   for (std::size_t k = 0; k < kKistlerChannels; ++k) newtons_per_volt.at(k) = kMillivoltsPerVolt / scale.at(k);
   return newtons_per_volt;
 }
 
-core::Result<ForcePlate> kistler(TomlReader& reader, std::optional<physics::PointPolynomial>& polynomial) {
+core::Result<ForcePlate> kistler(TomlReader& reader, const Problems& problems, std::optional<physics::PointPolynomial>& polynomial) {
   know(reader, {"scale_mv_per_n", "sensitivity_pc_per_n", "range_pc", "full_scale_v", "cop_poly_x", "cop_poly_y"});
-  physics::KistlerPlate plate{.newtons_per_unit = kistler_scales(reader)};
+  physics::KistlerPlate plate{.newtons_per_unit = kistler_scales(reader, problems)};
   for (const auto& [key, target, least, most] : {std::tuple{"a_mm", &plate.a_mm, 1.0, 5000.0}, std::tuple{"b_mm", &plate.b_mm, 1.0, 5000.0},
                                                  std::tuple{"az0_mm", &plate.az0_mm, -1000.0, -0.001}}) {
     reader.require(key);
@@ -109,13 +112,15 @@ core::Result<ForcePlate> kistler(TomlReader& reader, std::optional<physics::Poin
 }
 
 /// Returns, for each channel, what its volts are to be multiplied by before the matrix: 1e6 / (excitation x gain).
-std::array<double, kSixComponents> microvolts_per_volt(TomlReader& reader) {
+std::array<double, kSixComponents> microvolts_per_volt(TomlReader& reader, const Problems& problems) {
+  const std::size_t known_problems = problems.size();
   const auto excitation_v = required_list<kSixComponents>(reader, "excitation_v");
   const auto gain = required_list<kSixComponents>(reader, "gain");
+  if (problems.size() > known_problems) return {};
   std::array<double, kSixComponents> factors{};
   for (std::size_t k = 0; k < kSixComponents; ++k) {
     for (const auto& [key, value] : {std::pair{"excitation_v", excitation_v.at(k)}, std::pair{"gain", gain.at(k)}}) {
-      if (reader.has(key) && !(value > 0.0)) reader.report(key, std::string(key) + ": number " + std::to_string(k + 1) + " is not above 0");
+      if (!(value > 0.0)) reader.report(key, std::string(key) + ": number " + std::to_string(k + 1) + " is not above 0");
     }
     factors.at(k) = kMicrovoltsPerVolt / (excitation_v.at(k) * gain.at(k));
   }
@@ -133,17 +138,16 @@ core::Result<ForcePlate> six_component(TomlReader& reader, const Problems& probl
   if (reader.has(key)) plate.matrix = required_matrix(reader, key);
   if (is_sensitivity) {
     report_unused(reader, {"matrix_unit"}, "matrix");
-    factors = microvolts_per_volt(reader);
+    factors = microvolts_per_volt(reader, problems);
   } else {
     if (reader.has("sensitivity")) report_both(reader, "matrix", "sensitivity");
     reader.require("matrix_unit");
     if (reader.choice("matrix_unit", {"n_per_v", "n_per_uv_per_v"}) == "n_per_uv_per_v") {
-      factors = microvolts_per_volt(reader);
+      factors = microvolts_per_volt(reader, problems);
     } else {
       report_unused(reader, {"excitation_v", "gain"}, "matrix_unit = \"n_per_uv_per_v\" or sensitivity");
     }
   }
-  reader.require("surface_mm");
   plate.surface_mm = required_list<3>(reader, "surface_mm");
   if (problems.size() == known_problems) {
     const auto inverse = physics::calibration_from_sensitivity(plate.matrix);
@@ -195,7 +199,7 @@ std::optional<ForcePlateFile> read_force_plate(TomlReader reader, Problems& prob
   if (problems.size() > known_problems) return std::nullopt;
   const bool is_z_down = reader.choice("axes", {"z_down", "z_up"}) == "z_down";
   std::optional<physics::PointPolynomial> polynomial;
-  auto plate = kind == "kistler8"        ? kistler(reader, polynomial)
+  auto plate = kind == "kistler8"        ? kistler(reader, problems, polynomial)
                : kind == "six_component" ? six_component(reader, problems)
                                          : load_cells(reader);
   if (!plate && problems.size() == known_problems) reader.report("", core::to_string(plate.error()));

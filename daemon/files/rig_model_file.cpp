@@ -174,8 +174,10 @@ void read_force_plate_rig(TomlReader& top, RigModelFile& rig, Problems& problems
     top.report(key, std::string("a rig with [force_plate] has no [") + key + "]: remove it");
   }
   TomlReader reader = top.table("force_plate");
+  const std::size_t known_problems = problems.size();
   for (const char* key : {"ml", "ap"}) reader.require(key);
   physics::Mounting mounting{.ml = read_axis(reader, "ml"), .ap = read_axis(reader, "ap")};
+  const bool has_axes = problems.size() == known_problems;
   rig.model.plate = read_surface(reader, mounting);
   for (const char* key : {"channels", "names"}) static_cast<void>(reader.node(key));  // known, although read after the plate
   const auto file = read_force_plate(reader, problems);
@@ -183,7 +185,7 @@ void read_force_plate_rig(TomlReader& top, RigModelFile& rig, Problems& problems
   mounting.is_z_down = file->is_z_down;
   // The surface is at az0 below 0, which is above the origin only if z points down.
   if (file->kind == "kistler8" && !file->is_z_down) reader.report("axes", "the channels of a kistler8 plate have z down: remove axes");
-  if (const auto checked = physics::check(mounting); !checked) reader.report("ml", core::to_string(checked.error()));
+  if (const auto checked = physics::check(mounting); has_axes && !checked) reader.report("ml", core::to_string(checked.error()));
   const std::size_t count = file->plate.channel_count();
   rig.sensor_channels = read_channels(reader, count);
   rig.model.force_plate = physics::ForcePlateModel{.plate = file->plate,

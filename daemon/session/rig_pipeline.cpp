@@ -8,6 +8,21 @@
 namespace dts::session {
 namespace {
 
+/// Returns the error of a rig whose device has fewer channels than its sensors or its force plate need.
+core::Error too_few_channels(const pipeline::RigConfig& config, const device::DeviceDescription& device, std::size_t channel) {
+  const std::string has = ", but " + device.uri + " has " + std::to_string(device.channels.size()) + " channels";
+  const std::string rig = "rig '" + config.name + "': ";
+  if (!config.model.force_plate) {
+    return {.code = core::ErrorCode::InvalidArgument, .what = rig + "a sensor is on channel " + std::to_string(channel) + has, .hint = {}};
+  }
+  const std::size_t needed = std::ranges::max(config.sensor_channels) + 1;
+  std::string inputs = "0";
+  for (std::size_t input = 1; input < needed; ++input) inputs += "," + std::to_string(input);
+  return {.code = core::ErrorCode::InvalidArgument,
+          .what = rig + "the force plate needs " + std::to_string(needed) + " channels" + has,
+          .hint = "write all inputs into the address of the DAQ: channels=" + inputs};
+}
+
 core::Result<pipeline::PipelineInput> describe_input(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
   pipeline::PipelineInput input{.rate = config.rate,
                                 .sensor_channels = config.sensor_channels,
@@ -16,11 +31,7 @@ core::Result<pipeline::PipelineInput> describe_input(const pipeline::RigConfig& 
                                 .trigger = config.trigger,
                                 .max_block_scans = config.block_scans};
   for (const std::size_t channel : config.sensor_channels) {
-    if (channel >= device.channels.size()) {
-      return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': a sensor is on channel " + std::to_string(channel) +
-                                                              ", but " + device.uri + " has " + std::to_string(device.channels.size()) +
-                                                              " channels");
-    }
+    if (channel >= device.channels.size()) return tl::make_unexpected(too_few_channels(config, device, channel));
   }
   for (std::size_t channel = 0; channel < device.channels.size(); ++channel) {
     if (std::ranges::find(config.sensor_channels, channel) != config.sensor_channels.end()) continue;

@@ -3,6 +3,7 @@
 
 #include "device/sim/bench_scenes.h"
 #include "device/sim/floor_options.h"
+#include "device/sim/option_checks.h"
 #include "device/sim/person_scene.h"
 #include "device/sim/sim_device.h"
 #include "physics/rig_model.h"
@@ -52,10 +53,17 @@ core::Result<std::unique_ptr<Scene>> create_scene(const DeviceUri& uri, const Fl
   return tl::make_unexpected(error);
 }
 
+core::Result<FloorOptions> options_for(const DeviceUri& uri, const physics::RigModel& rig) {
+  if (rig.force_plate) {
+    return refuse(uri, core::ErrorCode::InvalidArgument, "sim:floor has no force plate; use sim:stack?part=plate");
+  }
+  return read_floor_options(uri, rig.sensors.size());
+}
+
 }  // namespace
 
 core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context) {
-  DTS_TRY_ASSIGN(const auto options, read_floor_options(uri, context.rig.sensors.size()));
+  DTS_TRY_ASSIGN(const auto options, options_for(uri, context.rig));
   DTS_TRY_ASSIGN(auto scene, create_scene(uri, options, context.rig));
   const dts::sim::Daq daq(options.daq);
   SimParts parts{.description = describe(uri, options, daq, context.rig.plate),
@@ -68,7 +76,7 @@ core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const D
 }
 
 core::Result<FloorScene> floor_scene(const DeviceUri& uri, const physics::RigModel& rig) {
-  DTS_TRY_ASSIGN(const auto options, read_floor_options(uri, rig.sensors.size()));
+  DTS_TRY_ASSIGN(const auto options, options_for(uri, rig));
   DTS_TRY_ASSIGN(auto scene, create_scene(uri, options, rig));
   const dts::sim::Daq daq(options.daq);
   return FloorScene{std::move(scene), options.sensors, describe(uri, options, daq, rig.plate).channels.size()};

@@ -50,6 +50,11 @@ TEST_F(ForcePlateFileTest, EveryProblemOfATable_HasItsPlace) {
   EXPECT_THAT(problems_of("[force_plate]\nkind = \"kistler8\"\nscale_mv_per_n = [2, 2, 2, 0, 4, 4, 4, 4]\na_mm = 120\nb_mm = 200\naz0_mm = "
                           "0\n"),
               ElementsAre("scale_mv_per_n has a 0", HasSubstr("az0_mm = 0 is out of range")));
+  EXPECT_THAT(problems_of("[force_plate]\nkind = \"kistler8\"\nscale_mv_per_n = [2, 2]\na_mm = 120\nb_mm = 200\naz0_mm = -48\n"),
+              ElementsAre("scale_mv_per_n must be a list of 8 numbers"));
+  EXPECT_THAT(problems_of("[force_plate]\nkind = \"six_component\"\nmatrix = [[1, 2]]\nmatrix_unit = \"n_per_uv_per_v\"\ngain = [1]\n"),
+              ElementsAre("matrix must be a list of 6 rows of 6 numbers", "[force_plate] excitation_v is missing",
+                          "gain must be a list of 6 numbers", "[force_plate] surface_mm is missing"));
   EXPECT_THAT(problems_of("[force_plate]\nkind = \"six_component\"\nmatrix = [[1, 2]]\nmatrix_unit = \"n_per_v\"\nsurface_mm = [0, 0]\n"),
               ElementsAre("matrix must be a list of 6 rows of 6 numbers", "surface_mm must be a list of 3 numbers"));
   EXPECT_THAT(problems_of("kind = 1\n"), ElementsAre("force_plate is missing", HasSubstr("unknown key 'kind'")));

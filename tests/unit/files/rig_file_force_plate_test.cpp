@@ -108,6 +108,17 @@ TEST_F(RigFileForcePlate, WhatIsWrong_IsNamed) {
   }
 }
 
+TEST_F(RigFileForcePlate, AnAxisThatIsMissing_IsTheOnlyProblem) {
+  for (const char* const axis : {"ml = \"+x\"\n", "ap = \"+y\"\n"}) {
+    Problems problems;
+    (void)read_rig_text(replaced(kBoard, axis, ""), "rig", problems);
+    EXPECT_EQ(problems.size(), 1U) << axis;
+  }
+  Problems problems;
+  (void)read_rig_text(replaced(kBoard, "ap = \"+y\"\n", "ap = \"forward\"\n"), "rig", problems);
+  EXPECT_EQ(problems.size(), 1U);
+}
+
 TEST_F(RigFileForcePlate, ItsDefinition_IsReadAsTheSameRig) {
   const auto definition = rig_definition(write("board.toml", kBoard));
   ASSERT_TRUE(definition) << core::to_string(definition.error());

@@ -2,6 +2,7 @@
 // A rig with its real thread on the simulated floor.
 #include "session/rig.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -116,6 +117,16 @@ TEST(Rig, ConfigurationsThatDoNotFitTheDevice_AreRefusedWithTheirReason) {
   };
   EXPECT_EQ(refusal("sim:floor?truth=0", [](auto& config) { config.sensor_channels[3] = 9; }),
             "rig 'floor': a sensor is on channel 9, but sim:floor?truth=0 has 4 channels");
+  const auto put_on_force_plate = [](auto& config) {
+    const physics::LoadCellPlate cells{.cells = {{200, 150, 100}, {-200, 150, 100}, {0, -150, 100}}};
+    config.model.force_plate = physics::ForcePlateModel{
+        .plate = physics::ForcePlate::create(cells).value(), .channel_names = {"cell1", "cell2", "cell3"}, .tare_v = {0.0, 0.0, 0.0}};
+    config.sensor_channels = {0, 1, 20};
+  };
+  EXPECT_EQ(refusal("sim:floor", put_on_force_plate), "device \"sim:floor\": sim:floor has no force plate; use sim:stack?part=plate");
+  EXPECT_THAT(refusal("sim:stack?part=plate", put_on_force_plate),
+              testing::AllOf(testing::HasSubstr("rig 'floor': the force plate needs 21 channels, but sim:stack?part=plate has 9 channels"),
+                             testing::HasSubstr("channels=0,1,2,3,4,")));
   EXPECT_EQ(refusal("sim:floor", [](auto& config) { config.rate = core::Rate::create(500'000, 1).value(); }),
             "rig 'floor': sim:floor cannot run at 500000.000000 Hz (choose 1.000000 to 20000.000000 Hz)");
   EXPECT_EQ(refusal("sim:floor?extra=1", [](auto& config) { config.trigger = pipeline::TriggerInput{.channel = 4, .level = 25.0}; }),

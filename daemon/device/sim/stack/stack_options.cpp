@@ -70,7 +70,7 @@ core::Result<std::size_t> inputs_of(const DeviceUri& uri, StackPart part, const 
     return refuse(uri, ErrorCode::InvalidArgument, "part=plate needs a rig with [force_plate]; this rig has none");
   }
   if (!rig.sensors.empty()) return rig.sensors.size();
-  return refuse(uri, ErrorCode::InvalidArgument, "part=floor needs a rig with sensors under a plate; this rig has none");
+  return refuse(uri, ErrorCode::InvalidArgument, "part=floor needs a rig with sensors under a plate; for a force plate write part=plate");
 }
 
 }  // namespace

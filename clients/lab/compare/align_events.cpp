@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -101,6 +102,46 @@ core::Result<Alignment> align_events(const Recording& a, const Recording& b, con
   return alignment;
 }
 
+Events marker_events(const Recording& a, const Recording& b) {
+  auto [markers_a, markers_b] = common_markers(a, b);
+  return {.a_s = std::move(markers_a), .b_s = std::move(markers_b), .sd_s = std::hypot(a.step_s(), b.step_s()) / std::sqrt(12.0)};
+}
+
+core::Result<Alignment> align_by_best_means(const Recording& a, const Recording& b) {
+  if (have_pulse_trains(a, b)) return align_by_pulse_train(a, b);
+  const Events triggers{.a_s = a.edges_s, .b_s = b.edges_s, .sd_s = std::hypot(a.edge_step_s, b.edge_step_s) / std::sqrt(12.0)};
+  const bool are_too_many = std::max(a.edges_s.size(), b.edges_s.size()) > kMostEvents;
+  if (!are_too_many && !triggers.a_s.empty() && !triggers.b_s.empty()) return align_events(a, b, triggers, Alignment::Means::Trigger);
+  const Events markers = marker_events(a, b);
+  auto alignment = markers.a_s.empty() ? align_by_correlation(a, b) : align_events(a, b, markers, Alignment::Means::Marker);
+  if (alignment && are_too_many && alignment->warning.empty()) {
+    alignment->warning = "a recording has more than " + std::to_string(kMostEvents) +
+                         " triggers that are no pulse train: not used; check that the trigger is a digital level";
+  }
+  return alignment;
+}
+
+/// Events close together do not determine the drift over a long recording. Takes it from the signals if they know it better, else draws it
+/// towards 0 by what is known of crystals.
+void settle_drift(const Recording& a, const Recording& b, Alignment& alignment) {
+  constexpr double kVagueDriftPpm = 20.0;
+  constexpr double kCrystalPpm = 100.0;
+  constexpr double kSureCorrelation = 0.7;
+  const double sd_ppm = alignment.drift_sd_ppm;
+  if (alignment.event_count == 0 || !alignment.pieces.empty() || !std::isfinite(sd_ppm) || sd_ppm < kVagueDriftPpm) return;
+  const auto by_signal = align_by_correlation(a, b);
+  if (by_signal && by_signal->pieces.empty() && by_signal->drift_sd_ppm < sd_ppm &&
+      correlation(pair_up(a, b, *by_signal)) > kSureCorrelation) {
+    alignment.drift_ppm = by_signal->drift_ppm;
+    alignment.drift_sd_ppm = by_signal->drift_sd_ppm;
+    alignment.is_drift_by_signals = true;
+  } else if (sd_ppm > kCrystalPpm) {
+    const double weight = kCrystalPpm * kCrystalPpm / (kCrystalPpm * kCrystalPpm + sd_ppm * sd_ppm);
+    alignment.drift_ppm *= weight;
+    alignment.drift_sd_ppm = std::sqrt(weight) * sd_ppm;
+  }
+}
+
 }  // namespace
 
 double Alignment::to_a_s(double t_b_s) const noexcept {
@@ -128,15 +169,17 @@ std::string_view name(Alignment::Means means) noexcept {
   return "correlation";
 }
 
+std::optional<Alignment> align_by_markers(const Recording& a, const Recording& b) {
+  const Events markers = marker_events(a, b);
+  if (markers.a_s.empty() || markers.a_s.size() > kMostEvents) return std::nullopt;
+  const EventMatch match = match_events(markers);
+  return is_certain(markers, match) ? std::optional(match.alignment) : std::nullopt;
+}
+
 core::Result<Alignment> align(const Recording& a, const Recording& b) {
-  if (have_pulse_trains(a, b)) return align_by_pulse_train(a, b);
-  const Events triggers{.a_s = a.edges_s, .b_s = b.edges_s, .sd_s = std::hypot(a.edge_step_s, b.edge_step_s) / std::sqrt(12.0)};
-  if (!triggers.a_s.empty() && !triggers.b_s.empty()) return align_events(a, b, triggers, Alignment::Means::Trigger);
-  auto [markers_a, markers_b] = common_markers(a, b);
-  const Events markers{
-      .a_s = std::move(markers_a), .b_s = std::move(markers_b), .sd_s = std::hypot(a.step_s(), b.step_s()) / std::sqrt(12.0)};
-  if (!markers.a_s.empty()) return align_events(a, b, markers, Alignment::Means::Marker);
-  return align_by_correlation(a, b);
+  auto alignment = align_by_best_means(a, b);
+  if (alignment) settle_drift(a, b, *alignment);
+  return alignment;
 }
 
 }  // namespace dts::lab::compare

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,7 @@ struct Alignment {
   std::vector<PulseFault> faults{};                                    ///< Pulse train only.
   double peak_correlation = std::numeric_limits<double>::quiet_NaN();  ///< Correlation only.
   bool is_refined_by_signals = false;                                  ///< Pulse train only: the signals narrowed the offset down.
+  bool is_drift_by_signals = false;                                    ///< The events are too few to show it.
   std::string warning;  ///< Why existing events were not used, or what contradicts; empty: no warning.
 
   /// Returns NaN in a piece that nothing aligns.
@@ -63,12 +65,14 @@ inline constexpr double kLeastCorrelation = 0.3;
 /// Aligns by a pulse train if both recordings have one, else by trigger edges that both recordings have, else by equal markers, else by
 /// cross-correlation of both axes, refined by least squares in offset, drift, and gain and mean per axis. A single pair of events, two
 /// pairs of three or more, and events that match in several ways are accepted only if the signals are similar. Otherwise, and if less than
-/// half of the events match, uses the signals and sets a warning. Fails with Failed if nothing matches, and with LimitExceeded for more
-/// than 500 events that are no pulse train.
+/// half of the events match, uses the signals and sets a warning. Ignores, with a warning, more than 500 triggers that are no pulse train.
+/// Fails with Failed if nothing matches, and with LimitExceeded for more than 500 markers.
 [[nodiscard]] core::Result<Alignment> align(const Recording& a, const Recording& b);
 
 // The parts of `align`.
 
+/// Returns the alignment by equal markers; nothing if they may match by chance or in more than one way.
+[[nodiscard]] std::optional<Alignment> align_by_markers(const Recording& a, const Recording& b);
 [[nodiscard]] core::Result<Alignment> align_by_correlation(const Recording& a, const Recording& b);
 
 /// The restarts of both clocks, each on its own clock. They divide the recordings into pieces.

@@ -155,6 +155,8 @@ bool is_contradicted(const Recording& a, const Recording& b, const Start& start,
 /// clock knows; `warning` receives their contradiction. In a piece between gaps, only clearly similar signals count.
 core::Result<Start> find_start(const Recording& a, const Recording& b, double period_s, bool is_piece, std::string& warning) {
   const auto by_host = start_by_host(a, b, period_s);
+  const auto markers = align_by_markers(a, b);
+  const auto by_marker = markers ? start_near(a, b, *markers, period_s) : std::nullopt;
   const bool is_long = !is_piece || std::min(a.t_s.back() - a.t_s.front(), b.t_s.back() - b.t_s.front()) >= kLeastPieceS;
   const core::Result<Alignment> too_short = core::fail(core::ErrorCode::Failed, "the stretch is too short");
   const auto by_signal = is_long ? align_by_correlation(a, b) : too_short;
@@ -162,12 +164,15 @@ core::Result<Start> find_start(const Recording& a, const Recording& b, double pe
   const auto start = is_sure ? start_near(a, b, *by_signal, period_s) : std::nullopt;
   if (by_host && !(start && is_contradicted(a, b, *by_host, *by_signal, period_s))) return *by_host;
   if (by_host) warning = "the signals contradict the times of the recordings by more than half a period of the pulses: the signals decide";
+  if (!by_host && by_marker) return *by_marker;
   if (start) return *start;
-  return core::fail(core::ErrorCode::Failed,
-                    "the pulses repeat every " + cli::decimal(period_s, 3) +
-                        " s, and nothing shows which of them belong together: the times are not of one computer, and " +
-                        (by_signal ? "the signals do not determine the offset well enough" : by_signal.error().what),
-                    "compare the parts of one session, or let the subject make a few quick movements in both recordings");
+  return core::fail(
+      core::ErrorCode::Failed,
+      "the pulses repeat every " + cli::decimal(period_s, 3) +
+          " s, and nothing shows which of them belong together: the times are not of one computer, no two markers are equal, and " +
+          (by_signal ? "the signals do not determine the offset well enough" : by_signal.error().what),
+      "compare the parts of one session, or set the same two markers in both recordings, or let the subject make a few quick "
+      "movements in both");
 }
 
 /// A stretch of a recording's clock.
@@ -196,6 +201,7 @@ Recording cut(const Recording& recording, const Stretch& stretch) {
     part.t_s.push_back(recording.t_s[k]);
     part.x_mm.push_back(recording.x_mm[k]);
     part.y_mm.push_back(recording.y_mm[k]);
+    if (!recording.marker.empty()) part.marker.push_back(recording.marker[k]);
   }
   std::ranges::copy_if(recording.edges_s, std::back_inserter(part.edges_s), is_inside);
   return part;
@@ -501,7 +507,18 @@ core::Result<Alignment> align_by_pulse_train(const Recording& recording_a, const
   }
   const double period_s = period_of(a.edges_s);
   std::string warning;
-  DTS_TRY_ASSIGN(PulsePairs pairs, all_pairs(a, b, period_s, warning));
+  auto found = all_pairs(a, b, period_s, warning);
+  if (!found) {  // a jump at a gap that the recordings do not name may be why
+    a.restarts_s = gaps_of(a);
+    b.restarts_s = gaps_of(b);
+    const bool has_gaps = a.restarts_s.size() + b.restarts_s.size() > recording_a.restarts_s.size() + recording_b.restarts_s.size();
+    std::string ignored;
+    auto by_gaps = has_gaps ? all_pairs(a, b, period_s, ignored) : found;
+    if (!by_gaps) return tl::make_unexpected(found.error());
+    found = std::move(by_gaps);
+    warning = ignored;
+  }
+  PulsePairs pairs = std::move(*found);
   if (add_seen_restarts(pairs, a, b)) {
     warning.clear();
     DTS_TRY_ASSIGN(pairs, all_pairs(a, b, period_s, warning));

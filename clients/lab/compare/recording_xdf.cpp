@@ -5,13 +5,13 @@
 #include "core/result.h"
 #include "files/toml_reader.h"
 #include "lab/compare/recording.h"
-#include "pipeline/edge_detector.h"
 #include "record/recording.h"
 
 namespace dts::lab::compare {
 namespace {
 
 constexpr std::size_t kMostScans = 10'000'000;
+constexpr TriggerLevel kDefaultTrigger{.level = 2.5, .band = 0.5};  ///< As in a rig file without these keys.
 
 /// The columns of the centre of pressure in a file.
 struct CopColumns {
@@ -54,7 +54,6 @@ std::optional<TriggerColumn> find_trigger(const record::Recording& file) {
   files::Problems ignored;
   const auto definition = files::parse_toml_text(file.session()->rig_definition, "the recorded rig", ignored);
   if (!definition) return std::nullopt;
-  const pipeline::TriggerInput defaults;
   const auto channel = definition->at_path("trigger.channel").value<std::int64_t>();
   const record::StreamInfo& info = file.streams()[*stream];
   const auto found = std::ranges::find_if(
@@ -64,8 +63,8 @@ std::optional<TriggerColumn> find_trigger(const record::Recording& file) {
                        .width = info.channels.size(),
                        .column = static_cast<std::size_t>(found - info.channels.begin()),
                        .rate_hz = info.rate->hz(),
-                       .level = {.level = definition->at_path("trigger.level").value_or(defaults.level),
-                                 .band = definition->at_path("trigger.hysteresis").value_or(defaults.hysteresis)}};
+                       .level = {.level = definition->at_path("trigger.level").value_or(kDefaultTrigger.level),
+                                 .band = definition->at_path("trigger.hysteresis").value_or(kDefaultTrigger.band)}};
 }
 
 struct Event {

@@ -76,6 +76,25 @@ TEST(Align, UnrelatedTriggers_AreLeftToTheCorrelationWithAWarning) {
   EXPECT_THAT(nothing.error().what, HasSubstr("only 1 of 3 and 3 trigger events matches"));
 }
 
+TEST(Align, ThousandsOfTriggersThatAreNoPulseTrain_AreNotUsed) {
+  Recording a = recorded({.length_s = 60.0});
+  Recording b = recorded({.offset_s = 2.0, .length_s = 58.0});
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> at_s(0.0, 58.0);
+  for (Recording* recording : {&a, &b}) {
+    for (int k = 0; k < 2000; ++k) recording->edges_s.push_back(at_s(random));
+    std::ranges::sort(recording->edges_s);
+    recording->edge_step_s = 0.01;
+  }
+
+  const auto alignment = align(a, b);
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_EQ(alignment->means, Alignment::Means::Correlation);
+  EXPECT_NEAR(alignment->offset_s, 2.0, 1e-3);
+  EXPECT_THAT(alignment->warning, HasSubstr("more than 500 triggers"));
+}
+
 TEST(Align, MissedFirstPulse_TheSignalsTellWhichOneIsLeft) {
   const Clock clock_b{.offset_s = 1.0, .rate_hz = 80.0, .length_s = 23.0};
   Recording a = recorded({});

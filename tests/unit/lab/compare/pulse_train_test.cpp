@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "lab/compare/clock_fit.h"
 #include "lab/compare/paired.h"
 #include "unit/lab/compare/made_recordings.h"
 
@@ -170,6 +171,28 @@ TEST(PulseTrain, AJumpOfMoreThanAQuarterPeriodAtAGap_DoesNotShiftThePulsesByAPer
   }
 }
 
+TEST(ClockFit, TheErrorOfAPiece_HasThoseOfItsReferenceAndOfTheDriftBetweenBoth) {
+  const Recording a{.t_s = {}, .x_mm = {}, .y_mm = {}};
+  Recording b = a;
+  b.restarts_s = {350.0};
+  std::vector<ClockReading> readings;
+  for (int k = 0; k < 400; ++k) {
+    if (k < 300 || k >= 380) readings.push_back({.b_s = k + 0.5, .late_s = k < 300 ? 1.0 : 1.1, .sd_s = 0.01});
+  }
+
+  const auto alignment = fit_clocks(readings, Restarts(a, b));
+
+  ASSERT_TRUE(alignment);
+  ASSERT_EQ(alignment->pieces.size(), 2U);
+  EXPECT_EQ(alignment->pieces[0].shift_sd_s, 0.0);
+  const double of_small_s = 0.01 / std::sqrt(20.0);
+  const double of_large_s = 0.01 / std::sqrt(300.0);
+  const double by_drift_s = 1e-6 * alignment->drift_sd_ppm * (390.0 - 150.0);
+  EXPECT_NEAR(alignment->pieces[1].shift_sd_s, std::hypot(of_small_s, of_large_s, by_drift_s), 1e-9);
+  EXPECT_NEAR(alignment->sd_at_s(390.0), of_small_s, 1e-9) << "in the middle of the piece only its own error counts";
+  EXPECT_NEAR(alignment->sd_at_s(150.0), of_large_s, 1e-9);
+}
+
 TEST(PulseTrain, NothingShowsWhichPulsesBelongTogetherAfterAGap_ThatPieceIsUnknown) {
   const Clock clock_a{.length_s = 410.0};
   const Clock clock_b{.offset_s = 3.217, .length_s = 400.0};
@@ -187,6 +210,18 @@ TEST(PulseTrain, NothingShowsWhichPulsesBelongTogetherAfterAGap_ThatPieceIsUnkno
   EXPECT_NEAR(alignment->to_a_s(100.0), clock_b.true_s(100.0), 3e-3);
   EXPECT_TRUE(std::isnan(alignment->to_a_s(380.0)));
   EXPECT_TRUE(std::isnan(alignment->sd_at_s(380.0)));
+}
+
+TEST(PulseTrain, AFewSecondsOfPulsesInALongRecording_TheSignalsGiveTheDrift) {
+  const Clock clock_b{.offset_s = 3.217, .length_s = 300.0};
+  const auto at_s = pulses(4.0, 16.0);
+
+  const auto alignment = align(with_pulses({.length_s = 310.0}, at_s, 0.2), with_pulses(clock_b, at_s, 0.3));
+
+  ASSERT_TRUE(alignment) << alignment.error().what;
+  EXPECT_EQ(alignment->means, Alignment::Means::PulseTrain);
+  EXPECT_TRUE(alignment->is_drift_by_signals);
+  EXPECT_LT(std::abs(error_at_s(*alignment, clock_b, 295.0)), 0.01);
 }
 
 TEST(PulseTrain, WholePeriodsAreOpen_UnlessOneComputerOrTheSignalsDecide) {
@@ -209,6 +244,15 @@ TEST(PulseTrain, WholePeriodsAreOpen_UnlessOneComputerOrTheSignalsDecide) {
 
   b.host_clock = "another computer";
   EXPECT_FALSE(align(a, b));
+
+  a.marker.resize(a.t_s.size());
+  b.marker.resize(b.t_s.size());
+  a.marker[2000] = b.marker[1270] = "start";
+  a.marker[4000] = b.marker[3270] = "end";
+  const auto by_marker = align(a, b);
+  ASSERT_TRUE(by_marker) << by_marker.error().what;
+  EXPECT_EQ(by_marker->means, Alignment::Means::PulseTrain);
+  EXPECT_NEAR(by_marker->offset_s, 7.3, 0.01);
 }
 
 TEST(PulseTrain, AConstantErrorOfTheTimesIsNotBelieved_IfTheSignalsContradict) {

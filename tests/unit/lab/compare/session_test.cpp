@@ -163,6 +163,22 @@ TEST_F(CompareSession, ASegmentWithAnotherTimeBase_HasItsOwnOffset) {
   EXPECT_NEAR(pieces[1].at("from_s").get<double>(), 1055.08, 1e-6);
   EXPECT_LT(json().at("rmse_total_mm").get<double>(), 0.3);
   EXPECT_THAT(talk(), Not(HasSubstr("lost")));
+
+  ASSERT_EQ(run_with({"compare", a, b, "--report", path("pieces.html")}), cli::kOk) << talk();
+  EXPECT_THAT(out(), HasSubstr("2 pieces, offsets from "));
+  EXPECT_THAT(content("pieces.html"), HasSubstr("2 pieces, offsets from "));
+  EXPECT_THAT(content("pieces.html"), Not(HasSubstr("positive to the right"))) << "a CSV file does not say so";
+}
+
+TEST_F(CompareSession, ATriggerLevelThatTheSignalDoesNotReach_KeepsTheEventsOfTheRecording) {
+  const std::string definition = "[trigger]\nchannel = 4\nlevel = 9.0\n";
+  const std::string a = record("floor.xdf", {.definition = definition});
+  const std::string b = record("plate.xdf", {.number = 2, .rig = "plate", .begins_s = 1000.2, .definition = definition});
+
+  ASSERT_EQ(run_with({"compare", a, b, "--json"}), cli::kOk) << talk();
+
+  EXPECT_EQ(json().at("alignment").at("by"), "pulse train");
+  EXPECT_GT(json().at("alignment").at("events").get<int>(), 50);
 }
 
 TEST_F(CompareSession, ASessionThatIsNoPair_IsRefusedWithWhatToDo) {

@@ -129,8 +129,9 @@ void settle_drift(const Recording& a, const Recording& b, Alignment& alignment) 
   constexpr double kSureCorrelation = 0.7;
   const double sd_ppm = alignment.drift_sd_ppm;
   if (alignment.event_count == 0 || !alignment.pieces.empty() || !std::isfinite(sd_ppm) || sd_ppm < kVagueDriftPpm) return;
+  const bool is_alike = correlation(pair_up(a, b, alignment)) > kSureCorrelation;  // otherwise, the signals may fit elsewhere by chance
   const auto by_signal = align_by_correlation(a, b);
-  if (by_signal && by_signal->pieces.empty() && by_signal->drift_sd_ppm < sd_ppm &&
+  if (is_alike && by_signal && by_signal->pieces.empty() && by_signal->drift_sd_ppm < sd_ppm &&
       correlation(pair_up(a, b, *by_signal)) > kSureCorrelation) {
     alignment.drift_ppm = by_signal->drift_ppm;
     alignment.drift_sd_ppm = by_signal->drift_sd_ppm;

@@ -88,11 +88,12 @@ report::Notes methods_of(const Comparison& comparison, const PairNames& names) {
                      ") with clocks of their own. The clocks were aligned " + means_text(alignment) +
                      ". The offset has a standard error of " + fixed(1e3 * alignment.offset_sd_s, 2) + " ms";
   if (alignment.is_refined_by_signals) text += "; the signals refined it";
-  if (alignment.is_drift_by_signals) text += "; the drift is from the signals";
-  if (!alignment.pieces.empty())
-    text += "; a clock jumped at gaps, so each piece has an offset of its own (" + pieces_text(alignment) + ")";
   if (std::isfinite(alignment.drift_ppm)) {
     text += ", the drift was " + plus_minus(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm");
+    if (alignment.is_drift_by_signals) text += " (from the signals)";
+  }
+  if (!alignment.pieces.empty()) {
+    text += ". A clock jumped at gaps, so each piece has an offset of its own (" + pieces_text(alignment) + ")";
   }
   text +=
       ". Known delays of the filters were removed first. The recording with the higher rate was interpolated (cubic Hermite) at the scans "

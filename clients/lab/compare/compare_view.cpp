@@ -128,8 +128,8 @@ std::string alignment_text(const Comparison& comparison) {
   if (alignment.is_refined_by_signals) more += "; the signals refined the offset";
   if (alignment.is_drift_by_signals) more += "; the drift is from the signals";
   if (!std::isfinite(alignment.drift_ppm)) return text + ", drift unknown" + more;
-  return text + ", whose clock is " + with_deviation(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm") + " slow; at the ends: +- " +
-         decimal(1e3 * comparison.end_sd_s, 1) + " ms" + more;
+  return text + ", whose clock is " + with_deviation(std::abs(alignment.drift_ppm), alignment.drift_sd_ppm, 1, "ppm") +
+         (alignment.drift_ppm < 0.0 ? " fast" : " slow") + "; at the ends: +- " + decimal(1e3 * comparison.end_sd_s, 1) + " ms" + more;
 }
 
 std::vector<std::string> warnings_of(const Comparison& comparison) {

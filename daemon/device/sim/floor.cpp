@@ -54,7 +54,7 @@ core::Result<std::unique_ptr<Scene>> create_scene(const DeviceUri& uri, const Fl
 }
 
 core::Result<FloorOptions> options_for(const DeviceUri& uri, const physics::RigModel& rig) {
-  if (rig.force_plate) {
+  if (rig.force_plate && rig.sensors.empty()) {
     return refuse(uri, core::ErrorCode::InvalidArgument, "sim:floor has no force plate; use sim:stack?part=plate");
   }
   return read_floor_options(uri, rig.sensors.size());

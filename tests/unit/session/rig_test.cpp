@@ -119,6 +119,7 @@ TEST(Rig, ConfigurationsThatDoNotFitTheDevice_AreRefusedWithTheirReason) {
             "rig 'floor': a sensor is on channel 9, but sim:floor?truth=0 has 4 channels");
   const auto put_on_force_plate = [](auto& config) {
     const physics::LoadCellPlate cells{.cells = {{200, 150, 100}, {-200, 150, 100}, {0, -150, 100}}};
+    config.model.sensors.clear();
     config.model.force_plate = physics::ForcePlateModel{
         .plate = physics::ForcePlate::create(cells).value(), .channel_names = {"cell1", "cell2", "cell3"}, .tare_v = {0.0, 0.0, 0.0}};
     config.sensor_channels = {0, 1, 20};

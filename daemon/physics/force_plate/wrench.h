@@ -27,7 +27,7 @@ struct ForcePoint {
 [[nodiscard]] ForcePoint force_point(const Wrench& wrench) noexcept;
 
 /// The polynomial by which Kistler corrects the bending of a top plate. Both results come from the uncorrected point, in mm (9287C manual,
-/// 8.4.3): corrected x = x - ((P1 y^4 + P2 y^2 + P3) x^3 + (P4 y^4 + P5 y^2 + P6) x), and y likewise with x and y exchanged.
+/// 8.4.3): corrected x = x - ((P1 y^4 + P2 y^2 + P3) x^3 + (P4 y^4 + P5 y^2 + P6) x), and the same for y with x and y exchanged.
 struct PointPolynomial {
   std::array<double, 6> x{};
   std::array<double, 6> y{};

@@ -43,6 +43,9 @@ DTS_TEST_PACKAGES=(
   mypy python3-matplotlib python3-build python3-setuptools python3-venv python3-wheel # tests of the Python client
 )
 
+# scripts/docs: a site of Markdown files with checked links and a search that works without a server.
+DTS_DOCS_PACKAGES=(python3-sphinx python3-myst-parser python3-sphinx-rtd-theme)
+
 # scripts/mutate: the syntax tree of the sources.
 DTS_MUTATION_PACKAGES=(python3-clang-19)
 

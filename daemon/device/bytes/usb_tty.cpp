@@ -6,6 +6,7 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <tuple>
 
 #include "core/utf8.h"
 
@@ -91,7 +92,9 @@ std::vector<UsbTty> usb_ttys(const std::string& root) {
     tty.by_id = link_to(root, tty.name);
     ttys.push_back(std::move(tty));
   }
-  std::ranges::sort(ttys, {}, [](const UsbTty& tty) { return std::pair(tty.name.size(), tty.name); });  // ttyACM2 before ttyACM10
+  std::ranges::sort(ttys, {}, [](const UsbTty& tty) {  // ttyACM2 before ttyACM10
+    return std::tuple(tty.name.substr(0, tty.name.find_first_of("0123456789")), tty.name.size(), tty.name);
+  });
   return ttys;
 }
 

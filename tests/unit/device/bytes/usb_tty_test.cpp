@@ -53,7 +53,7 @@ TEST_F(UsbTtys, PortsOfUsbDevicesInTheirOrder_NotThoseOfThePc) {
   attribute(nano, "product", "USB Serial");
   std::vector<std::string> names;
   for (const UsbTty& tty : usb_ttys(folder.path())) names.push_back(tty.name);
-  EXPECT_THAT(names, ElementsAre("ttyUSB0", "ttyACM2", "ttyACM10"));
+  EXPECT_THAT(names, ElementsAre("ttyACM2", "ttyACM10", "ttyUSB0"));
 }
 
 TEST_F(UsbTtys, TextsAndTheLinkByIdentity) {

@@ -205,6 +205,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
                                   .label_rule = config.label_rule,
                                   .software = "dtsd " + std::string(version()),
                                   .boot_id = boot,
+                                  .ports_root = "",
                                   .planned_trials = files::planned_trials});
   for (auto& rig : rigs) {
     DTS_TRY(supervisor.add(std::move(rig)));

@@ -54,7 +54,7 @@ HOUSE = [
     ("daemon/device/sim",        ["core", "physics", "sim", "device", "device/device_entry"], []),
     ("daemon/device/registry",   ["core", "device/device_entry", "device/mcc", "device/labjack", "device/nidaqmx", "device/replay",
                                   "device/sim"],                                          []),
-    ("daemon/device/found_units", ["core", "device/usb", "device/registry"], []),
+    ("daemon/device/found_units", ["core", "device/bytes", "device/usb", "device/registry"], []),
     ("daemon/session",           ["core", "device", "device/usb", "device/registry", "device/found_units", "pipeline",
                                   "classifier", "record", "physics", "posturography", "events", "proto"], ["google/protobuf/"]),
     ("daemon/files",             ["core", "physics", "classifier", "pipeline"],           ["toml++/"]),

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "device/bytes/raw_mode.h"
@@ -99,6 +100,7 @@ TEST_F(SerialPortTest, SilenceEndsWithTimeout) {
   std::array<std::uint8_t, 8> buffer{};
   EXPECT_EQ(link->read(buffer, clock.now_ns() + 1'000'000).end, ReadEnd::Timeout);
   EXPECT_EQ(link->read(buffer, clock.now_ns() - 1).end, ReadEnd::Timeout);
+  EXPECT_EQ(link->read(buffer, std::numeric_limits<std::int64_t>::min()).end, ReadEnd::Timeout);
   EXPECT_EQ(link->why_lost(), "");
 }
 

@@ -57,8 +57,9 @@ TEST(BoardFrames, OtherSerial_IsRejected) {
 }
 
 TEST(BoardFrames, OtherUnitRangeOrResolution_IsRejected) {
-  EXPECT_NE(BoardRig({}, "channels=4&unit=mV").open_error().what.find("the board has the unit 'V' on channel 0 (a0), the address says unit=mV"),
-            std::string::npos);
+  EXPECT_NE(
+      BoardRig({}, "channels=4&unit=mV").open_error().what.find("the board has the unit 'V' on channel 0 (a0), the address says unit=mV"),
+      std::string::npos);
   EXPECT_NE(BoardRig({}, "channels=4&range=0,3.3").open_error().what.find("the board has the range 0,5 on channel 0"), std::string::npos);
   EXPECT_NE(BoardRig({}, "channels=4&resolution=0.1").open_error().what.find("steps of"), std::string::npos);
   EXPECT_NE(BoardRig({}, "channels=4&marker=2").open_error().what.find("no constant code on channel 2"), std::string::npos);
@@ -66,10 +67,7 @@ TEST(BoardFrames, OtherUnitRangeOrResolution_IsRejected) {
 }
 
 TEST(BoardFrames, NoAnswer_SaysWhatCameInstead) {
-  BoardRig silent({.hears = false});
-  silent.link->is_plugged = true;
-  silent.board->setup().silent_at_s = 0.0;
-  silent.board->setup().starts_on_command = false;
+  BoardRig silent({.starts_on_command = false, .hears = false, .silent_at_s = 0.0});
   EXPECT_EQ(silent.open_error().code, ErrorCode::Timeout);
   BoardRig lines({.speaks_lines = true});
   const core::Error error = lines.open_error();
@@ -330,13 +328,7 @@ TEST(BoardFrames, PatternBeforeTheStart_IsSwitchedOff) {
   rig.open();
   rig.board->receive(pattern_command(true).view(), rig.clock.now_ns());
   rig.start(100.0);
-  ReadResult result = rig.read();
-  if (result.outcome == ReadOutcome::Broken) {
-    EXPECT_TRUE(rig.device->stop().has_value());
-    rig.start(100.0);
-    result = rig.read();
-  }
-  EXPECT_EQ(result.outcome, ReadOutcome::Scans);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
   rig.expect_nothing_hidden();
 }
 
@@ -416,8 +408,8 @@ TEST(BoardFrames, HostTime_FollowsTheBoardsClock) {
         ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
         drift_ppm = rig.witness->block.clock_drift_ppm;
         const double period_ns = 1e6 / (1.0 + ppm * 1e-6);
-        const double made_ns = static_cast<double>(rig.board->run_start_ns()) +
-                               static_cast<double>(rig.witness->block.first_scan.value + 1) * period_ns;
+        const double made_ns =
+            static_cast<double>(rig.board->run_start_ns()) + static_cast<double>(rig.witness->block.first_scan.value + 1) * period_ns;
         error_ns = rig.witness->block.host_time_ns - static_cast<std::int64_t>(made_ns);
       }
       EXPECT_NEAR(drift_ppm, ppm, 5.0) << carries_time;
@@ -505,7 +497,7 @@ TEST(BoardFrames, BadLineResetsAndReplugs_HideNothing) {
   rig.expect_nothing_hidden();
   EXPECT_GT(rig.link->damage.count, 100U);
   EXPECT_GT(rig.witness->exact_missing, 100U);
-  EXPECT_GE(restarts, 10U);
+  EXPECT_GE(restarts, 9U);  // the last one is only unplugged
 }
 
 }  // namespace

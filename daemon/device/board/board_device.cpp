@@ -176,6 +176,12 @@ ReadResult BoardDevice::read(core::Block& block, std::int64_t deadline_ns) noexc
   return result;
 }
 
+std::string BoardDevice::why_gone() const {
+  if (state() != DeviceState::Gone) return {};
+  if (std::string why = link_->why_lost(); !why.empty()) return why;
+  return "the board is silent: it sends no scans; check its program, cable and power";
+}
+
 void BoardDevice::interrupt() noexcept {
   is_interrupted_.store(true, std::memory_order_release);  // pairs with ScanDelivery::read
   link_->interrupt();

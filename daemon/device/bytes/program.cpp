@@ -3,6 +3,7 @@
 
 #include <mutex>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "device/bytes/child_process.h"
@@ -29,7 +30,12 @@ class Program final : public DescriptorLink {
     DTS_TRY_ASSIGN(auto started, ChildProcess::start(argv_));
     child_.emplace(std::move(started));
     why_lost_.clear();
-    errors_.emplace(child_->take_errors(), name(), log_);
+    try {
+      errors_.emplace(child_->take_errors(), name(), log_);
+    } catch (const std::system_error& error) {  // no thread or descriptor left
+      end_child();
+      return core::fail(core::ErrorCode::Failed, "cannot read the error lines of " + name() + ": " + error.what());
+    }
     attach({.in = child_->take_output(), .out = child_->take_input(), .end = child_->watch(), .out_is_socket = true});
     return {};
   }

@@ -89,7 +89,7 @@ core::Status BoardDevice::meet_lines() {
   const std::size_t columns = lines_->decoder().wrong_columns();
   if (columns == 0) {
     return core::fail(ErrorCode::DataDamaged, what + ": what arrives are no lines of numbers",
-                      "check baud, and format: a board that sends frames needs format=frames");
+                      "check baud, counter and time_us; a board that sends frames needs format=frames");
   }
   const std::size_t wanted = shape.channels + (shape.first_column == FirstColumn::Value ? 0 : 1);
   return core::fail(ErrorCode::InvalidArgument,

@@ -200,7 +200,8 @@ TEST(Frames, AnyBytes_NeitherCrashNorPassWithWrongLength) {
 }
 
 TEST(Frames, Codes_AreSigned) {
-  const auto scans = parse_scans(Wire{}.u8(0x03).u8(7).u32(0xFFFFFFFF).u32(6).u8(1).u16(0x8000).u16(0xFFFF).bytes, 2);
+  const Bytes wire = Wire{}.u8(0x03).u8(7).u32(0xFFFFFFFF).u32(6).u8(1).u16(0x8000).u16(0xFFFF).bytes;
+  const auto scans = parse_scans(wire, 2);
   ASSERT_TRUE(scans.has_value());
   EXPECT_EQ(scans->run, 7);
   EXPECT_EQ(scans->counter, 0xFFFFFFFFU);

@@ -211,7 +211,8 @@ core::Status BoardDevice::end_scan() {
   if (frames_ != nullptr) {
     const std::size_t waiting = delivery_->waiting();
     const auto behind = conversation_->stop(*frames_);
-    if (behind && *behind) undelivered = waiting + **behind;
+    const std::uint64_t unreported = frames_->trouble().outcome == ReadOutcome::Gap ? frames_->trouble().gap.missing_scans : 0;
+    if (behind && *behind) undelivered = waiting + unreported + **behind;
     if (!behind) ended = tl::make_unexpected(behind.error());
   }
   keep_findings(undelivered);

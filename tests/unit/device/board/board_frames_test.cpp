@@ -345,6 +345,19 @@ TEST(BoardFrames, Stop_SaysHowManyScansFollowed) {
   EXPECT_GE(rig.board->counter() - rig.witness->scans, 100U);
 }
 
+TEST(BoardFrames, Stop_CountsALossThatWasNotReportedYet) {
+  BoardRig rig({.loses_at_s = 1.0, .lost_scans = 33});
+  rig.start(1000.0);
+  do {
+    ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  } while (rig.witness->block.count() == 64);  // a block that is not full ends before the loss
+  ASSERT_TRUE(rig.device->stop().has_value());
+  const DeviceCheck* const check = rig.check("between the last delivered one and the stop");
+  ASSERT_NE(check, nullptr);
+  EXPECT_EQ(check->detail, std::to_string(rig.board->counter() - rig.witness->scans) + " scans were not delivered");
+  EXPECT_GE(rig.board->counter() - rig.witness->scans, 33U);
+}
+
 TEST(BoardFrames, StoppedByAButton_ShowsTheTailAndIsStartedAgain) {
   BoardRig rig({.loses_at_s = std::nullopt});
   rig.start(1000.0);

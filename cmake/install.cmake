@@ -37,7 +37,7 @@ install(FILES config/gateway.toml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dts-ga
 # Absent without npm.
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/dts-gateway/web DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/dts-gateway OPTIONAL)
 
-install(FILES config/dtsd-daq.toml config/grafana/dtsd.json config/prometheus/dtsd-alerts.yml DESTINATION ${dts_doc_dir}/examples)
+install(FILES config/dtsd-daq.toml clients/python/examples/board.py config/grafana/dtsd.json config/prometheus/dtsd-alerts.yml DESTINATION ${dts_doc_dir}/examples)
 install(FILES config/dtsd.toml DESTINATION ${dts_doc_dir}/examples RENAME dtsd-sim.toml)
 install(FILES config/protocols/README.md DESTINATION ${dts_doc_dir} RENAME protocols.md)
 install(FILES README.md SECURITY.md DESTINATION ${dts_doc_dir})

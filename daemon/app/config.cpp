@@ -34,6 +34,12 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
   return realtime;
 }
 
+bool read_devices(files::TomlReader reader) {
+  const bool allows_programs = reader.boolean("allow_exec", false);
+  reader.finish();
+  return allows_programs;
+}
+
 session::StorageConfig read_storage(files::TomlReader reader) {
   session::StorageConfig storage;
   storage.directory = settings::read_recordings_directory(reader);
@@ -121,6 +127,7 @@ LoadedConfig load_config(const std::string& file) {
   config.log_level = settings::read_log_level(top.table("log"));
   config.endpoints = settings::read_endpoints(top.table("endpoints"));
   config.realtime = read_realtime(top.table("realtime"));
+  config.allows_programs = read_devices(top.table("devices"));
   config.network = settings::read_network(top);
   config.storage = read_storage(top.table("storage"));
   config.key_directory = settings::key_directory(config.storage.directory);

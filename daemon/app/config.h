@@ -40,6 +40,7 @@ struct DaemonConfig {
   std::string key_directory;                         ///< Folder of the server's key and its clients' keys (daemon/access).
   core::LogLevel log_level = core::LogLevel::Info;
   RealtimeConfig realtime;
+  bool allows_programs = false;  ///< Devices may start programs: exec:.
   session::StorageConfig storage;
   std::vector<session::Protocol> protocols;  ///< "free" is always among them.
   session::LabelRule label_rule;

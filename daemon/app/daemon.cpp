@@ -143,10 +143,10 @@ void check_competitors(const DaemonConfig& config, files::Problems& problems) {
 }  // namespace
 
 std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
-                                                       device::usb::UsbBus& usb, files::Problems& problems) {
+                                                       device::usb::UsbBus& usb, const core::Log& log, files::Problems& problems) {
   std::vector<std::unique_ptr<session::Rig>> rigs;
   for (const ConfiguredRig& configured : config.rigs) {
-    auto rig = session::Rig::create(configured.rig, clock, bell, &usb);
+    auto rig = session::Rig::create(configured.rig, clock, bell, &usb, {.are_allowed = config.allows_programs, .log = log});
     if (rig) {
       rigs.push_back(std::move(*rig));
     } else {
@@ -205,6 +205,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
                                   .label_rule = config.label_rule,
                                   .software = "dtsd " + std::string(version()),
                                   .boot_id = boot,
+                                  .ports_root = "",
                                   .planned_trials = files::planned_trials});
   for (auto& rig : rigs) {
     DTS_TRY(supervisor.add(std::move(rig)));

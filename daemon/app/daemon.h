@@ -19,9 +19,10 @@ namespace dts::app {
 [[nodiscard]] std::string_view version() noexcept;
 
 /// Creates every rig of the configuration without starting it, so that a wrong device or stage is found before a socket is bound. Does not
-/// use USB. Adds every error to `problems`.
+/// use USB. `log` gets the lines that programs of `exec:` write to stderr. Adds every error to `problems`.
 [[nodiscard]] std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
-                                                                     device::usb::UsbBus& usb, files::Problems& problems);
+                                                                     device::usb::UsbBus& usb, const core::Log& log,
+                                                                     files::Problems& problems);
 
 /// Runs the daemon on the calling thread, which becomes the control thread, until SIGTERM or SIGINT. The caller must have blocked SIGTERM,
 /// SIGINT and SIGHUP. `notices` go to the log and to the status. Fails if the directories or sockets cannot be used.

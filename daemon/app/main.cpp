@@ -41,7 +41,7 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   auto notices = dts::core::configure_this_thread("dtsd", {.fifo_priority = 0, .cpus = loaded.config.realtime.cpus});
   // Its thread has a higher priority than the rigs' threads. It must outlive the rigs.
   dts::device::usb::LibusbBus usb(clock, loaded.config.realtime.policy(-1), log);
-  auto rigs = dts::app::create_rigs(loaded.config, clock, bell, usb, loaded.problems);
+  auto rigs = dts::app::create_rigs(loaded.config, clock, bell, usb, log, loaded.problems);
   if (!loaded.problems.empty()) return report(loaded.problems);
   if (is_check) {
     for (const auto& warning : dts::app::plate_warnings(loaded.config)) std::cerr << "warning: " << dts::files::to_string(warning) << '\n';

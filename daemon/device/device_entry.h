@@ -10,6 +10,7 @@
 #include "core/result.h"
 #include "device/device.h"
 #include "device/device_uri.h"
+#include "device/program_rights.h"
 #include "device/usb/usb_bus.h"
 
 namespace dts::physics {
@@ -23,6 +24,7 @@ struct DeviceContext {
   core::Clock& clock;
   const physics::RigModel& rig;  ///< Model of the plate for simulated devices.
   usb::UsbBus* usb = nullptr;    ///< Required for USB devices; without it their creation fails.
+  ProgramRights programs{};      ///< For devices that start a program.
 };
 
 using DeviceFactory = std::function<core::Result<std::unique_ptr<Device>>(const DeviceUri&, const DeviceContext&)>;

@@ -2,6 +2,8 @@
 #include "device/found_units.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 #include "device/registry.h"
 
@@ -18,6 +20,15 @@ std::vector<usb::UsbModel> known_models() {
     }
   }
   return models;
+}
+
+std::string model_of(const bytes::UsbTty& tty) {
+  std::array<char, 16> ids{};
+  std::snprintf(ids.data(), ids.size(), "%04x:%04x", tty.vendor, tty.product);
+  const std::string_view known = bytes::known_board(tty.vendor, tty.product);
+  std::string name(known.empty() ? tty.product_name : known);
+  if (name.empty()) name = "serial port";
+  return name + " (USB " + ids.data() + ", " + tty.node() + ")";
 }
 
 }  // namespace
@@ -50,6 +61,26 @@ bool is_meant_by(const FoundUnit& unit, const std::string& device_uri) {
     if (serial->second == unit.unit.serial) return true;
   }
   return !names_serial && wanted->name == own->name;
+}
+
+std::vector<FoundPort> find_ports(const std::string& root) {
+  std::vector<FoundPort> found;
+  for (bytes::UsbTty& tty : bytes::usb_ttys(root)) {
+    FoundPort port;
+    port.model = model_of(tty);
+    port.uri = "serial:" + (tty.by_id.empty() ? tty.node() : tty.by_id) + "?channels=N";
+    port.tty = std::move(tty);
+    found.push_back(std::move(port));
+  }
+  return found;
+}
+
+bool is_meant_by(const FoundPort& port, const std::string& device_uri) {
+  const auto wanted = DeviceUri::parse(device_uri);
+  if (!wanted || wanted->scheme != "serial") return false;
+  const auto serial = wanted->options.find("serial");
+  if (serial != wanted->options.end() && !port.tty.serial.empty() && serial->second == port.tty.serial) return true;
+  return wanted->name == port.tty.node() || (!port.tty.by_id.empty() && wanted->name == port.tty.by_id);
 }
 
 }  // namespace dts::device

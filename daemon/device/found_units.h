@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "device/bytes/usb_tty.h"
 #include "device/usb/usb_bus.h"
 
 namespace dts::device {
@@ -21,5 +22,18 @@ struct FoundUnit {
 
 /// Returns true if a device with this URI would open the unit: same model, and same serial number if the URI has one.
 [[nodiscard]] bool is_meant_by(const FoundUnit& unit, const std::string& device_uri);
+
+/// A serial port of a plugged-in USB device. Whether a board that speaks to dtsd is behind it shows only when it is opened.
+struct FoundPort {
+  bytes::UsbTty tty;
+  std::string model;  ///< "Arduino Uno R3 (USB 2341:0043, /dev/ttyACM0)"
+  std::string uri;    ///< For a rig's configuration, without the number: "serial:/dev/serial/by-id/usb-...?channels=N".
+};
+
+/// Returns the serial ports of all USB devices. `root`: see `bytes::usb_ttys`.
+[[nodiscard]] std::vector<FoundPort> find_ports(const std::string& root = {});
+
+/// Returns true if a device with this URI would open the port: by its name, its link, or its USB serial number.
+[[nodiscard]] bool is_meant_by(const FoundPort& port, const std::string& device_uri);
 
 }  // namespace dts::device

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/suggest.h"
+#include "device/board/entries.h"
 #include "device/labjack/u6.h"
 #include "device/mcc/entries.h"
 #include "device/nidaqmx/ni_daqmx.h"
@@ -33,15 +34,16 @@ core::Error unknown_kind(const DeviceUri& uri) {
           (meant.empty() ? "" : "did you mean \"" + meant + "\"? ") + "Known devices:" + list};
 }
 
-std::vector<RegistryEntry> with_mcc(std::vector<RegistryEntry> entries) {
+std::vector<RegistryEntry> with_families(std::vector<RegistryEntry> entries) {
   for (RegistryEntry& entry : mcc::registry_entries()) entries.push_back(std::move(entry));
+  for (RegistryEntry& entry : board::registry_entries()) entries.push_back(std::move(entry));
   return entries;
 }
 
 }  // namespace
 
 const std::vector<RegistryEntry>& registry() {
-  static const std::vector<RegistryEntry> entries = with_mcc({
+  static const std::vector<RegistryEntry> entries = with_families({
       {"sim:floor", "Simulated floor platform with a person or a weight on it.", sim::create_floor},
       {"sim:chair", "Simulated chair with a person who reaches.", sim::create_chair},
       {"sim:stack", "Simulated floor platform on a force plate, one person on both: one part of it.", sim::create_stack},
@@ -55,8 +57,8 @@ const std::vector<RegistryEntry>& registry() {
 bool compete(std::string_view one_uri, std::string_view other_uri) {
   const auto one = DeviceUri::parse(one_uri);
   const auto other = DeviceUri::parse(other_uri);
-  if (!one || !other || one->scheme == "sim" || one->scheme == "replay" || one->scheme != other->scheme || one->name != other->name)
-    return false;
+  if (!one || !other || one->scheme != other->scheme || one->name != other->name) return false;
+  if (one->scheme == "sim" || one->scheme == "replay" || one->scheme == "exec") return false;
   const auto first = one->options.find("serial");
   const auto second = other->options.find("serial");
   return first == one->options.end() || second == other->options.end() || first->second == second->second;

@@ -184,6 +184,13 @@ dts::v1::Response CommandHandler::devices() {
     device.set_serial(found.unit.serial);
     device.set_state(dts::v1::DEVICE_STATE_CLOSED);
   }
+  for (const device::FoundPort& found : supervisor_.unused_ports()) {
+    auto& device = *out.add_devices();
+    device.set_uri(found.uri);
+    device.set_model(found.model);
+    device.set_serial(found.tty.serial);
+    device.set_state(dts::v1::DEVICE_STATE_CLOSED);
+  }
   for (const std::string& kind : session::Supervisor::device_kinds()) out.add_kinds(kind);
   return response;
 }

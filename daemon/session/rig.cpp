@@ -94,9 +94,10 @@ core::Status check_sync(const pipeline::RigConfig& config, const device::DeviceD
 }  // namespace
 
 core::Result<std::unique_ptr<Rig>> Rig::create(pipeline::RigConfig given, core::Clock& clock, core::Doorbell& publish_bell,
-                                               device::usb::UsbBus* usb) {
+                                               device::usb::UsbBus* usb, device::ProgramRights programs) {
   auto config = std::make_unique<pipeline::RigConfig>(std::move(given));
-  DTS_TRY_ASSIGN(auto device, device::create_device(config->device_uri, {.clock = clock, .rig = config->model, .usb = usb}));
+  DTS_TRY_ASSIGN(auto device, device::create_device(config->device_uri,
+                                                    {.clock = clock, .rig = config->model, .usb = usb, .programs = std::move(programs)}));
   return assemble(std::move(config), std::move(device), clock, publish_bell);
 }
 

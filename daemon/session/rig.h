@@ -15,6 +15,7 @@
 #include "core/frame_ring.h"
 #include "core/latest_value.h"
 #include "core/log.h"
+#include "device/program_rights.h"
 #include "device/usb/usb_bus.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rig_config.h"
@@ -63,9 +64,10 @@ class FramePublisher {
 class Rig final : private ScanSink {
  public:
   /// Creates device and pipeline; an error says what is wrong in `config`. Rings `publish_bell` for frames that no FramePublisher has
-  /// published. `clock`, the bell and `usb` (nullptr: simulated devices only) outlive the rig.
+  /// published. `clock`, the bell and `usb` (nullptr: no USB devices) outlive the rig.
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(pipeline::RigConfig config, core::Clock& clock,
-                                                                 core::Doorbell& publish_bell, device::usb::UsbBus* usb = nullptr);
+                                                                 core::Doorbell& publish_bell, device::usb::UsbBus* usb = nullptr,
+                                                                 device::ProgramRights programs = {});
   /// Like above, with a ready device in place of `config.device_uri`: for tests and benchmarks.
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(pipeline::RigConfig config, std::unique_ptr<device::Device> device,
                                                                  core::Clock& clock, core::Doorbell& publish_bell);

@@ -51,6 +51,8 @@ struct SessionServices {
   LabelRule label_rule{};
   std::string software{};  ///< "dtsd 0.1.0"
   std::string boot_id{};
+  /// Folder that holds sys/ and dev/, where `device list` looks for serial ports; empty: the machine's own; nothing: it does not look.
+  std::optional<std::string> ports_root{};
   /// Returns the number of trials in a recorded protocol's text. A function, because this folder reads no files.
   std::function<std::uint32_t(const std::string&)> planned_trials = [](const std::string&) { return 0U; };
 };

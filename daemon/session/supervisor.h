@@ -111,6 +111,8 @@ class Supervisor {
 
   /// Returns USB devices that the daemon can drive and that no rig uses or waits for.
   [[nodiscard]] core::Result<std::vector<device::FoundUnit>> unused_units();
+  /// Returns serial ports of USB devices that no rig uses or waits for.
+  [[nodiscard]] std::vector<device::FoundPort> unused_ports();
   /// Returns one line per kind of device that the daemon can drive.
   [[nodiscard]] static std::vector<std::string> device_kinds();
 

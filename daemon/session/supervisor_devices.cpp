@@ -12,10 +12,11 @@ namespace {
 
 constexpr std::int64_t kSyncRetryNs = 1'000'000'000;
 
-/// Returns whether the rig has opened this unit, or would open it.
-bool uses(const Rig& rig, const device::FoundUnit& unit) {
+/// Returns whether the rig has opened this unit or port, or would open it.
+template <class Found>
+bool uses(const Rig& rig, const Found& unit, const std::string& node) {
   const std::vector<std::string> nodes = rig.device_report().nodes;
-  if (!nodes.empty()) return std::ranges::find(nodes, unit.unit.node()) != nodes.end();
+  if (!nodes.empty()) return std::ranges::find(nodes, node) != nodes.end();
   return device::is_meant_by(unit, rig.config().device_uri);
 }
 
@@ -82,7 +83,16 @@ core::Result<std::vector<device::FoundUnit>> Supervisor::unused_units() {
   if (usb_ == nullptr) return std::vector<device::FoundUnit>{};
   DTS_TRY_ASSIGN(auto found, device::find_units(*usb_));
   std::erase_if(found, [&](const device::FoundUnit& candidate) {
-    return std::ranges::any_of(entries_, [&](const auto& entry) { return uses(*entry.second.rig, candidate); });
+    return std::ranges::any_of(entries_, [&](const auto& entry) { return uses(*entry.second.rig, candidate, candidate.unit.node()); });
+  });
+  return found;
+}
+
+std::vector<device::FoundPort> Supervisor::unused_ports() {
+  if (!services_.ports_root) return {};
+  std::vector<device::FoundPort> found = device::find_ports(*services_.ports_root);
+  std::erase_if(found, [&](const device::FoundPort& candidate) {
+    return std::ranges::any_of(entries_, [&](const auto& entry) { return uses(*entry.second.rig, candidate, candidate.tty.node()); });
   });
   return found;
 }

@@ -183,7 +183,7 @@ def label_patterns() -> dict[str, str]:
 
 def configs() -> dict[str, str]:
     network = '[network]\ncontrol = "tcp://*:5555"\ndata = "tcp://*:5556"\n'
-    realtime = '[log]\nlevel = "debug"\n[endpoints]\ncontrol = "ipc:///run/dtsd/control.sock"\ndata = "ipc:///run/dtsd/data.sock"\n[realtime]\nfifo_priority = 40\nlock_memory = false\ncpus = [0]\n'
+    realtime = '[log]\nlevel = "debug"\n[endpoints]\ncontrol = "ipc:///run/dtsd/control.sock"\ndata = "ipc:///run/dtsd/data.sock"\n[realtime]\nfifo_priority = 40\nlock_memory = false\ncpus = [0]\n[devices]\nallow_exec = true\n'
     storage = '[storage]\ndirectory = "state"\nrefuse_below_min = 5.0\nwarn_below_min = 30\nresume_within_min = 10.0\nstop_below_mib = 1.0\n[protocols]\ndirectory = "protocols"\n'
     privacy = '[privacy]\nlabel_pattern = "[a-z]+( [a-z0-9]{1,8})*"\nlabel_hint = "small letters"\n'
     return {

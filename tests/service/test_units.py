@@ -61,10 +61,22 @@ class Daemon(unittest.TestCase):
     def test_NothingHidesUsb(self) -> None:
         self.assertNotIn("PrivateDevices", self.settings)
         self.assertNotIn("PrivateNetwork", self.settings)  # uevents of the kernel do not arrive: a DAQ that comes is not seen
-        self.assertEqual(self.settings["DeviceAllow"], ["char-usb_device rw"])
-        self.assertIn("modprobe@usbcore.service", self.settings["After"])
-        self.assertIn("modprobe@usbcore.service", self.settings["Wants"])
+        self.assertEqual(self.settings["DeviceAllow"], ["char-usb_device rw", "char-ttyACM rw", "char-ttyUSB rw"])
+        for module in ("usbcore", "cdc_acm", "usbserial"):
+            for key in ("After", "Wants"):
+                self.assertIn(f"modprobe@{module}.service", " ".join(self.settings[key]).split(), key)
         self.assertIn("AF_NETLINK", self.settings["RestrictAddressFamilies"][0].split())
+
+    def test_SerialPortsAreReadable_ThoseOfThePcAreNot(self) -> None:
+        self.assertEqual(self.settings["SupplementaryGroups"], ["dialout"])
+        self.assertNotIn("char-ttyS", " ".join(self.settings["DeviceAllow"]))
+
+    def test_ProgramOfADevice_EndsBeforeTheDaemon(self) -> None:
+        """exec: of a rig. Without these, a program that uses up the memory or the processes would end the daemon."""
+        self.assertEqual(self.settings["OOMPolicy"], ["continue"])
+        self.assertLess(int(self.settings["OOMScoreAdjust"][0]), 0)
+        self.assertIn("TasksMax", self.settings)
+        self.assertEqual(self.settings["NoNewPrivileges"], ["yes"])
 
     def test_HasNoNetwork(self) -> None:
         """What comes from other machines ends in dts-relay or dts-gateway."""

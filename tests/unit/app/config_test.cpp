@@ -83,6 +83,14 @@ TEST_F(ConfigFiles, Complete_HasNoProblemAndTheDefaults) {
   EXPECT_EQ(loaded.config.realtime.policy(1).fifo_priority, 49);
 }
 
+TEST_F(ConfigFiles, ProgramsAsDevices_AreOffUntilAllowed) {
+  EXPECT_FALSE(load_config(write("dtsd.toml", kRig)).config.allows_programs);
+  EXPECT_FALSE(load_config(write("dtsd.toml", std::string("[devices]\n") + kRig)).config.allows_programs);
+  EXPECT_TRUE(load_config(write("dtsd.toml", std::string("[devices]\nallow_exec = true\n") + kRig)).config.allows_programs);
+  EXPECT_THAT(problems_of(std::string("[devices]\nallow_exec = 1\n") + kRig), Contains(HasSubstr("dtsd.toml:2:")));
+  EXPECT_THAT(problems_of(std::string("[devices]\nallow_exe = true\n") + kRig), Contains(HasSubstr("did you mean 'allow_exec'?")));
+}
+
 TEST_F(ConfigFiles, LabelRule_HasADefaultAndIsChecked) {
   const auto rule_of = [this](const std::string& privacy) {
     auto loaded = load_config(write("dtsd.toml", privacy + kRig));

@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "core/clock.h"
 #include "device/registry.h"
+#include "support/temporary_folder.h"
 #include "unit/device/sim_rig.h"
 #include "usb/emulator/fs_plus_emulator.h"
 #include "usb/emulator/u6_emulator.h"
@@ -69,6 +73,43 @@ TEST(IsMeantBy, ModelAndSerialNumberDecide) {
   EXPECT_TRUE(is_meant_by(unit, "mcc:1608fs-plus-pair?serial=02CD&second_serial=01AB"));
   EXPECT_FALSE(is_meant_by(unit, "mcc:1608g?fpga=x"));
   EXPECT_FALSE(is_meant_by(unit, "sim:floor"));
+}
+
+struct FoundPorts : testing::Test {
+  test::TemporaryFolder folder;
+
+  void plug(const std::string& name, const std::string& vendor, const std::string& product, const std::string& serial) {
+    namespace fs = std::filesystem;
+    const fs::path device = folder.path() + "/sys/devices/usb1/" + name;
+    fs::create_directories(device / "interface/tty" / name);
+    std::ofstream(device / "idVendor") << vendor;
+    std::ofstream(device / "idProduct") << product;
+    std::ofstream(device / "serial") << serial;
+    std::ofstream(device / "product") << "Serial Thing";
+    fs::create_directories(folder.path() + "/sys/class/tty");
+    fs::create_directory_symlink(device / "interface", device / "interface/tty" / name / "device");
+    fs::create_directory_symlink(device / "interface/tty" / name, folder.path() + "/sys/class/tty/" + name);
+  }
+};
+
+TEST_F(FoundPorts, ShowBoardIdentifiersAndTheAddressToWrite) {
+  plug("ttyACM0", "2341", "0043", "7583");
+  plug("ttyUSB3", "abcd", "0001", "");
+  std::filesystem::create_directories(folder.path() + "/dev/serial/by-id");
+  std::filesystem::create_symlink("../../ttyACM0", folder.path() + "/dev/serial/by-id/usb-Arduino_7583-if00");
+  const auto ports = find_ports(folder.path());
+  ASSERT_EQ(ports.size(), 2U);
+  EXPECT_EQ(ports[0].model, "Arduino Uno R3 (USB 2341:0043, /dev/ttyACM0)");
+  EXPECT_EQ(ports[0].uri, "serial:/dev/serial/by-id/usb-Arduino_7583-if00?channels=N");
+  EXPECT_EQ(ports[1].model, "Serial Thing (USB abcd:0001, /dev/ttyUSB3)");
+  EXPECT_EQ(ports[1].uri, "serial:/dev/ttyUSB3?channels=N");
+  EXPECT_TRUE(is_meant_by(ports[0], "serial:/dev/ttyACM0?channels=4"));
+  EXPECT_TRUE(is_meant_by(ports[0], "serial:/dev/serial/by-id/usb-Arduino_7583-if00?channels=4"));
+  EXPECT_TRUE(is_meant_by(ports[0], "serial:/dev/ttyACM9?channels=4&serial=7583"));
+  EXPECT_FALSE(is_meant_by(ports[0], "serial:/dev/ttyACM9?channels=4&serial=7584"));
+  EXPECT_FALSE(is_meant_by(ports[1], "serial:/dev/ttyACM9?channels=4&serial="));
+  EXPECT_FALSE(is_meant_by(ports[1], "serial:?channels=4"));
+  EXPECT_FALSE(is_meant_by(ports[0], "mcc:1608fs-plus?serial=7583"));
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "board/fake_board_device.h"
 #include "core/clock.h"
 #include "device/registry.h"
 #include "unit/device/replay/made_recording.h"
@@ -42,6 +43,8 @@ struct DeviceUnderTest {
   const char* gapping_uri;
   Units (*make_units)() = [] { return Units(); };  ///< What must be plugged in; then the plug is pulled, and no URI does it.
   bool comes_back = true;                          ///< A lost one can be opened again later; a recording that has ended cannot.
+  /// How the device is made of its URI; null: by the registry.
+  std::unique_ptr<Device> (*make_device)(std::string_view uri, core::Clock& clock) = nullptr;
 };
 
 inline void PrintTo(const DeviceUnderTest& tested, std::ostream* out) { *out << tested.name; }
@@ -127,6 +130,13 @@ inline const Recordings& recordings() {
   return made;
 }
 
+/// A board that speaks over a link in memory: the device above the link is under test. `boards_in_real_time_test.cpp` has real links.
+inline DeviceUnderTest board(const char* name, const char* uri, const char* unplugging_uri, const char* gapping_uri) {
+  DeviceUnderTest tested{name, uri, unplugging_uri, gapping_uri};
+  tested.make_device = dts::test::make_fake_board_device;
+  return tested;
+}
+
 inline const std::array kDevices = {
     DeviceUnderTest{"sim_floor", "sim:floor", "sim:floor?fault=unplug&fault_at_s=0.5&fault_for_s=1",
                     "sim:floor?fault=overrun&fault_at_s=0.5&fault_for_s=0.7"},
@@ -151,6 +161,16 @@ inline const std::array kDevices = {
     DeviceUnderTest{"mcc_1608g", fpga_image("mcc:1608g"), "", "", usb_1608g<0x0110>},
     DeviceUnderTest{"mcc_pair", "mcc:1608fs-plus-pair?serial=0000000A&second_serial=0000000B", "", "", pair},
     DeviceUnderTest{"labjack_u6", "labjack:u6?serial=360004242&channels=0,1,2,3", "", "", u6},
+    board("serial_frames", "serial:/dev/fake?channels=4", "serial:/dev/unplugging?channels=4", "serial:/dev/gapping?channels=4&baud=1000000"),
+    board("serial_lines", "serial:/dev/fake?channels=4&format=lines&rate_hz=100",
+          "serial:/dev/unplugging?channels=4&format=lines&rate_hz=100", "serial:/dev/gapping?channels=4&format=lines&rate_hz=100"),
+    board("tcp_frames", "tcp:fake:1?channels=32&marker=5", "tcp:unplugging:1?channels=32", "tcp:gapping:1?channels=1"),
+    board("tcp_lines", "tcp:fake:1?channels=2&format=lines&rate_hz=100&counter=1&counter_bits=16",
+          "tcp:unplugging:1?channels=2&format=lines&rate_hz=100&counter=1", "tcp:gapping:1?channels=2&format=lines&rate_hz=100&counter=1"),
+    board("exec_frames", "exec:fake?channels=4&rate_hz=100", "exec:unplugging?channels=4&rate_hz=100",
+          "exec:gapping?channels=4&rate_hz=100"),
+    board("exec_lines", "exec:fake?channels=4&format=lines&rate_hz=100&time_us=1",
+          "exec:unplugging?channels=4&format=lines&rate_hz=100&time_us=1", "exec:gapping?channels=4&format=lines&rate_hz=100&time_us=1"),
 };
 
 /// Calls `on_sleep` before the first wait: somebody else acts at exactly that moment.
@@ -180,6 +200,7 @@ class DeviceContract : public testing::TestWithParam<DeviceUnderTest> {
   std::unique_ptr<Device> create(std::string_view uri) { return create_on(uri, clock_); }
 
   std::unique_ptr<Device> create_on(std::string_view uri, core::Clock& clock) {
+    if (GetParam().make_device != nullptr) return GetParam().make_device(uri, clock);
     auto device = create_device(uri, {clock, rig_, &bus_});
     EXPECT_TRUE(device.has_value()) << (device ? "" : core::to_string(device.error()));
     return device ? std::move(*device) : nullptr;

@@ -18,7 +18,7 @@ class BoardFacts {
   enum class Change : std::uint8_t {
     None,     ///< It says the same again.
     Learned,  ///< A new fact that contradicts nothing.
-    Another,  ///< It contradicts an earlier frame: another board, or the board was configured anew. The earlier facts are forgotten.
+    Another,  ///< It contradicts an earlier frame: another board, or a new configuration. The earlier facts are forgotten.
   };
   Change add(const Descriptor& descriptor) noexcept;
   /// Fails if another channel has this name.

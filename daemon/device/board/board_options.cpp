@@ -109,7 +109,7 @@ std::vector<UriOption> board_options(bool is_serial_port) {
       {"format", Word, "frames", 0, 0, "frames|lines", "What the board sends: frames with checksum and counter, or lines of numbers."},
       {"channels", Integer, "0", 0, 32, "", "Number of channels of the board; needed."},
       {"rate_hz", Number, "0", 0, kHighestRateHz, "", "Scans per second; needed for lines. 0: the rate that the rig asks for."},
-      {"serial", Text, "", 0, 0, "", "Serial number of the board or of its USB adapter; any other board is refused."},
+      {"serial", Text, "", 0, 0, "", "Serial number of the board or of its USB adapter; any other board is rejected."},
       {"unit", Text, "V", 0, 0, "", "Unit of the values."},
       {"range", Numbers, "", -kLargestValue, kLargestValue, "", "Lowest and highest value of every channel; default: 0,5."},
       {"resolution", Number, "0", 0, kLargestValue, "", "Size of one code of the converter; 0: unknown."},

@@ -13,7 +13,7 @@ using core::ErrorCode;
 using core::number_text;
 
 constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
-constexpr std::int64_t kLearnNs = 6000 * kMillisecond;  // a board that cannot hear describes itself every 5 s
+constexpr std::int64_t kLearnNs = 6000 * kMillisecond;  // a board that does not receive describes itself every 5 s
 constexpr std::int64_t kAnswerNs = 500 * kMillisecond;
 constexpr int kAttempts = 4;
 constexpr std::int64_t kStopNs = 200 * kMillisecond;  // below the 250 ms of Device::stop
@@ -93,7 +93,7 @@ void Conversation::note_scans(std::span<const std::uint8_t> payload, std::int64_
 core::Status Conversation::send(const EncodedFrame& frame) {
   const core::Status sent = link_.write(frame.view());
   if (!sent && sent.error().code == ErrorCode::DeviceGone) return sent;
-  return {};  // a board that cannot hear takes no bytes: its answer is what counts
+  return {};  // a board that does not receive takes no bytes: its answer is what counts
 }
 
 /// Returns the error for a board without a usable answer: what came instead is the best hint.
@@ -110,7 +110,7 @@ core::Error Conversation::unanswered(const std::string& what) const {
   return {ErrorCode::Timeout, what + ": the board does not answer", "check its program, cable and power; reset it"};
 }
 
-/// Asks until everything is known. A board that is answering is not asked again: it would begin anew.
+/// Asks until everything is known. A board that is answering is not asked again: it would begin again.
 core::Status Conversation::learn() {
   facts_.forget();
   refusal_.reset();
@@ -146,8 +146,8 @@ core::Status Conversation::command(const EncodedFrame& frame, const char* name, 
 
 /// Stops a scan and the pattern.
 core::Status Conversation::halt() {
-  const bool hears = facts_.descriptor().starts_on_command;
-  if (hears && (may_be_streaming_ || facts_.descriptor().is_streaming || facts_.descriptor().is_pattern)) {
+  const bool takes_commands = facts_.descriptor().starts_on_command;
+  if (takes_commands && (may_be_streaming_ || facts_.descriptor().is_streaming || facts_.descriptor().is_pattern)) {
     DTS_TRY(command(stop_command(), "STOP", [](const Descriptor& now) { return !now.is_streaming && !now.is_pattern; }));
   } else if (facts_.descriptor().is_pattern) {
     DTS_TRY(command(pattern_command(false), "PATTERN", [](const Descriptor& now) { return !now.is_pattern; }));
@@ -179,8 +179,8 @@ core::Status Conversation::check_serial() const {
 }
 
 core::Status Conversation::measure_rate() {
-  const bool hears = facts_.descriptor().starts_on_command;
-  if (hears) {
+  const bool takes_commands = facts_.descriptor().starts_on_command;
+  if (takes_commands) {
     may_be_streaming_ = true;
     DTS_TRY(command(start_command({}), "START", [](const Descriptor& now) { return now.is_streaming; }));
   } else {
@@ -195,7 +195,7 @@ core::Status Conversation::measure_rate() {
     scans = span_->newest.last - span_->first.last;
     if (span_->newest.raw_ns - span_->first.raw_ns >= kMeasureNs && scans >= kLeastMeasuredScans) break;
   }
-  if (hears) DTS_TRY(halt());
+  if (takes_commands) DTS_TRY(halt());
   if (!span_ || scans < kLeastMeasuredScans) {
     return core::fail(ErrorCode::Timeout, "cannot open " + options_.description.uri + ": the board sends too few scans to measure its rate",
                       "check the board's program");

@@ -67,7 +67,7 @@ class Conversation {
   BoardFacts facts_;
   std::uint64_t descriptors_ = 0;    ///< Number of DESCRIPTORs that have arrived.
   std::int64_t newest_fact_ns_ = 0;  ///< When the newest DESCRIPTOR or CHANNEL arrived.
-  std::optional<Refusal> refusal_;   ///< The newest refused DESCRIPTOR or CHANNEL.
+  std::optional<Refusal> refusal_;   ///< The newest rejected DESCRIPTOR or CHANNEL.
   std::optional<std::uint8_t> run_;  ///< Run of the newest SCANS or LOST.
   std::optional<Lost> stopped_;      ///< The newest LOST with reason 4.
   std::optional<Span> span_;         ///< Scans since it was reset.

@@ -58,7 +58,7 @@ std::optional<std::uint32_t> FrameSource::scans_until(std::uint8_t run, std::uin
 
 InputCounts FrameSource::counts() const noexcept {
   InputCounts counts = input_.decoder().counts();
-  counts.refused += refused_;
+  counts.rejected += rejected_;
   return counts;
 }
 

@@ -29,7 +29,7 @@ struct RunStart {
 
 /// Scans of a board that speaks frames.
 ///
-/// - Same run: the counter tells the exact loss, also before the first scan of a run that we started. A counter that runs backwards breaks
+/// - Same run: the counter shows the exact loss, also before the first scan of a run that we started. A counter that runs backwards breaks
 ///   the scan.
 /// - New run: the board was reset; the loss is estimated from time.
 /// - Not streaming any more, though we did not stop it: the board was reset and waits; it is started again.
@@ -61,7 +61,7 @@ class FrameSource final : public ScanSource {
   void handle_scans(std::span<const std::uint8_t> payload, std::int64_t raw_ns) noexcept;
   [[nodiscard]] bool follows(const Scans& scans, std::int64_t raw_ns) noexcept;
   void add_scans(const Scans& scans, std::int64_t raw_ns) noexcept;
-  void refuse() noexcept { ++refused_; }
+  void refuse() noexcept { ++rejected_; }
   void break_off() noexcept { set_trouble(ReadOutcome::Broken, core::GapReason::Integrity); }
   [[nodiscard]] core::GapReason take_reason() noexcept;
 
@@ -78,7 +78,7 @@ class FrameSource final : public ScanSource {
   std::span<const std::uint8_t> pending_;  ///< A SCANS frame behind a gap.
   std::int64_t pending_raw_ns_ = 0;
   core::LatestValue<ShortText<120>> last_log_;
-  std::uint64_t refused_ = 0;  ///< Frames with a refused field.
+  std::uint64_t rejected_ = 0;  ///< Frames with a rejected field.
 };
 
 }  // namespace dts::device::board

@@ -114,7 +114,7 @@ struct Lost {
   std::uint32_t lost = 0;
 };
 
-/// A refused field of a frame. Plain data, because the reader of scans must not allocate.
+/// A rejected field of a frame. Plain data, because the reader of scans must not allocate.
 struct Refusal {
   const char* frame = "";  ///< "DESCRIPTOR"
   int channel = -1;        ///< Index of a CHANNEL frame; -1: none.

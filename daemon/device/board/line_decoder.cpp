@@ -97,7 +97,7 @@ bool LineDecoder::parse(std::string_view text) noexcept {
   }
   if (columns != wanted) {
     wrong_columns_ = columns;
-    ++counts_.refused;
+    ++counts_.rejected;
     return false;
   }
   if (!are_numbers) ++counts_.damaged;

@@ -13,10 +13,10 @@ namespace {
 using bytes::ReadEnd;
 using core::GapReason;
 
-constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
-constexpr std::int64_t kSliceNs = 50 * kMillisecond;  // read() sees interrupt() within 100 ms
-constexpr std::int64_t kSilenceNs = 1000 * kMillisecond;
-constexpr std::int64_t kAnswerNs = 500 * kMillisecond;
+constexpr std::int64_t kMsNs = core::kNanosecondsPerMillisecond;
+constexpr std::int64_t kDeliverySliceNs = 50 * kMsNs;  // read() sees interrupt() within 100 ms
+constexpr std::int64_t kSilenceNs = 1000 * kMsNs;
+constexpr std::int64_t kQuestionNs = 500 * kMsNs;
 constexpr double kLargestRateError = 0.01;
 
 }  // namespace
@@ -54,7 +54,7 @@ ReadResult ScanDelivery::read(core::Block& block, std::int64_t deadline_ns) noex
       handle_silence(now_ns);
       continue;
     }
-    wait_until_ns = std::min({deadline_ns, now_ns + kSliceNs, silent_at_ns()});
+    wait_until_ns = std::min({deadline_ns, now_ns + kDeliverySliceNs, silent_at_ns()});
   }
 }
 
@@ -64,7 +64,7 @@ std::int64_t ScanDelivery::silent_at_ns() noexcept {
   const std::int64_t limit_ns = kSilenceNs + 2 * source_.timeline().period_ns();
   switch (silence_) {
     case Silence::None: return source_.newest_ns() + limit_ns;
-    case Silence::Asked: return silence_step_ns_ + kAnswerNs;
+    case Silence::Asked: return silence_step_ns_ + kQuestionNs;
     case Silence::StartedAgain: return silence_step_ns_ + limit_ns;
   }
   return source_.newest_ns() + limit_ns;
@@ -93,7 +93,7 @@ void ScanDelivery::check_rate() noexcept {
   const InputCounts counts = source_.counts();
   good_.store(counts.good, std::memory_order_relaxed);
   damaged_.store(counts.damaged + counts.too_long, std::memory_order_relaxed);
-  refused_.store(counts.refused, std::memory_order_relaxed);
+  rejected_.store(counts.rejected, std::memory_order_relaxed);
   const bool is_rate_wrong = !(std::abs(host_time.rate_error()) <= kLargestRateError);
   if (is_rate_wrong && !source_.has_trouble()) source_.set_trouble(ReadOutcome::Broken, GapReason::Integrity);
 }
@@ -149,11 +149,11 @@ std::vector<DeviceCheck> ScanDelivery::findings() const {
                 static_cast<unsigned long long>(estimated));
   checks.push_back({"no scans are lost since the start", counted + estimated == 0 ? Passed : Warning, text.data()});
   const std::uint64_t damaged = damaged_.load(std::memory_order_relaxed);
-  const std::uint64_t refused = refused_.load(std::memory_order_relaxed);
-  std::snprintf(text.data(), text.size(), "%llu good, %llu damaged, %llu refused",
+  const std::uint64_t rejected = rejected_.load(std::memory_order_relaxed);
+  std::snprintf(text.data(), text.size(), "%llu good, %llu damaged, %llu rejected",
                 static_cast<unsigned long long>(good_.load(std::memory_order_relaxed)), static_cast<unsigned long long>(damaged),
-                static_cast<unsigned long long>(refused));
-  checks.push_back({"frames or lines arrive undamaged since it was opened", damaged + refused == 0 ? Passed : Warning, text.data()});
+                static_cast<unsigned long long>(rejected));
+  checks.push_back({"frames or lines arrive undamaged since it was opened", damaged + rejected == 0 ? Passed : Warning, text.data()});
   return checks;
 }
 

@@ -50,7 +50,7 @@ class ScanDelivery {
   /// As InputCounts, for the report.
   std::atomic<std::uint64_t> good_{0};
   std::atomic<std::uint64_t> damaged_{0};
-  std::atomic<std::uint64_t> refused_{0};
+  std::atomic<std::uint64_t> rejected_{0};
 };
 
 }  // namespace dts::device::board

@@ -11,13 +11,13 @@
 namespace dts::device::board {
 
 /// Host times of scans. The position of a scan is its time by the board's clock: the ticks that the board sends, or the number of the scan
-/// if it sends none. A counted loss moves the position, so the estimate goes on across it. Thread: the reader. Realtime-safe: yes.
+/// if it sends none. A counted loss moves the position, so the estimate continues across it. Thread: the reader. Realtime-safe: yes.
 class Timeline {
  public:
   /// Begins a scan. `ticks_per_second` 0: scans carry no time. Keeps the known drift of the clock if `is_same_clock`.
   /// `not_before_ns`: raw time of the start request; nothing: unknown.
   void start(core::Rate rate, std::uint32_t ticks_per_second, bool is_same_clock, std::optional<std::int64_t> not_before_ns) noexcept;
-  /// Begins anew after a loss that nobody counted: positions start at 0.
+  /// Begins again after a loss that nobody counted: positions start at 0.
   void restart() noexcept;
 
   /// Adds `count` scans that arrived together; `number` is the number of the first, lost scans included, and `ticks` its time (any value

@@ -33,6 +33,9 @@ class Crc {
   uint32_t value_ = 0xFFFFFFFFUL;
 };
 
+/// Keeps the compiler from moving accesses to memory across it: data and the index that hands them over stay in order.
+inline void barrier() { __asm__ volatile("" ::: "memory"); }
+
 /// Bytes from one writer to one reader; either of them may be an interrupt. An index is one byte, so that it is always read whole.
 class ByteRing {
  public:
@@ -49,15 +52,14 @@ class ByteRing {
   }
   void patch(uint8_t place, uint8_t byte) { bytes_[place] = byte; }
   void publish() {
-#ifdef __GNUC__
-    __asm__ volatile("" ::: "memory");  // the bytes are in memory before the reader sees the index
-#endif
+    barrier();
     published_ = written_;
   }
 
   /// Takes the oldest byte. Call it only if the ring is not empty.
   uint8_t take() {
     const uint8_t byte = bytes_[read_];
+    barrier();
     read_ = static_cast<uint8_t>(read_ + 1);
     return byte;
   }

@@ -4,6 +4,8 @@
 
 #include <stdint.h>
 
+#include "firmware/frame.h"
+
 namespace firmware {
 
 /// Why scans are lost; the values of the frame LOST.
@@ -24,7 +26,7 @@ class ScanQueue {
   }
   /// Writer: the scan in slot() is complete.
   void commit() {
-    __asm__ volatile("" ::: "memory");
+    barrier();
     written_ = static_cast<uint8_t>(written_ + 1);
   }
   /// Writer: scans after the last committed one are lost.
@@ -36,7 +38,10 @@ class ScanQueue {
   /// Reader.
   uint8_t size() const { return static_cast<uint8_t>(written_ - read_); }
   const int16_t* front() const { return codes_[read_ & (Scans - 1)]; }
-  void pop() { read_ = static_cast<uint8_t>(read_ + 1); }
+  void pop() {
+    barrier();
+    read_ = static_cast<uint8_t>(read_ + 1);
+  }
   /// Reader: returns whether scans are lost after those in the queue.
   bool has_loss() const {
     const Guard guard;

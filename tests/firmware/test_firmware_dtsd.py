@@ -57,6 +57,9 @@ class Daemon:
     def status(self) -> dict:
         return json.loads(self.ctl("status", "--json"))["rigs"][0]
 
+    def scans(self) -> int:
+        return self.status()["scans_total"]
+
     def wait_for(self, condition, what: str):
         end = time.monotonic() + LIMIT_S
         while True:
@@ -86,7 +89,7 @@ class Dtsd(unittest.TestCase):
             before = daemon.scans()
             daemon.wait_for(lambda: daemon.scans() > before + 3 * RATE, "3 s are recorded")
             board.ask("reset")
-            daemon.wait_for(lambda: daemon.status()["gaps"] > 0, "the reset is a gap")
+            daemon.wait_for(lambda: daemon.status()["gaps_total"] > 0, "the reset is a gap")
             after = daemon.scans()
             daemon.wait_for(lambda: daemon.scans() > after + 2 * RATE, "scans after the reset")
             daemon.ctl("session", "stop", "--rig", "floor")

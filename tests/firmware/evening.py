@@ -70,7 +70,7 @@ class Evening:
         end = time.monotonic() + LIMIT_S
         while True:
             done = subprocess.run([PROGRAMS / "dtsctl", "status", "--json"], env=self.environment, capture_output=True, text=True)
-            if done.returncode == 0 and json.loads(done.stdout)["rigs"][0]["scans_total"] > 0:
+            if done.returncode == 0 and json.loads(done.stdout)["rigs"][0]["scans_total"] > 2000:  # two seconds
                 return
             if time.monotonic() > end or self.daemon.poll() is not None:
                 sys.exit("dtsd receives no scans:\n" + (self.folder / "log").read_text())
@@ -125,7 +125,7 @@ def main():
         time.sleep(10)  # the person steps on 8 s after the start
         session = evening.ctl("session", "start", "--rig", "floor", "--protocol", "quiet-standing", "--subject", "P001").strip()
         evening.ctl("session", "trial", "next", "--rig", "floor")
-        evening.ctl("watch", "floor/sway", "--count", "50", is_quiet=True)
+        evening.ctl("watch", "floor/sway", "--count", "60", is_quiet=True)
         evening.ctl("session", "stop", "--rig", "floor")
         evening.ctl("session", "show", session)
         evening.ctl("session", "verify", session)

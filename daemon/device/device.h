@@ -110,11 +110,12 @@ struct ReadResult {
 /// | exact_rate | ok            | ok              | ok                | ok                  |
 /// | report     | ok            | ok              | ok                | ok                  |
 /// | has_arrived| ok            | ok              | ok                | ok                  |
+/// | why_gone   | empty         | empty           | empty             | ok                  |
 /// | has_more   | false         | false           | ok                | false               |
 /// | set_sync_output | WrongState | ok            | ok                | DeviceGone          |
 /// | `hear`     | no effect     | no effect       | ok                | no effect           |
 ///
-/// Thread: open, start, stop, close and has_arrived on one owner thread; `read` and `has_more` on one thread, between start and stop;
+/// Thread: open, start, stop, close, has_arrived and why_gone on one owner thread; `read` and `has_more` on one thread, between start and stop;
 /// `describe`, `state`, `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.
 class Device {
  public:
@@ -132,6 +133,9 @@ class Device {
   [[nodiscard]] virtual DeviceReport report() const = 0;
   /// Returns true if a device was plugged in since the last call: the caller should retry `open`.
   [[nodiscard]] virtual bool has_arrived() noexcept { return false; }
+  /// Returns why the device is Gone, as part of a message: "the program x ended with exit status 3"; empty: it was unplugged. May take
+  /// 250 ms. Thread: owner.
+  [[nodiscard]] virtual std::string why_gone() const { return {}; }
 
   /// Finds the unit and opens it. Fails with NotFound if no unit matches, with InvalidArgument if several do, with NotAllowed if the system
   /// forbids access, with WrongState if another program uses the unit or the device is Gone, with DeviceGone if it was just unplugged, and

@@ -28,12 +28,14 @@ std::string_view restart_message(core::GapReason reason) noexcept {
   }
 }
 
+void set_text(std::array<char, 512>& target, std::string_view text) noexcept {
+  target.fill('\0');
+  std::copy_n(text.begin(), std::min(text.size(), target.size() - 1), target.begin());
+}
+
 }  // namespace
 
-void AcquisitionReport::set_message(std::string_view text) noexcept {
-  message.fill('\0');
-  std::copy_n(text.begin(), std::min(text.size(), message.size() - 1), message.begin());
-}
+void AcquisitionReport::set_message(std::string_view text) noexcept { set_text(message, text); }
 
 Acquisition::Acquisition(device::Device& device, core::Clock& clock, ScanSink& sink, core::Rate rate, std::size_t block_scans)
     : device_(device), clock_(clock), sink_(sink), wanted_rate_(rate), block_scans_(block_scans) {
@@ -134,12 +136,19 @@ void Acquisition::stream() noexcept {
         note_gap(result.gap.reason == core::GapReason::None ? core::Gap{.reason = core::GapReason::Unplugged} : result.gap);
         was_lost_ = true;
         report_.device = device::DeviceState::Gone;
-        report_.set_message("device disconnected; plug it in again: dtsd opens it by itself");
-        publish_report();
+        note_gone(device_.why_gone());
         return;
       case device::ReadOutcome::NotStreaming: return;
     }
   }
+}
+
+/// The supervisor may miss the message if the device is back within its turn: the gap keeps the reason.
+void Acquisition::note_gone(const std::string& why) noexcept {
+  set_text(why_pending_gap_, why);
+  report_.set_message("device disconnected; plug it in again: dtsd opens it by itself");
+  if (!why.empty()) report_.set_message(why + "; dtsd opens it again by itself");
+  publish_report();
 }
 
 void Acquisition::restart(const core::Gap& gap) noexcept {
@@ -207,6 +216,7 @@ void Acquisition::open_segment() noexcept {
     }
     report_.losses.add(pending_gap_.reason, {.gaps = 1, .scans = pending_gap_.missing_scans});
     report_.last_gap = pending_gap_;
+    report_.why_last_gap = std::exchange(why_pending_gap_, {});
     ++report_.segment;
   }
   acquired_.gap_before = pending_gap_;

@@ -23,6 +23,7 @@ struct AcquisitionReport {
   std::uint64_t scans_total = 0;
   core::Losses losses;
   core::Gap last_gap;
+  std::array<char, 512> why_last_gap{};       ///< Why the device was gone before the last gap ended; empty: unplugged, or never gone.
   std::uint64_t turns = 0;                    ///< Increases while the thread runs without scans: a sign of life for the watchdog.
   std::uint64_t reconnects_total = 0;         ///< Number of times that a lost device was opened again.
   std::uint64_t restarts_total = 0;           ///< Number of times that the scan of a connected device was restarted.
@@ -37,6 +38,7 @@ struct AcquisitionReport {
   [[nodiscard]] bool delivers() const noexcept { return device == device::DeviceState::Streaming && !is_silent && !is_armed; }
   void set_message(std::string_view text) noexcept;
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
+  [[nodiscard]] std::string_view gap_text() const noexcept { return why_last_gap.data(); }
 };
 
 /// Receives the scans of an Acquisition. Thread: rig.
@@ -76,6 +78,7 @@ class Acquisition {
   void pass_on() noexcept;
   void note_delivery() noexcept;
   void note_gap(const core::Gap& gap) noexcept;
+  void note_gone(const std::string& why) noexcept;
   void restart(const core::Gap& gap) noexcept;
   void note_armed(std::int64_t now_ns) noexcept;
   void note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept;
@@ -96,8 +99,9 @@ class Acquisition {
 
   AcquisitionReport report_;
   core::LatestValue<AcquisitionReport> latest_;
-  core::Acquired acquired_;         ///< The newest block.
-  core::Gap pending_gap_;           ///< Becomes `gap_before` of the next block.
+  core::Acquired acquired_;  ///< The newest block.
+  core::Gap pending_gap_;    ///< Becomes `gap_before` of the next block.
+  std::array<char, 512> why_pending_gap_{};
   std::uint64_t segment_base_ = 0;  ///< Device index of the segment's scan 0.
   bool needs_segment_ = true;       ///< The next block starts a segment.
   bool has_streamed_ = false;

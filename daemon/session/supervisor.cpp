@@ -331,7 +331,8 @@ void Supervisor::log_gaps(Entry& entry, const AcquisitionReport& report) {
   const std::string more = fresh > 1 ? " (and " + std::to_string(fresh - 1) + " more gaps before it)" : "";
   log_.warning("rig '" + entry.rig->config().name + "': " + (report.last_gap.is_exact ? "" : "about ") +
                std::to_string(report.last_gap.missing_scans) + " scans missing before segment " + std::to_string(report.segment) + ", " +
-               std::string(core::name(report.last_gap.reason)) + more);
+               std::string(core::name(report.last_gap.reason)) + (report.gap_text().empty() ? "" : ": ") + std::string(report.gap_text()) +
+               more);
 }
 
 std::vector<Notice> Supervisor::take_notices() { return std::exchange(notices_, {}); }

@@ -113,8 +113,7 @@ std::int64_t FakeBoard::next_event_ns() const noexcept {
 void FakeBoard::run_until(std::int64_t now_ns) {
   while (next_event_ns() <= now_ns) {
     const std::int64_t at_ns = next_event_ns();
-    const bool is_silent = setup_.silent_at_s && is_streaming_ &&
-                           static_cast<double>(at_ns - run_start_ns_) * 1e-9 >= *setup_.silent_at_s;
+    const bool is_silent = setup_.silent_at_s && is_streaming_ && static_cast<double>(at_ns - run_start_ns_) * 1e-9 >= *setup_.silent_at_s;
     if (!setup_.speaks_lines && at_ns == next_descriptor_ns_) {
       next_descriptor_ns_ += kDescribeEveryNs;
       if (is_silent) continue;
@@ -178,10 +177,11 @@ void FakeBoard::send_line(std::int64_t at_ns) {
   };
   const std::uint32_t mask = setup_.counter_bits == 16 ? 0xFFFFU : 0xFFFFFFFFU;
   if (setup_.has_counter) add("%u", counter_ & mask);
-  if (setup_.has_time) add("%u", static_cast<std::uint32_t>(static_cast<double>(at_ns - boot_ns_) * 1e-3 * (1.0 + setup_.clock_ppm * 1e-6)));
+  if (setup_.has_time)
+    add("%u", static_cast<std::uint32_t>(static_cast<double>(at_ns - boot_ns_) * 1e-3 * (1.0 + setup_.clock_ppm * 1e-6)));
   for (std::size_t channel = 0; channel < setup_.channels; ++channel) {
     if (length > 0) add("%s", setup_.separator.data());
-    add("%.9g", fake_value(fake_code(run_, counter_, channel)));
+    add("%.17g", fake_value(fake_code(run_, counter_, channel)));
   }
   if (setup_.has_checksum) {
     unsigned sum = 0;
@@ -272,13 +272,10 @@ void FakeBoard::receive(std::span<const std::uint8_t> bytes, std::int64_t now_ns
 }
 
 void FakeBoard::handle(std::span<const std::uint8_t> payload, std::int64_t now_ns) {
-  const bool is_silent =
-      setup_.silent_at_s && is_streaming_ && static_cast<double>(now_ns - run_start_ns_) * 1e-9 >= *setup_.silent_at_s;
+  const bool is_silent = setup_.silent_at_s && is_streaming_ && static_cast<double>(now_ns - run_start_ns_) * 1e-9 >= *setup_.silent_at_s;
   if (is_silent) return;
   switch (static_cast<FrameType>(payload[0])) {
-    case FrameType::Describe:
-      send_descriptor();
-      return send_channels();
+    case FrameType::Describe: send_descriptor(); return send_channels();
     case FrameType::Start:
       if (payload.size() != 9) return;
       if (setup_.starts_on_command && !is_streaming_) start({u32_at(payload, 1), u32_at(payload, 5)}, now_ns);

@@ -23,10 +23,10 @@ struct FakeBoardSetup {
   std::size_t scans_per_frame = 5;
   bool carries_time = true;
   bool starts_on_command = true;
-  bool hears = true;         ///< false: describes itself every 5 s, completely, and takes no commands.
-  bool knows_rate = true;    ///< false: says 0/1.
-  bool keeps_rate = false;   ///< true: runs `rate` whatever START says.
-  double clock_ppm = 0.0;    ///< How much its clock is fast.
+  bool hears = true;        ///< false: describes itself every 5 s, completely, and takes no commands.
+  bool knows_rate = true;   ///< false: says 0/1.
+  bool keeps_rate = false;  ///< true: runs `rate` whatever START says.
+  double clock_ppm = 0.0;   ///< How much its clock is fast.
   std::string serial = "B0A4D001";
   int constant_channel = -1;
   // Lines
@@ -37,9 +37,9 @@ struct FakeBoardSetup {
   std::string_view separator = ",";
   std::string_view line_end = "\r\n";
   // Faults
-  std::optional<double> loses_at_s;       ///< Since the start of the run: loses `lost_scans`, and says so.
+  std::optional<double> loses_at_s{};  ///< Since the start of the run: loses `lost_scans`, and says so.
   std::uint32_t lost_scans = 70;
-  std::optional<double> silent_at_s;      ///< Since the start of the run: does nothing any more, until reset.
+  std::optional<double> silent_at_s{};  ///< Since the start of the run: does nothing any more, until reset.
 };
 
 /// The codes of a scan of a fake board show which scan it is: channel 0 has the low 15 bits of the counter, 1 the run, 2 a hash of counter
@@ -65,7 +65,10 @@ class FakeBoard {
   /// Moves up to `out.size()` bytes to `out` and returns their number.
   [[nodiscard]] std::size_t take(std::span<std::uint8_t> out) noexcept;
   /// Removes what waits to be sent.
-  void drop_output() noexcept { out_.clear(); taken_ = 0; }
+  void drop_output() noexcept {
+    out_.clear();
+    taken_ = 0;
+  }
   [[nodiscard]] bool has_output() const noexcept { return taken_ < out_.size(); }
 
   [[nodiscard]] bool is_streaming() const noexcept { return is_streaming_; }
@@ -74,7 +77,10 @@ class FakeBoard {
   [[nodiscard]] std::uint32_t counter() const noexcept { return counter_; }
   [[nodiscard]] std::uint64_t scans_made() const noexcept { return scans_made_; }
   /// Continues the counter elsewhere: near its wrap.
-  void set_counter(std::uint32_t counter) noexcept { first_counter_ = counter; counter_ = counter; }
+  void set_counter(std::uint32_t counter) noexcept {
+    first_counter_ = counter;
+    counter_ = counter;
+  }
   void send_payload(std::span<const std::uint8_t> payload);
   void send_bytes(std::span<const std::uint8_t> bytes);
   void send_descriptor();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fake board as a program: fake_board OPTION=VALUE... speaks on stdin and stdout, or with pty=1 on a pseudo-terminal, whose name it prints.
+// A fake board as a program: fake_board OPTION=VALUE... speaks on stdin and stdout, or with pty=1 on a pseudo-terminal, whose name it
+// prints.
 #include <fcntl.h>
 #include <stdlib.h>
 #include <termios.h>

@@ -89,7 +89,7 @@ core::Status BoardDevice::meet_lines() {
   const std::size_t columns = lines_->decoder().wrong_columns();
   if (columns == 0) {
     return core::fail(ErrorCode::DataDamaged, what + ": what arrives are no lines of numbers",
-                      "check baud, and format: a board that sends frames needs format=frames");
+                      "check baud, counter and time_us; a board that sends frames needs format=frames");
   }
   const std::size_t wanted = shape.channels + (shape.first_column == FirstColumn::Value ? 0 : 1);
   return core::fail(ErrorCode::InvalidArgument,
@@ -174,6 +174,12 @@ ReadResult BoardDevice::read(core::Block& block, std::int64_t deadline_ns) noexc
   const ReadResult result = delivery_->read(block, deadline_ns);
   if (result.outcome == ReadOutcome::Gone) move_to(DeviceState::Gone);
   return result;
+}
+
+std::string BoardDevice::why_gone() const {
+  if (state() != DeviceState::Gone) return {};
+  if (std::string why = link_->why_lost(); !why.empty()) return why;
+  return "the board is silent: it sends no scans; check its program, cable and power";
 }
 
 void BoardDevice::interrupt() noexcept {

@@ -32,6 +32,7 @@ class BoardDevice final : public Device {
   [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
   [[nodiscard]] DeviceReport report() const override;
   [[nodiscard]] bool has_arrived() noexcept override { return link_->has_arrived(); }
+  [[nodiscard]] std::string why_gone() const override;
   [[nodiscard]] core::Status open() override;
   [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;

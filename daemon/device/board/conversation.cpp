@@ -20,6 +20,7 @@ constexpr std::int64_t kStopNs = 200 * kMillisecond;  // below the 250 ms of Dev
 constexpr std::int64_t kMeasureNs = 2000 * kMillisecond;
 constexpr std::int64_t kLongestMeasureNs = 10'000 * kMillisecond;
 constexpr std::uint32_t kLeastMeasuredScans = 10;
+constexpr std::uint64_t kLeastGarbage = 8;      // a board sends one 0x00 after its reset
 constexpr double kRateToleranceHz = 5e-6;       // a wanted rate is a multiple of 1e-6 Hz, and 32 bits hold 20 kHz that exactly
 constexpr double kLargestMeasuredError = 0.01;  // as the largest error of a rate while scans flow
 
@@ -103,7 +104,7 @@ core::Error Conversation::unanswered(const std::string& what) const {
     return {ErrorCode::Timeout, what + ": the board did not describe all of its channels", "check the board's program"};
   }
   const InputCounts& counts = input_.decoder().counts();
-  if (counts.good == 0 && input_.byte_count() > 0) {
+  if (counts.good == 0 && input_.byte_count() >= kLeastGarbage) {
     return {ErrorCode::DataDamaged, what + ": what arrives are no frames (" + std::to_string(input_.byte_count()) + " bytes)",
             "check baud, and format: a board that prints numbers needs format=lines"};
   }
@@ -236,9 +237,16 @@ core::Result<RunStart> Conversation::start(core::Rate rate) {
   RunStart started{.is_commanded = facts_.descriptor().starts_on_command};
   if (started.is_commanded) {
     started.wanted = facts_.descriptor().rate.is_known() ? wire_rate(rate) : WireRate{};
+    const auto is_streaming = [](const Descriptor& now) { return now.is_streaming; };
     started.earlier_run = run_;
     may_be_streaming_ = true;
-    DTS_TRY(command(start_command(started.wanted), "START", [](const Descriptor& now) { return now.is_streaming; }));
+    DTS_TRY(command(start_command(started.wanted), "START", is_streaming));
+    if (facts_.descriptor().is_pattern) {  // switched on since the board described itself
+      DTS_TRY(halt());
+      started.earlier_run = run_;
+      may_be_streaming_ = true;
+      DTS_TRY(command(start_command(started.wanted), "START", is_streaming));
+    }
   }
   core::Status checked = check_rate(rate, what);
   if (checked && facts_.descriptor().is_pattern) {

@@ -15,7 +15,7 @@ struct InputCounts {
   std::uint64_t good = 0;
   std::uint64_t damaged = 0;   ///< Wrong checksum, wrong stuffing, not a line of numbers.
   std::uint64_t too_long = 0;  ///< Longer than a frame or a line can be.
-  std::uint64_t rejected = 0;   ///< Undamaged, but a field or the number of columns is wrong.
+  std::uint64_t rejected = 0;  ///< Undamaged, but a field or the number of columns is wrong.
 };
 
 /// Finds the frames in a stream of bytes. After damage it continues behind the next 0x00. Realtime-safe: yes.

@@ -102,7 +102,7 @@ std::string to_string(const Refusal& refusal) {
 }
 
 Parsed<Descriptor> parse_descriptor(std::span<const std::uint8_t> payload) noexcept {
-  constexpr char kFrame[] = "DESCRIPTOR";
+  constexpr const char* kFrame = "DESCRIPTOR";
   FieldReader fields(payload.subspan(1));
   const std::uint8_t version = fields.u8();
   Descriptor found;
@@ -145,7 +145,7 @@ Parsed<Descriptor> parse_descriptor(std::span<const std::uint8_t> payload) noexc
 }
 
 Parsed<Channel> parse_channel(std::span<const std::uint8_t> payload) noexcept {
-  constexpr char kFrame[] = "CHANNEL";
+  constexpr const char* kFrame = "CHANNEL";
   FieldReader fields(payload.subspan(1));
   Channel found;
   found.index = fields.u8();
@@ -177,7 +177,7 @@ Parsed<Channel> parse_channel(std::span<const std::uint8_t> payload) noexcept {
 }
 
 Parsed<Scans> parse_scans(std::span<const std::uint8_t> payload, std::size_t channels) noexcept {
-  constexpr char kFrame[] = "SCANS";
+  constexpr const char* kFrame = "SCANS";
   if (payload.size() < kScansHead) return refuse_length(kFrame, payload);
   FieldReader fields(payload.subspan(1));
   Scans found;

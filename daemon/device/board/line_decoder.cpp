@@ -93,9 +93,10 @@ bool LineDecoder::parse(std::string_view text) noexcept {
   bool are_numbers = true;
   for (bool has_next = true; has_next; ++columns) {
     const std::string_view column = cut_column(text, has_next);
-    are_numbers = are_numbers && columns < wanted && add_column(columns, column);
+    const bool is_number = columns < wanted ? add_column(columns, column) : number_of<double>(column).has_value();
+    are_numbers = are_numbers && is_number;
   }
-  if (columns != wanted) {
+  if (are_numbers && columns != wanted) {
     wrong_columns_ = columns;
     ++counts_.rejected;
     return false;

@@ -37,7 +37,8 @@ class ByteLink {
   [[nodiscard]] virtual core::Status open() = 0;
   /// Disconnects. A child process has ended (asked, then killed) when this returns, within 250 ms. No effect if closed.
   virtual void close() noexcept = 0;
-  /// Waits for at least one byte until `deadline_ns` (now_ns clock). Realtime-safe: no allocation, lock, log.
+  /// Waits for at least one byte until `deadline_ns` (now_ns clock); does not wait if it has passed. Realtime-safe: no allocation, lock,
+  /// log.
   [[nodiscard]] virtual BytesRead read(std::span<std::uint8_t> buffer, std::int64_t deadline_ns) noexcept = 0;
   /// Writes all bytes. Fails with Timeout if the other end does not take them within 100 ms, with DeviceGone if the link is lost.
   [[nodiscard]] virtual core::Status write(std::span<const std::uint8_t> bytes) = 0;

@@ -5,7 +5,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -17,7 +16,8 @@ namespace {
 constexpr std::int64_t kWriteLimitNs = 100 * core::kNanosecondsPerMillisecond;
 
 timespec time_left(const core::Clock& clock, std::int64_t deadline_ns) noexcept {
-  const std::int64_t left_ns = std::max<std::int64_t>(deadline_ns - clock.now_ns(), 0);
+  const std::int64_t now_ns = clock.now_ns();
+  const std::int64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;  // a deadline may be the smallest number: do not wait
   return {.tv_sec = left_ns / core::kNanosecondsPerSecond, .tv_nsec = left_ns % core::kNanosecondsPerSecond};
 }
 

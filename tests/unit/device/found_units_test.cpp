@@ -76,7 +76,7 @@ TEST(IsMeantBy, ModelAndSerialNumberDecide) {
 }
 
 struct FoundPorts : testing::Test {
-  test::TemporaryFolder folder;
+  dts::test::TemporaryFolder folder;
 
   void plug(const std::string& name, const std::string& vendor, const std::string& product, const std::string& serial) {
     namespace fs = std::filesystem;

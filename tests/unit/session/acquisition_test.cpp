@@ -92,6 +92,35 @@ TEST(Acquisition, Gaps_AreToldOnceWithTheirLengthAndStartASegmentAtZero) {
   }
 }
 
+TEST(Acquisition, DeviceThatKnowsWhyItIsGone_IsQuoted) {
+  Live run({{.outcome = ReadOutcome::Gone}});
+  run.device.reason = "the program x ended with exit status 3";
+  std::string message;
+  run.device.on_arrival_question = [&] {
+    message = run.acquisition.report().text();
+    return true;
+  };
+  run.device.on_end = [&] { run.acquisition.request_stop(); };
+  run.acquisition.run();
+  EXPECT_EQ(message, "the program x ended with exit status 3; dtsd opens it again by itself");
+}
+
+TEST(Acquisition, DeviceThatIsBackAtOnce_TheGapKeepsWhyItWasGone_TheNextGapDoesNot) {
+  Live run({{.scans = 1}, {.outcome = ReadOutcome::Gone}, {.scans = 1}});
+  run.device.reason = "the program x ended with exit status 3";
+  std::string first;
+  run.device.on_end = [&] {
+    if (!first.empty()) return run.acquisition.request_stop();
+    first = run.acquisition.report().gap_text();
+    if (first.empty()) return run.acquisition.request_stop();
+    run.device.extend({{.outcome = ReadOutcome::Gap, .gap = {.reason = core::GapReason::Overrun, .missing_scans = 1}}, {.scans = 1}});
+  };
+  run.acquisition.run();
+  EXPECT_EQ(first, "the program x ended with exit status 3");
+  EXPECT_EQ(run.acquisition.report().last_gap.reason, core::GapReason::Overrun);
+  EXPECT_EQ(run.acquisition.report().gap_text(), "");
+}
+
 TEST(Acquisition, DeviceAbsentAtStart_IsTriedAgainAndIsNoGap) {
   const Playback run({{.scans = 1}}, 3);
 

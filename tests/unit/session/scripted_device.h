@@ -23,12 +23,14 @@ class ScriptedDevice final : public device::TestDevice {
 
   std::function<void()> on_end;
   std::function<bool()> on_arrival_question = [] { return false; };
+  std::string reason;  ///< Why it is gone.
   double starts_at_rate_factor = 1.0;
   int starts = 0;
   int failing_opens = 0;
   int opens = 0;
 
   bool has_arrived() noexcept override { return on_arrival_question(); }
+  std::string why_gone() const override { return reason; }
   core::Status open() override {
     ++opens;
     if (failing_opens > 0) {

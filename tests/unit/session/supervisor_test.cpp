@@ -4,6 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+
 #include "supervisor_fixture.h"
 #include "unit/physics/cop/constant_two_feet.h"
 
@@ -47,6 +50,28 @@ TEST_F(SupervisorTest, TwoRigsOfOneName_AreRefused) {
   open();
   auto second = Rig::create(config_, std::make_unique<HandFedDevice>(4), clock_, bell_).value();
   EXPECT_THAT(why_refused(supervisor_->add(std::move(second)), ErrorCode::InvalidArgument), HasSubstr("two rigs are named 'floor'"));
+}
+
+TEST_F(SupervisorTest, SerialPorts_AreListedUntilARigUsesThem) {
+  namespace fs = std::filesystem;
+  for (const std::string name : {"ttyACM0", "ttyACM1"}) {
+    const fs::path device = folder_ / "sys/devices" / name;
+    fs::create_directories(device / "interface/tty" / name);
+    std::ofstream(device / "idVendor") << "2341";
+    std::ofstream(device / "idProduct") << "0043";
+    fs::create_directories(folder_ / "sys/class/tty");
+    fs::create_directory_symlink(device / "interface", device / "interface/tty" / name / "device");
+    fs::create_directory_symlink(device / "interface/tty" / name, folder_ / "sys/class/tty" / name);
+  }
+  recordings_ = Recordings::open(storage_, clock_, log_).value();
+  supervisor_ = std::make_unique<Supervisor>(
+      clock_, log_, nullptr, SessionServices{.recordings = *recordings_, .worker = worker_, .ports_root = folder_.string()});
+  EXPECT_EQ(supervisor_->unused_ports().size(), 2U);
+  config_.device_uri = "serial:/dev/ttyACM0?channels=4";
+  ASSERT_TRUE(supervisor_->add(Rig::create(config_, std::make_unique<HandFedDevice>(4), clock_, bell_).value()));
+  const auto unused = supervisor_->unused_ports();
+  ASSERT_EQ(unused.size(), 1U);
+  EXPECT_EQ(unused[0].uri, "serial:/dev/ttyACM1?channels=N");
 }
 
 TEST_F(SupervisorTest, SeveralRigs_ASessionIsNamedByItsRig) {

@@ -31,7 +31,7 @@ struct ProgramTest : testing::Test {
   core::SystemClock clock;
   std::ostringstream lines;  ///< Read it only when the link is closed.
   core::Log log{std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(lines))};
-  test::TemporaryFolder folder;
+  dts::test::TemporaryFolder folder;
 
   std::unique_ptr<ByteLink> program(std::vector<std::string> argv) { return run_program(std::move(argv), clock, log); }
   std::unique_ptr<ByteLink> shell(const std::string& script) { return program({"sh", "-c", script}); }

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <thread>
 
 #include "device/bytes/raw_mode.h"
@@ -29,7 +30,7 @@ constexpr std::uint32_t kBaud = 115200;
 struct SerialPortTest : testing::Test {
   core::SystemClock clock;
   Pty pty;
-  test::TemporaryFolder folder;
+  dts::test::TemporaryFolder folder;
 
   std::unique_ptr<ByteLink> port(const std::string& path, std::uint32_t baud = kBaud) { return create_serial_port(path, "", baud, clock); }
   std::unique_ptr<ByteLink> opened() {
@@ -99,6 +100,7 @@ TEST_F(SerialPortTest, SilenceEndsWithTimeout) {
   std::array<std::uint8_t, 8> buffer{};
   EXPECT_EQ(link->read(buffer, clock.now_ns() + 1'000'000).end, ReadEnd::Timeout);
   EXPECT_EQ(link->read(buffer, clock.now_ns() - 1).end, ReadEnd::Timeout);
+  EXPECT_EQ(link->read(buffer, std::numeric_limits<std::int64_t>::min()).end, ReadEnd::Timeout);
   EXPECT_EQ(link->why_lost(), "");
 }
 
@@ -117,9 +119,9 @@ TEST_F(SerialPortTest, ReadAllocatesNothing_AndStampsTheArrival) {
   std::array<std::uint8_t, 8> buffer{};
   pty.say("abc");
   const std::int64_t before_ns = clock.raw_ns();
-  const std::uint64_t heap_calls = test::heap_calls_of_this_thread();
+  const std::uint64_t heap_calls = dts::test::heap_calls_of_this_thread();
   const BytesRead read = link->read(buffer, clock.now_ns() + kPatienceNs);
-  EXPECT_EQ(test::heap_calls_of_this_thread(), heap_calls);
+  EXPECT_EQ(dts::test::heap_calls_of_this_thread(), heap_calls);
   EXPECT_EQ(read.end, ReadEnd::Bytes);
   EXPECT_GE(read.raw_ns, before_ns);
   EXPECT_LE(read.raw_ns, clock.raw_ns());

@@ -17,7 +17,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 struct UsbTtys : testing::Test {
-  test::TemporaryFolder folder;
+  dts::test::TemporaryFolder folder;
 
   void attribute(const fs::path& device, const std::string& name, const std::string& text) { std::ofstream(device / name) << text << '\n'; }
   /// A port as the kernel shows it; `steps`: folders between the port and its USB device (CDC: 1, USB serial adapters: 2).

@@ -215,6 +215,28 @@ class Run(unittest.TestCase):
             self.assertGreater(checker.lost, 1000)
             self.assertEqual((checker.counter, board.damaged), (checker.scans + checker.lost, 0))
 
+    def test_a_scan_that_is_due_during_another_one_is_late(self):
+        """2000 Hz, and 8 conversions take longer than 0.5 ms: so scans are late all the time."""
+        with Board("dts-firmware-overrun.elf", "--fast") as board:
+            board.open()
+            board.ask("run 100")
+            board.waiting()
+            board.damaged = 0
+            board.start(2000)
+            board.ask("run 5000")
+            board.send(STOP)
+            board.ask("run 1000")
+            frames = board.waiting()
+            self.assertEqual(frames[0]["rate"], (2_000_000, 1000))
+            checker = ScanChecker(1000)
+            for frame in frames:
+                checker.take(frame)
+            losses = [frame for frame in frames if frame["kind"] == LOST]
+            self.assertIn(2, {frame["reason"] for frame in losses})
+            self.assertTrue(9994 <= checker.scans + checker.lost <= 10_006, (checker.scans, checker.lost))
+            self.assertGreater(checker.scans, 500)
+            self.assertEqual(board.damaged, 0)
+
 
 class Led(unittest.TestCase):
     def led(self, board: Board):

@@ -35,7 +35,8 @@ class Hardware {
   using Guard = NoInterrupts;
 
   // A conversion takes 104 us, and its interrupt some 5 us. 8 channels take 0.9 ms.
-  static constexpr Limits kLimits{DTS_CHANNELS, F_CPU / 8, F_CPU / 8 / 1000, 0xFFFF, DTS_IS_LINE_THE_LIMIT ? DTS_BAUD / 10 : 0};
+  static constexpr Limits kLimits{DTS_CHANNELS, F_CPU / 8, DTS_IS_RATE_LIMITED ? F_CPU / 8 / 1000 : 1000, 0xFFFF,
+                                  DTS_IS_RATE_LIMITED ? DTS_BAUD / 10 : 0};
   static constexpr uint8_t kBits = 10;
   static constexpr float kVoltsPerCode = 5.0F / 1024.0F;
   static constexpr uint8_t kQueuedScans = DTS_CHANNELS <= 4 ? 64 : 32;

@@ -306,6 +306,33 @@ def daqs() -> dict[str, bytes]:
     }
 
 
+def boards() -> dict[str, bytes]:
+    def payload(content: bytes) -> bytes:
+        return b"\1" + piece(content)
+
+    def wait(*tens_of_ms: int) -> bytes:
+        return b"".join(bytes([6, time]) for time in tens_of_ms)
+
+    def scans(counter: int, channels: int) -> bytes:
+        return payload(bytes([3, 2]) + struct.pack("<II", counter, 0) + b"\3" + b"\x10\0" * (3 * channels))
+
+    descriptor = bytes([1, 1, 4, 10]) + struct.pack("<III", 100, 1, 1_000_000) + bytes([11]) + b"\2S1\3Uno\0011"
+    channel = bytes([2, 0, 0]) + struct.pack("<hhff", 0, 1023, 0.004, 0.0) + b"\2a0\1V"
+    lost = bytes([4, 2]) + struct.pack("<IBI", 50, 1, 7)
+    seeds = {
+        "frames": b"\0" + piece(b"") + b"".join(scans(3 * i, 4) + wait(3) for i in range(4)) + payload(descriptor) + payload(channel)
+        + payload(lost) + payload(b"\5hello") + b"\2" + wait(20, 20, 20),
+        "faults": b"\0" + piece(b"") + wait(5) + b"\3\x28" + wait(30, 30) + b"\3\0" + wait(10) + b"\2" + wait(30) + b"\4\x09" + wait(10, 200)
+        + b"\7\0" + wait(200) + b"\7\1" + wait(9),
+        "marker": b"\1" + piece(b"") + wait(5) + scans(0, 2) + wait(5, 5),
+    }
+    for form, (name, first) in enumerate({"lines": b"", "counted16": b"7,", "counted": b"9,", "timed": b"1000,"}.items()):
+        lines = b"x\n" + first + b"1,2,3,4\n" + first + b"1 2 3 4*00\r\n\n"
+        seeds[name] = bytes([form + 2]) + piece(b"") + wait(5) + b"\0" + piece(lines) + wait(20) + b"\3\x1e" + wait(20) + b"\3\0\2" + wait(40, 100)
+        seeds[name] += b"\7\0" + wait(9)
+    return seeds
+
+
 def u6_streams() -> dict[str, bytes]:
     def packet(samples: list[int], error: int = 0, discarded: int = 0) -> bytes:
         return bytes(6) + struct.pack("<IBB", discarded, 0, error) + struct.pack(f"<{len(samples)}H", *samples) + bytes(2)
@@ -404,7 +431,7 @@ def main() -> None:
     for target, seeds in {
         "sensor_curve": sensor_curves(), "force_plate": force_plates(), "force": force_texts(), "cop_calibration": cop_calibrations(), "trunk_model": trunk_models(), "protocol": protocols, "rig": rigs(),
         "config": configs(), "corrections": corrections(), "label_pattern": label_patterns(), "keys": keys(), "users": users(), "http": http(), "control": control(control_module), "bus": bus(control_module, stream),
-        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(), "fleet": fleet(fleet_module), "link": link(),
+        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "serial": boards(), "zmtp": zmtp(), "fleet": fleet(fleet_module), "link": link(),
     }.items():
         write(folder / target, seeds)
 

@@ -72,6 +72,8 @@ BytesRead DescriptorLink::read(std::span<std::uint8_t> buffer, std::int64_t dead
 
 core::Status DescriptorLink::write(std::span<const std::uint8_t> bytes) {
   if (!ends_) return core::fail(core::ErrorCode::DeviceGone, "cannot write to " + name_ + ": it is not open");
+  // The kernel may take bytes for a while after the other end has closed its side.
+  if (lost()) return core::fail(core::ErrorCode::DeviceGone, "cannot write to " + name_ + ": it is lost");
   const int out = ends_->out.get() >= 0 ? ends_->out.get() : ends_->in.get();
   const std::int64_t deadline_ns = clock_.now_ns() + kWriteLimitNs;
   while (!bytes.empty()) {

@@ -80,7 +80,8 @@ class SerialPort final : public DescriptorLink {
     seen_ = identity_of(target.path);
     if (target.path.empty()) {
       return core::fail(ErrorCode::NotFound,
-                        "cannot open " + name() + ": it does not exist, and no port has the USB serial number " + usb_serial_,
+                        "cannot open " + name() + ": it does not exist" +
+                            (usb_serial_.empty() ? std::string{} : ", and no port has the USB serial number " + usb_serial_),
                         "plug the board in; dtsctl device list shows the ports");
     }
     const std::string shown = target.path == path_ ? name() : name() + " (now " + target.path + ")";

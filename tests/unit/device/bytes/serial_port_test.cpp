@@ -162,6 +162,7 @@ TEST_F(SerialPortTest, PortInUse_IsRefused_AndFreeAfterClose) {
 
 TEST_F(SerialPortTest, WrongPaths_AreExplained) {
   EXPECT_EQ(port("/dev/ttyACM-none")->open().error().code, ErrorCode::NotFound);
+  EXPECT_EQ(port("/dev/ttyACM-none")->open().error().what, "cannot open serial port /dev/ttyACM-none: it does not exist");
   EXPECT_THAT(port("/dev/ttyACM-none")->open().error().hint, HasSubstr("dtsctl device list"));
   EXPECT_EQ(port("/dev/null")->open().error().code, ErrorCode::InvalidArgument);
   EXPECT_THAT(port("/dev/null")->open().error().what, HasSubstr("is not a serial port"));

@@ -180,6 +180,7 @@ TEST_F(BoardTest, ALossIsReportedAfterTheScansBeforeIt) {
   sample(20);
   frames = polled();
   EXPECT_EQ(u32_at(frames.at(0), 2), 0xFFFFFFF0U + 70);
+  EXPECT_EQ(u32_at(frames.at(0), 6), 0xFFFFF000U + 70 * 2000U);
   EXPECT_EQ(i16_at(frames.at(0), 11), 70);
 }
 
@@ -269,7 +270,10 @@ TEST_F(BoardTest, ADescriptionDuringARunLosesNothing) {
   start();
   for (int round = 0; round < 40; ++round) {
     sample(20);
-    for (const Bytes& frame : command({0x81})) ASSERT_NE(frame[0], 0x04);
+    const auto frames = command({0x81});
+    for (const Bytes& frame : frames) ASSERT_NE(frame[0], 0x04);
+    ASSERT_EQ(frames.size(), 4U);
+    EXPECT_NE(frames[3][0], 0x03) << "scans must not wait for the whole description";
   }
 }
 

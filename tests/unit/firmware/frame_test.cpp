@@ -92,6 +92,9 @@ TEST(CommandReader, SkipsWhatIsTooLongUpToItsZero) {
   CommandReader reader;
   EXPECT_FALSE(add_all(reader, encoded(Bytes(10, 0x83))));  // one byte longer than the longest command
   EXPECT_FALSE(add_all(reader, encoded(Bytes(240, 0x83))));
+  Bytes longer = encoded({0x82, 1, 1, 1, 1, 1, 1, 1, 1});
+  longer.insert(longer.end() - 1, {1, 2, 3});
+  EXPECT_FALSE(add_all(reader, longer)) << "it begins like a good command";
   EXPECT_TRUE(add_all(reader, encoded({0x83})));
 }
 

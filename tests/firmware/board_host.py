@@ -110,6 +110,7 @@ class Board:
         self.process = subprocess.Popen([program, firmware, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
         if not line.startswith("port "):
+            self.process.kill()
             raise RuntimeError(f"simavr_board says {line!r}")
         self.path = line.split()[1]
         self.port = -1

@@ -97,12 +97,11 @@ class Program {
 
   void take_commands(int wait_ms) {
     pollfd wait{STDIN_FILENO, POLLIN, 0};
-    if (is_input_over_) wait.fd = -1;
     if (::poll(&wait, 1, wait_ms) <= 0) return;
     std::array<char, 1024> bytes{};
     const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
-    if (count <= 0) {
-      is_input_over_ = true;
+    if (count <= 0) {  // the program that started this one has ended
+      wants_to_quit_ = true;
       return;
     }
     pending_.append(bytes.data(), static_cast<std::size_t>(count));
@@ -169,7 +168,6 @@ class Program {
   bool is_run_due_ = false;
   std::string pending_;
   bool had_host_ = false;
-  bool is_input_over_ = false;
   bool wants_to_quit_ = false;
 };
 
@@ -221,7 +219,7 @@ int main(int argc, char** argv) {
       "  resume\n"
       "  time           the board's time, s\n"
       "  stack          the most bytes of stack so far\n"
-      "  quit"};
+      "  quit           as the end of the input"};
   app.add_option("ELF", options.elf, "The firmware")->required();
   app.add_option("--rig", options.rig, "Rig file for --scene: plate and sensors")->capture_default_str();
   app.add_option("--scene", options.scene, "What is on the plate, with sensor n at input n: sim:floor?...");

@@ -40,6 +40,8 @@ DTS_TEST_PACKAGES=(
   libreaderwriterqueue-dev                             # a peer in the ring benchmark
   python3-onnx                                         # an independent reader of exported networks
   gnuplot-nox                                          # dtslab --plot
+  gcc-avr avr-libc binutils-avr make                   # clients/firmware: the firmware of a board
+  libsimavr-dev libelf-dev                             # the firmware runs in simavr
   mypy python3-matplotlib python3-build python3-setuptools python3-venv python3-wheel # tests of the Python client
 )
 

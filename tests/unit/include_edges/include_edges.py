@@ -129,6 +129,8 @@ HOUSE = [
     ("clients/fleet/hub/durable_file.cpp", [],                                            ["openssl/"]),
     ("clients/fleet/desk",       ["cli", "core", "files", "gateway", "proto", "fleet/wire", "fleet/link", "fleet/database"],
                                                                                           ["boost/", "CLI/", "google/protobuf/", "systemd/"]),
+    ("clients/firmware",         [],                                                      ["stdint.h"]),  # avr-libc has no C++ headers
+    ("clients/firmware/avr",     [],                                                      ["avr/"]),
 ]
 
 # What the system offers, allowed everywhere. C headers that have a C++ name (stdint.h) are missing on purpose.

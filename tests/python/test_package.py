@@ -33,7 +33,7 @@ class Package(unittest.TestCase):
         for example in examples:
             run(sys.executable, "-m", "mypy", cache, "--config-file", "pyproject.toml", example)
 
-        self.assertEqual(len(examples), 2)
+        self.assertTrue(examples)
 
     def test_WheelIsBuiltWithoutNetworkAndImports(self) -> None:
         """In a copy of what the repository holds, since building writes beside the sources; through the source distribution."""

@@ -43,6 +43,12 @@ DTS_TEST_PACKAGES=(
   mypy python3-matplotlib python3-build python3-setuptools python3-venv python3-wheel # tests of the Python client
 )
 
+# The programs of analysts (tests/analysis). Large, so only scripts/test --all installs them; elsewhere their tests run if they are there.
+DTS_ANALYSIS_PACKAGES=(
+  octave                                               # clients/octave, recipes: 117 packages, 250 MB
+  python3-mne                                          # a recipe: 54 MB
+)
+
 # scripts/mutate: the syntax tree of the sources.
 DTS_MUTATION_PACKAGES=(python3-clang-19)
 

@@ -48,8 +48,9 @@ def _floor(process: DaemonProcess) -> str:
         wait_for(lambda: bool(daemon.record("floor/cop", 0.1)["load_n"].mean() > 50), "a person stands on the plate")
         with daemon.start_session("floor", "quiet-standing", subject="P-017", label="first day") as session:
             session.trial("next")
-            session.mark("eyes closed, \"both\" feet & arms ä")
             daemon.record("floor/cop", 1.0)
+            session.mark("eyes closed, \"both\" feet & arms ä")
+            daemon.record("floor/cop", 0.2)
             session.trial("reject")
         return session.id
 
@@ -69,14 +70,18 @@ def _gapped(process: DaemonProcess) -> str:
     with process.connect() as daemon:
         session = daemon.start_session("floor", "free", subject="P-018")
         daemon.record("floor/cop", 1.0)
-        gaps = daemon.events("floor/gap")
+        segment = _segment(daemon)
         process.send(signal.SIGSTOP)
         time.sleep(PAUSE_S)
         process.send(signal.SIGCONT)
-        next(gaps)
+        wait_for(lambda: _segment(daemon) > segment, "a new segment begins")  # its event may be missed by this stopped connection
         daemon.record("floor/cop", 1.0)
         session.stop()
         return session.id
+
+
+def _segment(daemon: dts.Daemon) -> int:
+    return next(rig.segment for rig in daemon.status().rigs if rig.rig.name == "floor")
 
 
 def _two_part(process: DaemonProcess) -> str:

@@ -37,6 +37,7 @@ def issues_of(dataset: Path) -> tuple[dict[str, list[str]], dict[str, list[str]]
 
 class Datasets(unittest.TestCase):
     folder: Path
+    dataset: Path
     recorded: list[recordings.Recorded]
 
     @classmethod
@@ -46,43 +47,42 @@ class Datasets(unittest.TestCase):
         process = DaemonProcess(further=recordings.RIGS)
         cls.addClassCleanup(process.close)
         cls.recorded = recordings.record(process)
+        cls.dataset = cls.folder / "dataset"
         for session in cls.recorded:
-            for dataset in ("all", session.kind):
-                process.dtsctl("session", "export", session.session_id, "--format", "bids", "--out", str(cls.folder / dataset))
+            process.dtsctl("session", "export", session.session_id, "--format", "bids", "--out", str(cls.dataset))
 
-    def test_EachKindOfSessionIsValid(self) -> None:
-        for session in self.recorded:
-            with self.subTest(session.kind):
-                self.check(self.folder / session.kind)
+    def test_EveryKindOfSessionIsValid(self) -> None:
+        errors, warnings = issues_of(self.dataset)
 
-    def test_SessionsTogetherAreValid(self) -> None:
-        self.check(self.folder / "all")
-
-    def check(self, dataset: Path) -> None:
-        errors, warnings = issues_of(dataset)
         self.assertEqual(errors, {})
         self.assertLessEqual(set(warnings), ACCEPTED, warnings)
         self.assertTrue(all(name.endswith("_motion.tsv") for name in warnings.get("CUSTOM_COLUMN_WITHOUT_DESCRIPTION", [])), warnings)
 
+    def files_of(self, kind: str, pattern: str) -> list[Path]:
+        (session,) = (session for session in self.recorded if session.kind == kind)
+        label = "".join(letter for letter in session.session_id if letter.isalnum())
+        return sorted(self.dataset.glob(f"sub-*/ses-{label}/motion/{pattern}"))
+
     def test_TwoPartsAreTwoRunsAndAGapIsInTheTimes(self) -> None:
         for kind in ("two-part", "resumed"):
-            runs = sorted(file.name.rsplit("floorcop_")[1] for file in (self.folder / kind).rglob("*floorcop*motion.tsv"))
+            runs = [file.name.rsplit("floorcop_")[1] for file in self.files_of(kind, "*floorcop*motion.tsv")]
             self.assertEqual(runs, ["motion.tsv", "run-2_motion.tsv"], kind)
-        (cop,) = (self.folder / "gapped").rglob("*floorcop_motion.tsv")
+        (cop,) = self.files_of("gapped", "*floorcop_motion.tsv")
         times_s = [float(line.split("\t")[0]) for line in cop.read_text().splitlines()]
         self.assertGreater(max(b - a for a, b in zip(times_s, times_s[1:])), 1.0)
 
     def test_EveryRecordingHasItsOtherFactsBeside(self) -> None:
+        documents = [json.loads(document.read_text()) for document in (self.dataset / "sourcedata").rglob("*_recording.json")]
+
         for session in self.recorded:
-            documents = (self.folder / session.kind / "sourcedata").rglob("*_recording.json")
-            parts = [json.loads(document.read_text()) for document in documents]
-            self.assertEqual(sorted(part["part"] for part in parts), list(range(1, len(session.files) + 1)), session.kind)
-            self.assertEqual({part["session_id"] for part in parts}, {session.session_id})
+            parts = sorted(document["part"] for document in documents if document["session_id"] == session.session_id)
+            self.assertEqual(parts, list(range(1, len(session.files) + 1)), session.kind)
+        self.assertIn("max_reach_cm", next(document["subject_fields"] for document in documents if document["rig"] == "chair"))
 
     def test_AKeyOfOursInASidecarIsFound(self) -> None:
         """Shows that the validator reads the sidecars at all."""
         broken = self.folder / "broken"
-        shutil.copytree(self.folder / "chair", broken)
+        shutil.copytree(self.dataset, broken)
         sidecar = next(broken.rglob("*chairraw_motion.json"))
         sidecar.write_text(json.dumps({**json.loads(sidecar.read_text()), "FilterDelay": 0.02}))
 

@@ -157,7 +157,7 @@ end
 function stream = stream_of(xml)
 forms = {'int8', 'int16', 'int32', 'int64', 'float32', 'double64', 'string'};
 types = {'int8', 'int16', 'int32', 'int64', 'single', 'double', ''};
-widths = [1 2 4 8 4 8 0];
+widths = [1 2 4 8 4 8 2];                       % bytes; of a text at least
 form = element(xml, 'channel_format');
 which = find(strcmp(forms, form));
 count = str2double(element(xml, 'channel_count'));
@@ -212,10 +212,11 @@ end
 % Samples: [bytes of count][count], then per sample [0 or 8][time stamp, f64, if 8][value]...
 function [stamps, values] = samples_of(content, stream)
 [count, at] = length_at(content, 1);
-if count > numel(content)
-  error('dts:damaged', '%d samples are declared, more than the chunk has bytes', count);
-end
 channels = numel(stream.channels);
+row = 1 + channels * stream.width;             % bytes of a sample without stamp
+if count * row > numel(content)
+  error('dts:damaged', '%d samples are declared, more than the chunk has room for', count);
+end
 stamps = NaN(count, 1);
 if strcmp(stream.form, 'string')
   values = cell(count, channels);
@@ -229,7 +230,6 @@ if strcmp(stream.form, 'string')
   end
   return
 end
-row = 1 + channels * stream.width;
 content = content(at:end);
 if count == 0 || numel(content) ~= count * row + 8 * (content(1) == 8)
   % Another layout than dtsd writes: every sample has a stamp of its own, or some have one.

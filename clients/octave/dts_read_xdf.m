@@ -37,7 +37,7 @@ if numel(bytes) < 4 || ~isequal(char(bytes(1:4).'), 'XDF:')
 end
 [facts, streams, damage] = read_chunks(bytes);
 if ~isobject(facts)
-  error('dts:damaged', '%s has no file header.', file);
+  error('dts:damaged', '%s has no readable file header: %s', file, damage);
 end
 if isempty(damage)
   damage = faults_of_footers({streams.footer});
@@ -228,6 +228,7 @@ if strcmp(stream.form, 'string')
       at = at + bytes;
     end
   end
+  check_end(content, at);
   return
 end
 content = content(at:end);
@@ -240,6 +241,7 @@ if count == 0 || numel(content) ~= count * row + 8 * (content(1) == 8)
     raw(:, k) = content(at:at + row - 2);
     at = at + row - 1;
   end
+  check_end(content, at);
 else
   if content(1) == 8
     stamps(1) = typecast(content(2:9), 'double');
@@ -252,6 +254,12 @@ else
   raw(1, :) = [];
 end
 values = reshape(typecast(raw(:), stream.type), channels, count).';
+end
+
+function check_end(content, at)
+if at ~= numel(content) + 1
+  error('dts:damaged', 'bytes are left over after the samples');
+end
 end
 
 function [stamp_s, at] = stamp_at(content, at)

@@ -90,6 +90,26 @@ def made_file() -> bytes:
     return content + samples(3, [(5001.0, struct.pack("<BB", 1, len(text)) + text)])
 
 
+def raw_samples(count: int, content: bytes) -> bytes:
+    """A chunk of the stream raw of `made_file`."""
+    return chunk(3, struct.pack("<IBI", 1, 4, count) + content)
+
+
+ROW = b"\0" + bytes(24)
+DAMAGE = {  # what follows a sound file; by a part of the reader's message
+    "left over": raw_samples(2, ROW + ROW + b"1234567"),
+    "has room for": raw_samples(1 << 30, ROW),
+    "impossible time stamp": raw_samples(2, ROW + b"\x07" + bytes(24)),
+    "neither 0 nor 8 bytes": raw_samples(2, b"\x07" + ROW[1:] + ROW + bytes(8)),
+    "a length has neither": b"\x03\0\0\0",
+    "the chunk is torn": b"\x08" + struct.pack("<QH", 1 << 63, 3),
+    "has no header": chunk(3, struct.pack("<I", 77)),
+    "or a second one": chunk(2, struct.pack("<I", 1) + b"<info/>"),
+    "one file header": chunk(1, b"<info><version>1.0</version></info>"),
+    "channel_format 'float16'": chunk(2, struct.pack("<I", 8) + b"<info><channel_format>float16</channel_format></info>"),
+}
+
+
 class Reader(unittest.TestCase):
     folder: Path
     recorded: list[recordings.Recorded]
@@ -108,6 +128,8 @@ class Reader(unittest.TestCase):
         whole = Path(cls.recorded[0].files[0]).read_bytes()
         for cut, end in enumerate((len(whole) * 7 // 10, len(whole) * 8 // 10, len(whole) - 7)):
             (cls.folder / f"cut-{cut}.xdf").write_bytes(whole[:end])
+        for number, (problem, content) in enumerate(DAMAGE.items()):
+            (cls.folder / f"damaged-{number}.xdf").write_bytes(made_file() + content)
         octave(f"dump_recordings('{cls.folder}')")  # one run: Octave takes seconds to start
 
     def test_EveryNumberIsThatOfPython(self) -> None:
@@ -140,8 +162,8 @@ class Reader(unittest.TestCase):
     def compare_rest(self, dumped: Dumped, recording: dts.Recording) -> None:
         facts = dumped.all["facts"]
         self.assertEqual(dict(zip(facts[::2], facts[1::2])), recording.session.all if recording.session else {})
-        self.assertEqual("damaged" in dumped.all["damage"], "torn" in recording.damage)
-        if "torn" not in recording.damage:
+        self.assertEqual("damaged at byte" in dumped.all["damage"], "at byte" in recording.damage)
+        if "at byte" not in recording.damage:
             self.assertEqual(dumped.all["damage"], recording.damage)
         events = as_list(dumped.all["events"])
         self.assertEqual(
@@ -190,6 +212,10 @@ class Reader(unittest.TestCase):
                 values = dumped.numbers(name, "values")
                 np.testing.assert_array_equal(values, full[name].values[: len(values)])
         self.assertTrue(len(values))
+
+    def test_DamageIsNamed(self) -> None:
+        for number, problem in enumerate(DAMAGE):
+            self.assertIn(problem, Dumped(self.folder / f"damaged-{number}.xdf").all["damage"])
 
     def test_WhatIsNoRecordingIsSaidSo(self) -> None:
         other = self.folder / "other.xdf"

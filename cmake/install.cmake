@@ -43,6 +43,8 @@ install(FILES config/protocols/README.md DESTINATION ${dts_doc_dir} RENAME proto
 install(FILES README.md SECURITY.md DESTINATION ${dts_doc_dir})
 install(DIRECTORY docs DESTINATION ${dts_doc_dir} FILES_MATCHING PATTERN *.md PATTERN screenshots EXCLUDE)
 
+install(FILES clients/octave/dts_read_xdf.m DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/dts/octave)
+
 # dts_service_page(PROGRAM): what the program says of itself, as a page of system administration: section 8.
 function(dts_service_page program)
   dts_documents(${program})

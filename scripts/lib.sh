@@ -48,6 +48,12 @@ DTS_TEST_PACKAGES=(
 # scripts/docs: a site of Markdown files with checked links and a search that works without a server.
 DTS_DOCS_PACKAGES=(python3-sphinx python3-myst-parser python3-sphinx-rtd-theme)
 
+# The programs of analysts (tests/analysis). Large, so only scripts/test --all installs them; elsewhere their tests run if they are there.
+DTS_ANALYSIS_PACKAGES=(
+  octave                                               # clients/octave, recipes: 117 packages, 250 MB
+  python3-mne                                          # a recipe: 54 MB
+)
+
 # scripts/mutate: the syntax tree of the sources.
 DTS_MUTATION_PACKAGES=(python3-clang-19)
 

@@ -70,9 +70,13 @@ class DaemonProcess:
         wait_for(lambda: "clients with keys connect" in (self.folder / "relay.log").read_text(), "dts-relay listens")
         return relay
 
-    def stop(self, with_signal: int = signal.SIGTERM) -> None:
+    def send(self, a_signal: int) -> None:
         assert self._process is not None
-        self._process.send_signal(with_signal)
+        self._process.send_signal(a_signal)
+
+    def stop(self, with_signal: int = signal.SIGTERM) -> None:
+        self.send(with_signal)
+        assert self._process is not None
         self._process.wait(PATIENCE_S)
 
     def close(self) -> None:

@@ -147,6 +147,12 @@ class Installed(unittest.TestCase):
             for table, key in sorted(keys):
                 self.assertIn(f"\n.B {key}\n", sections.get(table, ""), f"{file}: [{table}] {key}")
 
+    def test_ReaderForOctaveIsWhereItsPageSaysIt(self) -> None:
+        page = (SOURCE / "docs" / "analysis.md").read_text()
+
+        self.assertIn("installs it in `/usr/share/dts/octave`", page)
+        self.assertTrue((self.prefix / "share/dts/octave/dts_read_xdf.m").is_file())
+
     def test_ManualPagesAreThereAndSoundRoff(self) -> None:
         pages = sorted(path.name for path in self.prefix.rglob("man?/*.?"))
         has_fleet = (self.prefix / "sbin/dts-hub").is_file()  # only if its libraries are installed

@@ -40,8 +40,13 @@ DTS_TEST_PACKAGES=(
   libreaderwriterqueue-dev                             # a peer in the ring benchmark
   python3-onnx                                         # an independent reader of exported networks
   gnuplot-nox                                          # dtslab --plot
+  doxygen                                              # every public declaration of libdts has a comment
   mypy python3-matplotlib python3-build python3-setuptools python3-venv python3-wheel # tests of the Python client
+  twine                                                # ... its packages, as a package index checks them
 )
+
+# scripts/docs: the pages of the C++ interface.
+DTS_DOCS_PACKAGES=(doxygen)
 
 # scripts/mutate: the syntax tree of the sources.
 DTS_MUTATION_PACKAGES=(python3-clang-19)

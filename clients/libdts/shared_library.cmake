@@ -37,8 +37,10 @@ write_basic_package_version_file(dtsConfigVersion.cmake COMPATIBILITY SameMinorV
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/dtsConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/dtsConfigVersion.cmake DESTINATION ${package}
   COMPONENT libdts)
 
-# Relative to the file itself: "cmake --install --prefix" decides where that is.
-cmake_path(RELATIVE_PATH CMAKE_INSTALL_FULL_LIBDIR BASE_DIRECTORY ${CMAKE_INSTALL_PREFIX} OUTPUT_VARIABLE libdir)
-cmake_path(RELATIVE_PATH CMAKE_INSTALL_PREFIX BASE_DIRECTORY ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig OUTPUT_VARIABLE up)
-configure_file(dts.pc.in dts.pc @ONLY)
+# Written when it is installed: "cmake --install --prefix" decides where that is.
+install(CODE "
+  set(PROJECT_VERSION ${PROJECT_VERSION})
+  set(CMAKE_INSTALL_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR})
+  set(CMAKE_INSTALL_LIBDIR ${CMAKE_INSTALL_LIBDIR})
+  configure_file(\"${CMAKE_CURRENT_SOURCE_DIR}/dts.pc.in\" \"${CMAKE_CURRENT_BINARY_DIR}/dts.pc\" @ONLY)" COMPONENT libdts)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/dts.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT libdts)

@@ -9,11 +9,13 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
-find_program(CCACHE ccache)
-if(CCACHE)
+if(PROJECT_IS_TOP_LEVEL)  # another project decides itself
+  find_program(CCACHE ccache)
+endif()
+if(PROJECT_IS_TOP_LEVEL AND CCACHE)
   # By the compiler's list of dependencies: without, every miss preprocesses first, which makes it a fifth longer. By paths below this folder:
   # what dts_plain names is compiled once for all presets.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} ${CCACHE})
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} ${CCACHE})
 endif()
 
 # -Wno-restrict: g++ 12 warns falsely about std::string operator+ (GCC bug 105651).
@@ -33,7 +35,7 @@ if(DTS_SANITIZE)
   elseif(DTS_SANITIZE MATCHES "undefined" AND NOT DTS_TESTS STREQUAL "all")  # a quarter of the compile time of record and gateway
     list(APPEND options -fno-sanitize=alignment,pointer-overflow)
   elseif(DTS_SANITIZE STREQUAL "thread")
-    list(APPEND options -include ${CMAKE_SOURCE_DIR}/cmake/libprotobuf_layout.h)
+    list(APPEND options -include ${PROJECT_SOURCE_DIR}/cmake/libprotobuf_layout.h)
   endif()
   # With sanitizers GCC warns falsely more often (its manual, -fsanitize); the other presets have seen the same lines.
   set(is_strict ${CMAKE_COMPILE_WARNING_AS_ERROR})
@@ -66,7 +68,7 @@ endfunction()
 
 function(dts_library name)
   add_library(dts_${name} STATIC ${ARGN})
-  target_include_directories(dts_${name} PUBLIC ${CMAKE_SOURCE_DIR}/daemon)
+  target_include_directories(dts_${name} PUBLIC ${PROJECT_SOURCE_DIR}/daemon)
   target_compile_options(dts_${name} PRIVATE ${DTS_WARNINGS})
 endfunction()
 
@@ -96,8 +98,8 @@ function(dts_test name label)
   if(DTS_SANITIZE MATCHES "undefined" AND NOT DTS_TESTS STREQUAL "all")
     target_compile_options(${name} PRIVATE -fno-sanitize=undefined)
   endif()
-  target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
-  target_compile_definitions(${name} PRIVATE DTS_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE DTS_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   # libzmq is not instrumented: without the first setting every hand-over inside it reads as a race.

@@ -78,8 +78,9 @@ def linked_to(programs: list[Path]) -> tuple[list[Package], list[Package]]:
 
 
 def headers_read(build: Path, programs: list[str]) -> set[str]:
-    """Packages of all system headers that the objects of these programs were compiled with."""
-    inputs = [run("ninja", "-C", str(build), "-t", "inputs", f"bin/{name}").splitlines() for name in programs]
+    """Packages of all system headers that the objects of these programs and shared libraries were compiled with."""
+    targets = [f"lib/{name}" if ".so" in name else f"bin/{name}" for name in programs]
+    inputs = [run("ninja", "-C", str(build), "-t", "inputs", target).splitlines() for target in targets]
     objects = {line for lines in inputs for line in lines if line.endswith(".o")}
     headers: set[str] = set()
     is_ours = False

@@ -42,11 +42,13 @@ DTS_TEST_PACKAGES=(
   gnuplot-nox                                          # dtslab --plot
   gcc-avr avr-libc binutils-avr make                   # clients/firmware: the firmware of a board
   libsimavr-dev libelf-dev                             # the firmware runs in simavr
+  doxygen                                              # every public declaration of libdts has a comment
   mypy python3-matplotlib python3-build python3-setuptools python3-venv python3-wheel # tests of the Python client
+  twine                                                # ... its packages, as a package index checks them
 )
 
-# scripts/docs: a site of Markdown files with checked links and a search that works without a server.
-DTS_DOCS_PACKAGES=(python3-sphinx python3-myst-parser python3-sphinx-rtd-theme)
+# scripts/docs: a site of Markdown files with checked links and a search that works without a server; the C++ interface.
+DTS_DOCS_PACKAGES=(python3-sphinx python3-myst-parser python3-sphinx-rtd-theme doxygen)
 
 # The programs of analysts (tests/analysis). Large, so only scripts/test --all installs them; elsewhere their tests run if they are there.
 DTS_ANALYSIS_PACKAGES=(

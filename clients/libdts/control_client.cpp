@@ -80,7 +80,7 @@ std::string seconds(milliseconds time) {
 
 }  // namespace
 
-class ControlClient::Implementation {
+class [[gnu::visibility("hidden")]] ControlClient::Implementation {
  public:
   explicit Implementation(ControlOptions options) : options_(std::move(options)) {}
 

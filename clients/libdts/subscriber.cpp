@@ -75,7 +75,7 @@ Result<void> check_options(const SubscriberOptions& options) {
 
 }  // namespace
 
-class Subscriber::Implementation {
+class [[gnu::visibility("hidden")]] Subscriber::Implementation {
  public:
   explicit Implementation(const SubscriberOptions& options)
       : options_(options), inbox_(options.mode, asks_for_status(options.topics), read_boot_id()) {}

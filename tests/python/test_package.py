@@ -41,15 +41,25 @@ class Package(unittest.TestCase):
         ignored = shutil.ignore_patterns("v1", "build", "dist", "*.egg-info", "__pycache__")
         shutil.copytree(CLIENT, tree / "clients" / "python", ignore=ignored)
         shutil.copytree(SOURCE / "proto", tree / "proto")
+        for name in ("CMakeLists.txt", "LICENSE"):
+            shutil.copy(SOURCE / name, tree)
         clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
         run(sys.executable, "-m", "build", "--no-isolation", "--outdir", self.folder, tree / "clients" / "python", environment=clean)
         (wheel,) = self.folder.glob("dts-*.whl")
+        (source,) = self.folder.glob("dts-*.tar.gz")
+        if (twine := shutil.which("twine")) is not None:  # as a package index checks them
+            run(twine, "check", "--strict", wheel, source, environment=clean)
+        shutil.unpack_archive(source, self.folder / "source")
         shutil.unpack_archive(wheel, self.folder / "installed", "zip")
         program = "import dts, dts.v1.control_pb2, pathlib; print(pathlib.Path(dts.__file__).parent)"
         where = run(sys.executable, "-c", program, environment={**clean, "PYTHONPATH": str(self.folder / "installed")}, folder=self.folder)
 
         self.assertEqual(Path(where.strip()), self.folder / "installed" / "dts")
+        project = re.search(r"project\(dtsd VERSION (\S+)", (SOURCE / "CMakeLists.txt").read_text())
+        assert project
+        self.assertEqual(wheel.name, f"dts-{project.group(1)}-py3-none-any.whl")
+        self.assertTrue((self.folder / "source" / f"dts-{project.group(1)}" / "LICENSE").exists())
         self.assertTrue((self.folder / "installed" / "dts" / "py.typed").exists())
         self.assertTrue((self.folder / "installed" / "dts" / "v1" / "stream_pb2.pyi").exists())
 

@@ -10,6 +10,8 @@
 Each finding is one line: file:line: what is wrong. Exit status 0: nothing found, 1: findings, 2: wrong use.
 """
 
+import fnmatch
+import os
 import pathlib
 import re
 import sys
@@ -52,9 +54,16 @@ SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 
 
 def files_of(root, patterns):
-    """Returns relative paths, sorted, of files that match one of the patterns and are not generated."""
-    found = {path.relative_to(root) for pattern in patterns for path in root.glob(pattern) if path.is_file()}
-    return sorted(path for path in found if not SKIPPED_FOLDERS & set(path.parts))
+    """Returns relative paths, sorted, of files that match one of the patterns (FOLDER/NAME or FOLDER/**/NAME) and are not generated.
+
+    Never enters a folder of generated files: other tests delete files there at the same time."""
+    found = set()
+    for pattern in patterns:
+        folder, _, name = pattern.rpartition("/")
+        for place, folders, names in os.walk(root / folder.removesuffix("**")):
+            folders[:] = [each for each in folders if folder.endswith("**") and each not in SKIPPED_FOLDERS]
+            found.update((pathlib.Path(place) / each).relative_to(root) for each in fnmatch.filter(names, name))
+    return sorted(found)
 
 
 def documents(root):

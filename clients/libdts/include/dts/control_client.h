@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "dts/error.h"
+#include "dts/export.h"
 #include "dts/key.h"
 #include "dts/v1/control.pb.h"
 
@@ -40,12 +41,14 @@ struct ControlOptions {
 ///     control.proto names the role of each command), and LimitExceeded for more than 50 commands per second from another machine.
 /// The comments below name only the codes that one command has besides these. The fields of the answers, with their units, are in
 /// proto/dts/v1. Every command blocks until its answer arrives or its time limit has passed. Thread: one at a time.
-class ControlClient {
+class DTS_API ControlClient {
  public:
   /// Checks the options; does not connect yet. Fails with InvalidArgument for options out of range.
   [[nodiscard]] static Result<ControlClient> open(const ControlOptions& options);
   ~ControlClient();
+  /// Moves. The source can then only be destroyed or assigned to.
   ControlClient(ControlClient&&) noexcept;
+  /// Moves. The source can then only be destroyed or assigned to.
   ControlClient& operator=(ControlClient&&) noexcept;
   ControlClient(const ControlClient&) = delete;
   ControlClient& operator=(const ControlClient&) = delete;

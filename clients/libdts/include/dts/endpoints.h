@@ -6,6 +6,7 @@
 #include <string>
 
 #include "dts/error.h"
+#include "dts/export.h"
 
 namespace dts::client {
 
@@ -19,14 +20,14 @@ struct Endpoints {
 
 /// Addresses from the user. An empty one is looked up.
 struct EndpointWishes {
-  std::string control;
-  std::string data;
+  std::string control;  ///< Wanted `Endpoints::control`.
+  std::string data;     ///< Wanted `Endpoints::data`.
 };
 
 /// Returns the value of an environment variable, or nullptr.
 using Environment = std::function<const char*(const char* name)>;
 /// Returns the value of a variable of this process, or nullptr. Thread: any, while no thread changes the environment.
-[[nodiscard]] const char* process_environment(const char* name) noexcept;
+[[nodiscard]] DTS_API const char* process_environment(const char* name) noexcept;
 
 /// Finds the daemon's addresses by the same rule that dtsd follows. `environment` and `system_directory` are parameters for tests. The
 /// first match wins:
@@ -37,11 +38,12 @@ using Environment = std::function<const char*(const char* name)>;
 /// One address in the form ".../control.sock" or ".../data.sock" decides the other one, so that addresses of two daemons never mix. Does
 /// not connect. Fails with InvalidArgument for an address that no daemon can have, and with NotAllowed if the directory below /tmp belongs
 /// to another user. Thread: any, while no thread changes the environment.
-[[nodiscard]] Result<Endpoints> find_endpoints(const EndpointWishes& wishes = {}, const Environment& environment = process_environment,
-                                               const std::filesystem::path& system_directory = "/run/dtsd");
+[[nodiscard]] DTS_API Result<Endpoints> find_endpoints(const EndpointWishes& wishes = {},
+                                                       const Environment& environment = process_environment,
+                                                       const std::filesystem::path& system_directory = "/run/dtsd");
 
 /// Connects to an ipc address and disconnects again, to report at once, and with the reason, that no daemon listens there. Fails with
 /// Unreachable or NotAllowed. Succeeds for other transports without connecting. Thread: any.
-[[nodiscard]] Result<void> probe(const std::string& endpoint);
+[[nodiscard]] DTS_API Result<void> probe(const std::string& endpoint);
 
 }  // namespace dts::client

@@ -7,6 +7,9 @@
 #include <tl/expected.hpp>
 #include <utility>
 
+#include "dts/export.h"
+
+/// The C++ client of dtsd.
 namespace dts::client {
 
 /// What failed, as a stable code: the numbers of `dts.v1.ErrorCode`.
@@ -26,14 +29,15 @@ enum class ErrorCode : std::uint8_t {
 };
 
 /// Returns one word per code, for JSON: "wrong_state". Thread: any.
-[[nodiscard]] std::string_view name(ErrorCode code) noexcept;
+[[nodiscard]] DTS_API std::string_view name(ErrorCode code) noexcept;
 
-/// `what`: what failed, on which thing, and why. `hint`: what to try; may be empty. Both are one line of UTF-8.
+/// Why an operation failed. Both texts are one line of UTF-8.
 struct Error {
-  ErrorCode code = ErrorCode::Failed;
-  std::string what;
-  std::string hint;
+  ErrorCode code = ErrorCode::Failed;  ///< For programs: decides what to do.
+  std::string what;                    ///< What failed, on which thing, and why.
+  std::string hint;                    ///< What to try; may be empty.
 
+  /// Compares code and both texts.
   friend bool operator==(const Error&, const Error&) = default;
 };
 
@@ -47,6 +51,6 @@ using Result = tl::expected<T, Error>;
 }
 
 /// Returns the version of this library, "0.1.0"; equal to the daemon's version if both are from the same build. Thread: any.
-[[nodiscard]] std::string_view version() noexcept;
+[[nodiscard]] DTS_API std::string_view version() noexcept;
 
 }  // namespace dts::client

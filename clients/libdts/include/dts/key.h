@@ -4,6 +4,7 @@
 #include <string>
 
 #include "dts/error.h"
+#include "dts/export.h"
 
 namespace dts::client {
 
@@ -19,15 +20,15 @@ struct Key {
 };
 
 /// Returns a new key pair with this name; the fields about the daemon are empty. Fails with Failed if libzmq has no CURVE. Thread: any.
-[[nodiscard]] Result<Key> new_key(const std::string& name);
+[[nodiscard]] DTS_API Result<Key> new_key(const std::string& name);
 
 /// Reads a file in the format of `key_text`. Fails with InvalidArgument, naming file, line and column, for any other content, also if there
 /// is no such file, and with NotAllowed if users other than the file's owner may read or write it. Thread: any.
-[[nodiscard]] Result<Key> read_key(const std::string& file);
+[[nodiscard]] DTS_API Result<Key> read_key(const std::string& file);
 /// Returns the content of a key file (TOML), which `read_key` reads. Contains the secret key. Thread: any.
-[[nodiscard]] std::string key_text(const Key& key);
+[[nodiscard]] DTS_API std::string key_text(const Key& key);
 /// Writes a new file that only its owner can read. Fails with WrongState if the file exists (it may be the only copy of a secret), and with
 /// Failed if it cannot be written. Thread: any.
-[[nodiscard]] Result<void> write_new_key(const std::string& file, const Key& key);
+[[nodiscard]] DTS_API Result<void> write_new_key(const std::string& file, const Key& key);
 
 }  // namespace dts::client

@@ -22,6 +22,7 @@ struct Rate {
 
   /// Returns scans per second, rounded to a double.
   [[nodiscard]] double hz() const noexcept { return static_cast<double>(numerator) / static_cast<double>(denominator); }
+  /// Compares numerator and denominator: 2/2 is not equal to 1/1.
   friend bool operator==(const Rate&, const Rate&) = default;
 };
 
@@ -33,22 +34,22 @@ struct ChannelFormat {
 
 /// Properties of a stream that stay constant while the daemon runs.
 struct StreamFormat {
-  std::string name;  ///< "cop"
-  Rate rate;
-  std::vector<ChannelFormat> channels;
-  std::int64_t delay_ns = 0;  ///< Group delay of the filters: a value describes the input this long before its scan.
+  std::string name;                     ///< "cop"
+  Rate rate;                            ///< Scans per second.
+  std::vector<ChannelFormat> channels;  ///< In the order of `Block::column`.
+  std::int64_t delay_ns = 0;            ///< Group delay of the filters: a value describes the input this long before its scan.
 };
 
 /// Consecutive scans of one stream. A view: everything that it points to is valid until the next `Subscriber::receive`.
 struct Block {
-  std::string_view topic;   ///< "floor/cop"
-  std::string_view rig;     ///< "floor"
-  std::string_view stream;  ///< "cop"
-  const StreamFormat* format = nullptr;
-  std::uint32_t segment = 0;     ///< Increases by 1 at every gap of the device; scan indices then restart.
-  std::uint64_t first_scan = 0;  ///< Index within the segment.
-  std::size_t scan_count = 0;    ///< At least 1.
-  Rate rate;
+  std::string_view topic;                     ///< "floor/cop"
+  std::string_view rig;                       ///< "floor"
+  std::string_view stream;                    ///< "cop"
+  const StreamFormat* format = nullptr;       ///< Never nullptr in a received block.
+  std::uint32_t segment = 0;                  ///< Increases by 1 at every gap of the device; scan indices then restart.
+  std::uint64_t first_scan = 0;               ///< Index within the segment.
+  std::size_t scan_count = 0;                 ///< At least 1.
+  Rate rate;                                  ///< Scans per second.
   std::int64_t host_time_ns = 0;              ///< Time of the first scan: CLOCK_MONOTONIC of the daemon's host.
   std::int64_t host_time_uncertainty_ns = 0;  ///< Largest error of `host_time_ns`; 0: exact (simulated).
   std::uint64_t sequence = 0;                 ///< Blocks of this stream since the daemon started.
@@ -77,21 +78,21 @@ struct Block {
 
 /// An event at one scan of a rig. A view, like Block.
 struct Event {
-  std::string_view topic;  ///< "floor/marker"
-  std::string_view rig;    ///< "floor"
-  std::string_view kind;   ///< "marker"
-  const v1::Event* body = nullptr;
+  std::string_view topic;           ///< "floor/marker"
+  std::string_view rig;             ///< "floor"
+  std::string_view kind;            ///< "marker"
+  const v1::Event* body = nullptr;  ///< The received message itself. Never nullptr in a received event.
 };
 
 /// The daemon's status, published about once a second. A view, like Block.
 struct Status {
-  const v1::StatusSnapshot* snapshot = nullptr;
+  const v1::StatusSnapshot* snapshot = nullptr;  ///< Never nullptr in a received status.
 };
 
 /// The daemon was restarted: segments, scan indices and sequences start again. The loss during the restart is unknown.
 struct Restart {
-  std::uint64_t old_instance_id = 0;
-  std::uint64_t new_instance_id = 0;
+  std::uint64_t old_instance_id = 0;  ///< Of the daemon before: a random number for each start.
+  std::uint64_t new_instance_id = 0;  ///< Of the daemon now.
 };
 
 /// One item of `Subscriber::receive`.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dts/error.h"
+#include "dts/export.h"
 #include "dts/key.h"
 #include "dts/stream.h"
 
@@ -24,7 +25,7 @@ enum class Mode : std::uint8_t {
 struct SubscriberOptions {
   std::string endpoint;             ///< `Endpoints::data`
   std::vector<std::string> topics;  ///< Prefixes: "floor/cop", "floor/", "" for all. Byte-wise: "floor" also matches "floor2/cop".
-  Mode mode = Mode::All;
+  Mode mode = Mode::All;            ///< What `receive` returns after the caller was slow.
   /// Messages kept while the caller does not call `receive` (1..1000000). Only for a daemon on another machine. A local daemon keeps
   /// 384 kB for each subscriber, besides the buffer of the kernel.
   int queue_messages = 8192;
@@ -54,14 +55,16 @@ struct SubscriberStatistics {
 /// Reads the stream formats from the daemon's status first; blocks that arrive earlier wait in a bounded queue. Connects in the background,
 /// and connects again after an interruption. Heartbeats detect a dead daemon within 6 s. Malformed messages are counted and ignored.
 /// Thread: one at a time.
-class Subscriber {
+class DTS_API Subscriber {
  public:
   /// Subscribes to the topics. Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start
   /// later, and is connected in the background. If a local daemon runs, the subscriptions are sent before this returns; the daemon serves
   /// them some milliseconds later.
   [[nodiscard]] static Result<Subscriber> open(const SubscriberOptions& options);
   ~Subscriber();
+  /// Moves. The source can then only be destroyed or assigned to.
   Subscriber(Subscriber&&) noexcept;
+  /// Moves. The source can then only be destroyed or assigned to.
   Subscriber& operator=(Subscriber&&) noexcept;
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;

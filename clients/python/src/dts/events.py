@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Events at a scan: one class for published events and for events in recordings."""
 import dataclasses
+from collections.abc import MutableSequence
 from typing import Any
 
 import numpy as np
@@ -38,7 +39,7 @@ def fields_of(message: Message) -> dict[str, Any]:
             value = {measure.symbol: {"value": measure.value, "unit": measure.unit} for measure in value}
         elif field.message_type is not None and field.message_type.GetOptions().map_entry:
             value = dict(value)
-        elif field.label == FieldDescriptor.LABEL_REPEATED:
+        elif isinstance(value, MutableSequence):  # repeated; protobuf 7 has no `label`, protobuf 4 no `is_repeated`
             value = [fields_of(part) if isinstance(part, Message) else part for part in value]
         elif field.message_type is not None:
             if not message.HasField(field.name):

@@ -46,7 +46,8 @@ class Bridge {
         control_(std::move(control)),
         clock_(clock),
         log_(log),
-        outlets_(settings, lsl, [this] { return control_.devices(); }, clock, log) {
+        outlets_(
+            settings, lsl, [this] { return control_.devices(); }, clock, log) {
     if (settings.lab_recorder) lab_recorder_ = std::make_unique<LabRecorder>(*settings.lab_recorder, log);
   }
 

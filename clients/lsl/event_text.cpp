@@ -34,7 +34,9 @@ std::string loss_text(const client::Block& block) {
   return json.dump();
 }
 
-std::string restart_text(std::int64_t host_ns) { return Json{{"host_time_ns", std::to_string(host_ns)}, {"restart", Json::object()}}.dump(); }
+std::string restart_text(std::int64_t host_ns) {
+  return Json{{"host_time_ns", std::to_string(host_ns)}, {"restart", Json::object()}}.dump();
+}
 
 bool is_offered(const v1::Event& event) noexcept { return !event.has_sway() || !event.sway().is_preliminary(); }
 

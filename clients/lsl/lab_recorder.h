@@ -38,7 +38,7 @@ class LabRecorder {
   core::Log log_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::string wanted_;  ///< Guarded by `mutex_`.
+  std::string wanted_;    ///< Guarded by `mutex_`.
   std::string recorded_;  ///< Thread: its own, as the next.
   bool is_failure_logged_ = false;
   std::jthread thread_;

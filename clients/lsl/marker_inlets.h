@@ -20,8 +20,8 @@ struct ReceivedMarker {
   std::string stream_uid;  ///< Different for each run of the sender.
   std::string stream_name;
   std::string text;
-  double sender_time_s = 0.0;      ///< As sent: with the stream, what makes the marker unique.
-  std::int64_t host_time_ns = 0;   ///< The same on this machine's CLOCK_MONOTONIC.
+  double sender_time_s = 0.0;     ///< As sent: with the stream, what makes the marker unique.
+  std::int64_t host_time_ns = 0;  ///< The same on this machine's CLOCK_MONOTONIC.
 };
 
 /// Returns a request ID, the same for the same marker: dtsd then sets it once, however often it is sent.

@@ -25,7 +25,7 @@ using AskDevices = std::function<client::Result<v1::GetDevicesResponse>()>;
 /// Keeps one outlet for each stream, and one for the events of each rig, in step with what dtsd publishes.
 ///
 /// The outlet of a stream is made with the first block, when the device is open and its serial number is known. Outlets stay while dtsd
-/// restarts, so that recorders go on, and are made again only if the stream has changed. Thread: one.
+/// restarts, so that recorders continue, and are made again only if the stream has changed. Thread: one.
 class Outlets {
  public:
   /// `lsl` and `clock` outlive the object.
@@ -67,7 +67,7 @@ class Outlets {
   std::int64_t next_question_ns_ = 0;
   std::map<std::string, std::unique_ptr<Outlet>, std::less<>> outlets_;  ///< By name.
   std::set<std::string, std::less<>> checked_;                           ///< Names of outlets that agree with what dtsd publishes now.
-  std::int64_t next_offer_ns_ = 0;  ///< After a failure of the library.
+  std::int64_t next_offer_ns_ = 0;                                       ///< After a failure of the library.
 };
 
 }  // namespace dts::lsl

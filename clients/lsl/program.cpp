@@ -32,9 +32,10 @@ int offer_streams(const std::string& file, cli::Console& console) {
 
 cli::Manual make_manual() {
   return {.summary = "streams of the distributive tactile sensing daemon in LSL",
-          .description = "Offers the streams and events of\n.BR dtsd (8)\nas outlets of the lab streaming layer (LSL), and sets markers of "
-                         "other programs in LSL in sessions. LSL has no authentication: everybody whom its network packets reach can "
-                         "read. Needs liblsl, which it loads when it starts.",
+          .description =
+              "Offers the streams and events of\n.BR dtsd (8)\nas outlets of the lab streaming layer (LSL), and sets markers of "
+              "other programs in LSL in sessions. LSL has no authentication: everybody whom its network packets reach can "
+              "read. Needs liblsl, which it loads when it starts.",
           .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
                           {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
                           {"LSLAPICFG", "File with LSL's own settings: which networks it uses."}},

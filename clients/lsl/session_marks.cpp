@@ -17,6 +17,7 @@ core::Result<SessionMarks> SessionMarks::open(const std::string& control_endpoin
 void SessionMarks::set(const ReceivedMarker& marker) {
   v1::Request request;
   request.set_request_id(request_id(marker));
+  request.set_on_behalf_of("lsl");  // the audit trail then has "local:lsl"
   request.mutable_mark()->set_text(marker.text);
   request.mutable_mark()->set_rig(rig_);
   request.mutable_mark()->set_host_time_ns(marker.host_time_ns);

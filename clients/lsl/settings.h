@@ -23,10 +23,10 @@ struct LabRecorderSettings {
 struct Settings {
   core::LogLevel log_level = core::LogLevel::Info;
   client::EndpointWishes daemon;
-  std::string library;               ///< File of liblsl; empty: as the system finds it.
-  std::vector<std::string> rigs;     ///< Empty: all.
-  std::vector<std::string> streams;  ///< "raw"; empty: all.
-  std::int32_t buffer_s = 360;       ///< What an outlet keeps for a slow consumer.
+  std::string library;                    ///< File of liblsl; empty: as the system finds it.
+  std::vector<std::string> rigs;          ///< Empty: all.
+  std::vector<std::string> streams;       ///< "raw"; empty: all.
+  std::int32_t buffer_s = 360;            ///< What an outlet keeps for a slow consumer.
   std::vector<std::string> markers_from;  ///< Predicates of LSL.
   std::string markers_rig;                ///< Gets these markers; empty: every rig.
   std::optional<LabRecorderSettings> lab_recorder;

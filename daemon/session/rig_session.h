@@ -99,9 +99,9 @@ class RigSession {
   /// Writes an event of the rig to the recording.
   void note(v1::Event event, const DataPosition& at);
 
-  /// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even if
-  /// they are detected late. A time before this segment is placed at its first scan, because a gap has no scans. Returns `newest` for a time
-  /// more than 6 s before it or 1 s after it.
+  /// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even
+  /// if they are detected late. A time before this segment is placed at its first scan, because a gap has no scans. Returns `newest` for a
+  /// time more than 6 s before it or 1 s after it.
   [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
 
   /// Takes over the corrected subject ID and label if this is the last session.

@@ -21,7 +21,7 @@ constexpr std::int64_t kRateWindowNs = 2'000'000'000;
 constexpr std::size_t kLongestMark = 200;
 constexpr std::int64_t kOldestMarkNs = 5 * core::kNanosecondsPerSecond;  // before now: marker programs need time, too
 constexpr std::int64_t kNewestMarkNs = core::kNanosecondsPerSecond;      // after now: clocks of two machines differ
-constexpr std::chrono::seconds kCloseLimit{10};  // if the disk hangs longer, the next start recovers the recordings
+constexpr std::chrono::seconds kCloseLimit{10};                          // if the disk hangs longer, the next start recovers the recordings
 
 }  // namespace
 

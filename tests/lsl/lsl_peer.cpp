@@ -71,6 +71,7 @@ Inlet::Inlet(const std::string& name) {
   channels_ = static_cast<std::size_t>(liblsl().get_channel_count(full));
   char* const xml = consumer().get_xml(full);
   xml_ = xml;
+  std::erase_if(xml_, [](char letter) { return letter == '\n' || letter == '\t'; });
   liblsl().destroy_string(xml);
   liblsl().destroy_streaminfo(full);
   consumer().open_stream(inlet_, kPatienceS, &error);

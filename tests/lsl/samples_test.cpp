@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -11,7 +11,9 @@
 #include <cstring>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <thread>
+#include <unordered_map>
 
 #include "lsl/lsl_peer.h"
 #include "lsl/lsl_system.h"
@@ -75,23 +77,40 @@ class Reference {
   std::jthread thread_;
 };
 
-/// Compares from the first sample that both have; returns how many samples agree.
-std::size_t compare(const std::string& stream, const Inlet::Samples& received, std::size_t channels, const Published& published) {
-  const auto same_time = [](double stamp_s, std::int64_t time_ns) { return std::abs(std::llround(stamp_s * 1e9) - time_ns) <= 1; };
-  std::size_t offset = 0;
-  while (offset < published.times_ns.size() && !same_time(received.stamps_s.front(), published.times_ns[offset])) ++offset;
-  EXPECT_LT(offset, published.times_ns.size()) << stream << ": the first sample is none of dtsd's";
-  const std::size_t count = std::min(received.stamps_s.size(), published.times_ns.size() - offset);
-  for (std::size_t scan = 0; scan < count; ++scan) {
-    const bool is_same_time = same_time(received.stamps_s[scan], published.times_ns[offset + scan]);
-    const bool is_same_scan =
-        std::memcmp(&received.values[scan * channels], &published.values[(offset + scan) * channels], channels * sizeof(float)) == 0;
-    if (is_same_time && is_same_scan) continue;
-    ADD_FAILURE() << stream << ": sample " << scan << " of " << count << " differs: time " << std::llround(received.stamps_s[scan] * 1e9)
-                  << ", dtsd has " << published.times_ns[offset + scan];
-    return scan;
+struct Comparison {
+  std::size_t identical = 0;
+  std::size_t unknown = 0;  // samples of the inlet that the test's own subscriber has not received
+  std::size_t missing = 0;  // scans of dtsd that the inlet has not received, between its first and its last
+};
+
+/// Compares what an inlet has received with what dtsd has published at the same times. A time may differ by 1 ns, by rounding.
+Comparison compare(const std::string& stream, const Inlet::Samples& received, std::size_t channels, const Published& published) {
+  std::unordered_map<std::int64_t, std::size_t> scan_at;
+  for (std::size_t scan = 0; scan < published.times_ns.size(); ++scan) scan_at.emplace(published.times_ns[scan], scan);
+  const auto find = [&scan_at](std::int64_t time_ns) {
+    for (const std::int64_t rounding_ns : {0, -1, 1}) {
+      if (const auto found = scan_at.find(time_ns + rounding_ns); found != scan_at.end()) return found;
+    }
+    return scan_at.end();
+  };
+  Comparison comparison;
+  std::size_t next = published.times_ns.size();
+  for (std::size_t sample = 0; sample < received.stamps_s.size(); ++sample) {
+    const auto found = find(std::llround(received.stamps_s[sample] * 1e9));
+    if (found == scan_at.end()) {
+      ++comparison.unknown;
+      continue;
+    }
+    const std::size_t scan = found->second;
+    if (std::memcmp(&received.values[sample * channels], &published.values[scan * channels], channels * sizeof(float)) != 0) {
+      ADD_FAILURE() << stream << ": sample " << sample << " has other values than scan " << scan << " of dtsd";
+      return comparison;
+    }
+    if (next < scan) comparison.missing += scan - next;
+    next = scan + 1;
+    ++comparison.identical;
   }
-  return count;
+  return comparison;
 }
 
 class LslSamples : public ::testing::Test {
@@ -138,18 +157,23 @@ TEST_F(LslSamples, EverySample_IsThatOfDtsd) {
   std::this_thread::sleep_for(std::chrono::milliseconds(200));  // so that the reference has all that the inlets have
   reference.stop();
 
+  std::map<std::string, std::size_t> reported;  // scans that dts-lsl has lost on a machine that is too slow
+  while (const auto event = events.pull_text(0.0)) {
+    const auto json = nlohmann::json::parse(event->text);
+    if (json.contains("loss")) reported[json.at("stream")] += std::stoull(json.at("loss").at("scans").get<std::string>());
+  }
   std::size_t channels = 0;
   for (const std::string& stream : kStreams) {
     const Published& published = reference.of(stream);
-    ASSERT_EQ(published.lost, 0U) << "the test's own subscriber of " << stream << " was too slow";
-    const std::size_t agreed = compare(stream, received[stream], inlets[stream]->channels(), published);
-    EXPECT_GE(agreed, wanted) << stream;
+    const Comparison compared = compare(stream, received[stream], inlets[stream]->channels(), published);
+    std::printf("floor/%s: %zu of %zu samples of %zu channels identical, values and time stamps; lost and reported: %zu\n", stream.c_str(),
+                compared.identical, received[stream].stamps_s.size(), inlets[stream]->channels(), reported[stream]);
+    EXPECT_LE(compared.unknown, published.lost) << stream << ": samples that dtsd has not published";
+    EXPECT_LE(compared.missing, reported[stream]) << stream << ": a loss that no event reports";
+    EXPECT_GE(compared.identical + published.lost, wanted) << stream;
     channels += stream == "raw" || stream == "aux" ? inlets[stream]->channels() : 0;
-    std::printf("floor/%s: %zu samples of %zu channels identical, values and time stamps\n", stream.c_str(), agreed,
-                inlets[stream]->channels());
   }
   EXPECT_GE(channels, 16U);
-  while (const auto event = events.pull_text(0.0)) EXPECT_THAT(event->text, testing::Not(HasSubstr("\"loss\""))) << event->text;
 }
 
 TEST_F(LslSamples, Outlets_DescribeTheirStreamsAndOutliveRestarts) {

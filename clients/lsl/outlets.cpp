@@ -44,9 +44,11 @@ bool Outlets::is_wanted(const client::Block& block) const {
   return is_wanted(block.rig) && (streams_.empty() || streams_.contains(block.stream));
 }
 
-/// The serial number makes the ID the same after a restart and on another machine. A device without one is known by machine and address.
+/// The serial number makes the ID the same after a restart and on another machine. A device without one is known by machine and address;
+/// so is a simulated one, because every machine has the same.
 std::string Outlets::source_id(const std::string& name, const Device& device) const {
-  const std::string origin = device.serial.empty() ? host_ + "/" + device.uri : device.serial;
+  const bool has_own_number = !device.serial.empty() && !device.uri.starts_with("sim:") && !device.uri.starts_with("replay:");
+  const std::string origin = has_own_number ? device.serial : host_ + "/" + device.uri;
   return kSourceIdPrefix + name + "/" + origin;
 }
 
@@ -104,7 +106,7 @@ Outlet* Outlets::outlet_of(const client::Block& block) {
 }
 
 void Outlets::push_event(std::string_view rig, const std::string& text, std::int64_t host_ns) {
-  if (!is_wanted(rig)) return;
+  if (!is_wanted(rig) || daemon_version_.empty()) return;  // the first status follows within a second
   const std::string name = std::string(rig) + "/events";
   const auto known = outlets_.find(name);
   Outlet* const outlet = known != outlets_.end() ? known->second.get()

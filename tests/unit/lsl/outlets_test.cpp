@@ -195,10 +195,16 @@ TEST_F(OutletsTest, Outlet_SaysWhatItsStreamIs) {
 }
 
 TEST_F(OutletsTest, DeviceWithoutSerialNumber_IsKnownByMachineAndAddress) {
-  devices_.mutable_devices(0)->clear_serial();
+  auto& device = *devices_.mutable_devices(0);
+  device.clear_serial();
   Outlets outlets = make();
   outlets.take(block());
   EXPECT_THAT(fake_library.of("floor/raw").source_id, testing::MatchesRegex("dtsd/floor/raw/.+/mcc:1608fs-plus"));
+  device.set_serial("sim-floor-7");  // that of every machine
+  device.set_uri("sim:floor?seed=7");
+  outlets.take(client::Restart{});
+  outlets.take(block());
+  EXPECT_THAT(fake_library.of("floor/raw").source_id, testing::MatchesRegex("dtsd/floor/raw/.+/sim:floor.seed=7"));
 }
 
 TEST_F(OutletsTest, StreamsAndRigsThatAreNotWanted_AreNotOffered) {
@@ -294,6 +300,7 @@ TEST_F(OutletsTest, LossOnTheWay_IsAnEvent) {
 
 TEST_F(OutletsTest, Events_AreSentAtTheirTimeWithoutThePerson) {
   Outlets outlets = make();
+  outlets.take(status_);
   v1::Event session;
   session.set_instance_id(7);
   session.mutable_session()->set_session_id("s1");

@@ -159,8 +159,8 @@ TEST_F(LslSamples, EverySample_IsThatOfDtsd) {
 
   std::map<std::string, std::size_t> reported;  // scans that dts-lsl has lost on a machine that is too slow
   while (const auto event = events.pull_text(0.0)) {
-    const auto json = nlohmann::json::parse(event->text);
-    if (json.contains("loss")) reported[json.at("stream")] += std::stoull(json.at("loss").at("scans").get<std::string>());
+    const auto parsed = nlohmann::json::parse(event->text);
+    if (parsed.contains("loss")) reported[parsed.at("stream")] += std::stoull(parsed.at("loss").at("scans").get<std::string>());
   }
   std::size_t channels = 0;
   for (const std::string& stream : kStreams) {

@@ -64,6 +64,7 @@ TEST_F(LslEvents, EventsOfDtsd_AreMarkersInLsl) {
   const LslProcess bridge(daemon);
   ASSERT_TRUE(bridge.is_ready()) << bridge.log();
   Inlet events("floor/events");
+  ASSERT_TRUE(is_connected(daemon, events)) << bridge.log();
   auto own = daemon.subscribe({"floor/marker"});
 
   ASSERT_TRUE(daemon.control().mark("heel strike", "floor"));
@@ -93,6 +94,7 @@ TEST_F(LslEvents, Gap_IsAnEventAndAJumpOfTheTimeStamps) {
   const LslProcess bridge(daemon);
   ASSERT_TRUE(bridge.is_ready()) << bridge.log();
   Inlet events("floor/events");
+  ASSERT_TRUE(is_connected(daemon, events)) << bridge.log();
   Inlet raw("floor/raw");
   Inlet::Samples samples;
   ASSERT_TRUE(eventually([&] { return raw.pull(samples, 0.1) > 0; }));

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "lsl/lsl_peer.h"
 #include "support/temporary_folder.h"
 
 namespace dts::test {
@@ -49,6 +48,16 @@ int LslProcess::end(int signal) {
 }
 
 std::string LslProcess::log() const { return read_file(daemon_.directory() / "lsl.log"); }
+
+bool is_connected(const DaemonProcess& daemon, Inlet& events) {
+  auto control = daemon.control();
+  const bool has_arrived = eventually([&] { return control.mark("connect", "") && events.pull_text(0.5); });
+  if (!has_arrived || !control.mark("connected", "")) return false;
+  return eventually([&events] {
+    const auto event = events.pull_text(0.1);
+    return event && event->text.find("\"connected\"") != std::string::npos;
+  });
+}
 
 Finished run_lsl(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
   std::vector<std::string> words{DTS_LSL_PROGRAM};

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "lsl/lsl_peer.h"
 #include "system/daemon_process.h"
 
 namespace dts::test {
@@ -33,6 +34,10 @@ class LslProcess {
   const DaemonProcess& daemon_;
   std::optional<ServiceProcess> process_;
 };
+
+/// Sets markers in dtsd until one arrives at the inlet of the rig's events, and receives all of them: an outlet may begin to send to a new
+/// inlet somewhat after the inlet is open. Returns false if none arrives.
+[[nodiscard]] bool is_connected(const DaemonProcess& daemon, Inlet& events);
 
 /// Runs dts-lsl to its end.
 [[nodiscard]] Finished run_lsl(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});

@@ -142,6 +142,7 @@ TEST_F(LslSamples, EverySample_IsThatOfDtsd) {
   ASSERT_TRUE(eventually([&daemon] { return daemon.control().status()->rigs(0).scans_total() > 1500; }));
   for (const std::string& stream : kStreams) inlets[stream] = std::make_unique<Inlet>("floor/" + stream);
   Inlet events("floor/events");
+  ASSERT_TRUE(is_connected(daemon, events)) << bridge.log();
 
   const auto wanted = static_cast<std::size_t>(wanted_s() * 1500.0);
   const auto deadline = steady_clock::now() + std::chrono::seconds(static_cast<int>(wanted_s())) + kPatience;
@@ -204,6 +205,7 @@ TEST_F(LslSamples, Outlets_DescribeTheirStreamsAndOutliveRestarts) {
   bridge.start();
   ASSERT_TRUE(goes_on(10));
   Inlet events("floor/events");
+  ASSERT_TRUE(is_connected(daemon, events)) << bridge.log();
   daemon.signal(SIGKILL);
   static_cast<void>(daemon.wait());
   daemon.restart();

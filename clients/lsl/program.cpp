@@ -38,11 +38,11 @@ cli::Manual make_manual() {
               "read. Needs liblsl, which it loads when it starts.",
           .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
                           {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
-                          {"LSLAPICFG", "File with LSL's own settings: which networks it uses."}},
+                          {"LSLAPICFG", "File with LSL's own settings, as newer versions of liblsl read it."}},
           .exit_statuses = {0, 1, 2, 4, 5},
           .further_sections = {},
           .files = {{"/etc/dtsd/lsl.toml", "The configuration."},
-                    {"/etc/dtsd/lsl_api.cfg", "LSL's own settings for the service: only this machine."}},
+                    {"/etc/dtsd/lsl_api.cfg", "LSL's own settings for the service, which runs in this folder: only this machine."}},
           .see_also = {{"dtsd", 8}, {"dtsctl", 1}}};
 }
 

@@ -11,19 +11,14 @@
 #include "support/temporary_folder.h"
 
 namespace dts::test {
-namespace {
-
-constexpr const char* kFile = "LSLAPICFG";
-
-}  // namespace
-
 void isolate_lsl() {
   static const TemporaryFolder folder;
   const std::string file = folder.path() + "/lsl_api.cfg";
   std::ofstream(file) << "[lab]\nSessionID = dts-" << ::getpid() << "\nKnownPeers = {127.0.0.1}\n[multicast]\nResolveScope = machine\n"
                       << "[ports]\nIPv6 = disable\n[log]\nlevel = -3\n";
   if (!std::filesystem::exists(file)) throw std::runtime_error("cannot write " + file);
-  ::setenv(kFile, file.c_str(), 1);
+  ::unsetenv("LSLAPICFG");
+  std::filesystem::current_path(folder.path());
 }
 
 LslProcess::LslProcess(const DaemonProcess& daemon, const std::string& lines, const std::string& tables) : daemon_(daemon) {
@@ -36,10 +31,8 @@ LslProcess::~LslProcess() {
 }
 
 void LslProcess::start() {
-  auto environment = daemon_.environment();
-  environment.push_back(std::string(kFile) + "=" + std::getenv(kFile));
-  process_.emplace(std::vector<std::string>{DTS_LSL_PROGRAM, "--config", (daemon_.directory() / "lsl.toml").string()}, environment,
-                   daemon_.directory() / "lsl.log", daemon_.directory() / "lsl-notify");
+  process_.emplace(std::vector<std::string>{DTS_LSL_PROGRAM, "--config", (daemon_.directory() / "lsl.toml").string()},
+                   daemon_.environment(), daemon_.directory() / "lsl.log", daemon_.directory() / "lsl-notify");
 }
 
 int LslProcess::end(int signal) {

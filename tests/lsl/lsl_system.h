@@ -10,7 +10,8 @@
 namespace dts::test {
 
 /// Sets LSL's own configuration for this process and those that it starts: only this machine, and only streams of this process and its
-/// children. Call it before the library is loaded. Throws if it cannot write the file.
+/// children. liblsl reads lsl_api.cfg in the working directory, which becomes a new folder. Call it before the library is loaded. Throws if
+/// it cannot write the file.
 void isolate_lsl();
 
 /// dts-lsl as a child process beside a daemon; ended with this object.

@@ -146,7 +146,7 @@ class Together(unittest.TestCase):
         self.assertEqual(lsl["SupplementaryGroups"], units.settings(units.unit_text("dtsd"))["Group"])
         self.assertEqual(lsl["InaccessiblePaths"], ["-/var/lib/dtsd"])
         self.assertEqual(lsl["IPAddressAllow"], ["localhost"])
-        self.assertIn("LSLAPICFG=/etc/dtsd/lsl_api.cfg", lsl["Environment"])
+        self.assertEqual(lsl["WorkingDirectory"], ["/etc/dtsd"])  # has lsl_api.cfg
 
     def test_GatewayReachesTheDaemon(self) -> None:
         daemon, gateway = (units.settings(units.unit_text(name)) for name in ("dtsd", "dts-gateway"))

@@ -51,6 +51,11 @@ CLI::App* add_command(CommandLine& line, CLI::App& parent, const std::string& na
   return command;
 }
 
+void run_without_command(CommandLine& line, Handler handler) {
+  line.app.require_subcommand(0, 1);
+  line.handlers.emplace(&line.app, std::move(handler));
+}
+
 void add_common(CommandLine& line) {
   const std::string& name = line.program.name;
   line.app.set_version_flag("--version", name + " " + line.program.version, "Print the version");
@@ -93,9 +98,11 @@ std::string full_name(const CLI::App& command) {
   return command.get_parent() == nullptr ? command.get_name() : full_name(*command.get_parent()) + " " + command.get_name();
 }
 
+bool needs_command(const CLI::App& command) { return command.get_require_subcommand_min() > 0; }
+
 std::string usage(const CLI::App& command) {
   std::string text = full_name(command);
-  if (!subcommands(command).empty()) return text + " COMMAND";
+  if (needs_command(command)) return text + " COMMAND";
   for (const CLI::Option* option : options(command)) {
     if (option->get_required()) text += " " + option_label(*option);
   }

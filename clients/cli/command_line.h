@@ -61,6 +61,8 @@ CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string
 /// Adds a command that executes `handler`.
 CLI::App* add_command(CommandLine& line, CLI::App& parent, const std::string& name, const std::string& description,
                       const std::string& examples, Handler handler);
+/// Makes the program work without a command: `handler` runs if the words name none.
+void run_without_command(CommandLine& line, Handler handler);
 /// Adds the words that a command prints to its help and to the manual page: lines of "WORD | meaning".
 void explain(CommandLine& line, const CLI::App& command, const std::string& words);
 /// Adds what every program has, after the program's own commands: `--version`, and the commands `completion` and `man`.
@@ -82,6 +84,8 @@ struct Example {
 [[nodiscard]] std::string option_label(const CLI::Option& option);
 /// Returns "dtsctl session start".
 [[nodiscard]] std::string full_name(const CLI::App& command);
+/// Returns true if the words must name one of the subcommands of `command`.
+[[nodiscard]] bool needs_command(const CLI::App& command);
 /// Returns "dtsctl session start --rig RIG [OPTIONS]".
 [[nodiscard]] std::string usage(const CLI::App& command);
 /// Returns the program itself.

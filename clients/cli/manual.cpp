@@ -89,7 +89,8 @@ std::string manual_page(const CommandLine& line) {
   std::ranges::transform(capitals, capitals.begin(), [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
   std::string text = ".TH " + roff(capitals) + " 1 \"\" \"" + program + " " + line.program.version + "\" \"User Commands\"\n";
   text += ".SH NAME\n" + program + " \\- " + line.manual.summary + "\n";
-  text += ".SH SYNOPSIS\n.B " + program + "\n[\\fIOPTIONS\\fR] \\fICOMMAND\\fR [\\fIARGUMENTS\\fR]\n";
+  text += ".SH SYNOPSIS\n.B " + program + "\n[\\fIOPTIONS\\fR] ";
+  text += needs_command(line.app) ? "\\fICOMMAND\\fR [\\fIARGUMENTS\\fR]\n" : "[\\fICOMMAND\\fR [\\fIARGUMENTS\\fR]]\n";
   text += ".SH DESCRIPTION\n" + line.manual.description + "\n";
   text += "Results are written to standard output, all other messages to standard error.\n";
   text += ".SH EXAMPLES\n" + example_text(line.app);

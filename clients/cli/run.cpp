@@ -73,7 +73,7 @@ UsageError usage_error(const CLI::App& root, const CLI::ParseError& error) {
   const std::vector<std::string> left_over = root.remaining(true);
   if (!left_over.empty()) return unexpected_word(left_over.front(), command);
   const std::string help = full_name(command) + " --help";
-  if (!subcommands(command).empty()) {
+  if (needs_command(command)) {
     const std::string names = join(subcommands(command), ", ", [](const CLI::App* subcommand) { return subcommand->get_name(); });
     return {prefix(command) + "a command is missing", "give one of: " + names + "; " + help};
   }

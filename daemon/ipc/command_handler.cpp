@@ -128,7 +128,8 @@ dts::v1::StatusSnapshot CommandHandler::status() {
 }
 
 dts::v1::Response CommandHandler::mark(const dts::v1::MarkRequest& request) {
-  const auto marks = supervisor_.mark(request.rig(), request.text());
+  const auto marks = supervisor_.mark(request.rig(), request.text(),
+                                      request.has_host_time_ns() ? std::optional<std::int64_t>(request.host_time_ns()) : std::nullopt);
   if (!marks) return error_response(marks.error());
   dts::v1::Response response;
   for (const auto& [rig, at] : *marks) {

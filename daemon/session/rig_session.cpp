@@ -461,8 +461,6 @@ void RigSession::take_step(const TrialEvent& event, const DataPosition& at) {
   give_cue(event);
 }
 
-/// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even if
-/// they are detected late. An event due before this segment is placed at its first scan: a gap has no scans.
 DataPosition RigSession::position_at(std::int64_t host_ns, const DataPosition& newest) const {
   const double after_s = static_cast<double>(host_ns - newest.host_time_ns) * 1e-9;
   if (newest.host_time_ns == 0 || after_s > kFurthestS || after_s < -kFurthestBackS) return newest;  // no scans for some time

@@ -101,6 +101,11 @@ class RigSession {
   /// Writes an event of the rig to the recording.
   void note(v1::Event event, const DataPosition& at);
 
+  /// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even
+  /// if they are detected late. A time before this segment is placed at its first scan, because a gap has no scans. Returns `newest` for a
+  /// time more than 6 s before it or 1 s after it.
+  [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
+
   /// Takes over the corrected subject ID and label if this is the last session.
   void revise(const record::SessionRow& row, const Moment& moment);
   /// Forgets the last session if it was one of this subject.
@@ -138,7 +143,6 @@ class RigSession {
   void end_trials(const Moment& moment);
   void end_recording_if_judged(const Moment& moment);
   void collect(const DataPosition& at);
-  [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
   void enter_end(std::int64_t now_ns);
   void enter_trial(const TrialEvent& event, const DataPosition& at);
   void put_trial(record::TrialRow& row);

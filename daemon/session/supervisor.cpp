@@ -19,7 +19,9 @@ namespace {
 
 constexpr std::int64_t kRateWindowNs = 2'000'000'000;
 constexpr std::size_t kLongestMark = 200;
-constexpr std::chrono::seconds kCloseLimit{10};  // if the disk hangs longer, the next start recovers the recordings
+constexpr std::int64_t kOldestMarkNs = 5 * core::kNanosecondsPerSecond;  // before now: marker programs need time, too
+constexpr std::int64_t kNewestMarkNs = core::kNanosecondsPerSecond;      // after now: clocks of two machines differ
+constexpr std::chrono::seconds kCloseLimit{10};                          // if the disk hangs longer, the next start recovers the recordings
 
 }  // namespace
 
@@ -243,11 +245,16 @@ void Supervisor::finish_recordings() {
   }
 }
 
-core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark(const std::string& rig, const std::string& text) {
+core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark(const std::string& rig, const std::string& text,
+                                                                                 std::optional<std::int64_t> host_ns) {
   if (text.empty() || text.size() > kLongestMark) {
     return core::fail(core::ErrorCode::InvalidArgument, "a marker's text has 1..200 bytes, this one " + std::to_string(text.size()));
   }
   DTS_TRY(check_label(services_.label_rule, "marker", text));
+  if (const std::int64_t now_ns = clock_.now_ns(); host_ns && (*host_ns < now_ns - kOldestMarkNs || *host_ns > now_ns + kNewestMarkNs)) {
+    return core::fail(core::ErrorCode::InvalidArgument, "a marker's time is 5 s before now to 1 s after it, this one is not",
+                      "send the marker at once, with a time of this machine's CLOCK_MONOTONIC");
+  }
   std::vector<Entry*> chosen;
   if (rig.empty()) {
     for (auto& [rig_name, entry] : entries_) chosen.push_back(&entry);
@@ -267,7 +274,8 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
       if (rig.empty()) continue;
       return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' delivers no scans to mark", "see dtsctl status");
     }
-    marks.emplace_back(entry->rig->config().name, position_of(*entry->rig));
+    const DataPosition newest = position_of(*entry->rig);
+    marks.emplace_back(entry->rig->config().name, host_ns ? entry->session.position_at(*host_ns, newest) : newest);
   }
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -97,8 +98,10 @@ class Supervisor {
   /// Begins to erase a subject: see `Recordings::begin_erasure`.
   [[nodiscard]] core::Status erase_subject(const std::string& subject, const std::string& who);
 
-  /// Sets a marker at the newest scan of one rig and of the other rigs of its session, or of every rig for an empty name.
-  [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
+  /// Sets a marker in one rig and the other rigs of its session, or in every rig for an empty name: at the newest scan, or at the time
+  /// `host_ns`. Fails with InvalidArgument if that time is more than 5 s before now or 1 s after it.
+  [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text,
+                                                                                     std::optional<std::int64_t> host_ns = {});
   /// Requests a tare. Fails with WrongState during a session, because the recorded values would change their meaning. The tare is done when
   /// `RigState::tare.request` equals the returned number and the outcome is no longer Running.
   [[nodiscard]] core::Result<std::uint64_t> tare(const std::string& rig);

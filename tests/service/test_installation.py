@@ -45,7 +45,7 @@ class Installed(unittest.TestCase):
     def test_UnitsNameWhatIsThere(self) -> None:
         fleet = ("dts-forward", "dts-hub", "dts-worker", "dts-fleet-gateway")  # only if their libraries are installed
         installed = [name for name in fleet if (self.prefix / f"lib/systemd/system/{name}.service").exists()]
-        for name in ("dtsd", "dts-relay", "dts-gateway", *installed):
+        for name in ("dtsd", "dts-relay", "dts-lsl", "dts-gateway", *installed):
             text = (self.prefix / f"lib/systemd/system/{name}.service").read_text()
             (line,) = re.findall(r"^ExecStart=(.*)$", text, re.MULTILINE)
             named = [word for word in line.split() if word.startswith("/")]
@@ -157,7 +157,7 @@ class Installed(unittest.TestCase):
         pages = sorted(path.name for path in self.prefix.rglob("man?/*.?"))
         has_fleet = (self.prefix / "sbin/dts-hub").is_file()  # only if its libraries are installed
         fleet = ["dts-fleet-gateway.8", "dts-fleet.1", "dts-forward.8", "dts-hub.8", "dts-worker.8"] if has_fleet else []
-        self.assertEqual(pages, sorted([*fleet, "dts-gateway.8", "dts-relay.8", "dtsctl.1", "dtsd.8", "dtsd.toml.5", "dtslab.1"]))
+        self.assertEqual(pages, sorted([*fleet, "dts-gateway.8", "dts-lsl.8", "dts-relay.8", "dtsctl.1", "dtsd.8", "dtsd.toml.5", "dtslab.1"]))
         if shutil.which("groff") is None:
             return
         for path in self.prefix.rglob("man?/*.?"):

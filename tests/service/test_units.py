@@ -153,6 +153,13 @@ class Together(unittest.TestCase):
         self.assertEqual(dashboard["StateDirectoryMode"], ["0700"])
         self.assertIn("MemoryMax", dashboard)
 
+    def test_LslReachesTheDaemonsSockets_AndNoFolderOfIt(self) -> None:
+        lsl = units.settings(units.unit_text("dts-lsl"))
+        self.assertEqual(lsl["SupplementaryGroups"], units.settings(units.unit_text("dtsd"))["Group"])
+        self.assertEqual(lsl["InaccessiblePaths"], ["-/var/lib/dtsd"])
+        self.assertEqual(lsl["IPAddressAllow"], ["localhost"])
+        self.assertEqual(lsl["WorkingDirectory"], ["/etc/dtsd"])  # has lsl_api.cfg
+
     def test_GatewayReachesTheDaemon(self) -> None:
         daemon, gateway = (units.settings(units.unit_text(name)) for name in ("dtsd", "dts-gateway"))
         self.assertEqual(gateway["SupplementaryGroups"], daemon["Group"])

@@ -11,7 +11,7 @@ UNIT_DIR = Path(os.environ.get("DTS_UNIT_DIR", SOURCE / "systemd"))
 PROGRAM_DIRS = [Path(folder) for folder in os.environ.get("DTS_BIN_DIR", str(SOURCE / "build/release/bin")).split(":")]
 # The programs of a fleet are built only if their libraries are installed.
 OPTIONAL = tuple(name for name in ("dts-forward", "dts-hub", "dts-worker", "dts-fleet-gateway") if any((folder / name).is_file() for folder in PROGRAM_DIRS))
-UNITS = ("dtsd", "dts-gateway", "dts-relay", *OPTIONAL)
+UNITS = ("dtsd", "dts-gateway", "dts-relay", "dts-lsl", *OPTIONAL)
 PROGRAM = re.compile(r"^(ExecStart=)(\S+)", re.MULTILINE)
 EXPOSURE_LIMIT = 13  # tenths; chrony has 37, gpsd 96
 

@@ -19,6 +19,28 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+TEST_F(SupervisorTest, MarkerWithATime_StandsAtTheScanOfThatTime) {
+  open();
+  run();
+  feed(2 * kBlock);
+  const auto newest = supervisor_->mark("floor", "x").value().front().second;
+  static_cast<void>(taken_events(v1::Event::kMarker));
+  constexpr std::int64_t kScans = 3;
+  const std::int64_t earlier_ns = newest.host_time_ns - kScans * core::kNanosecondsPerSecond / 1500;
+
+  const auto marks = supervisor_->mark("floor", "x", earlier_ns).value();
+  EXPECT_EQ(marks.front().second.segment, newest.segment);
+  EXPECT_EQ(marks.front().second.scan.value, newest.scan.value - kScans);
+  const auto events = taken_events(v1::Event::kMarker);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].host_time_ns(), earlier_ns);
+  for (const std::int64_t beyond_ns : {-6 * core::kNanosecondsPerSecond, 2 * core::kNanosecondsPerSecond}) {
+    EXPECT_THAT(why_refused(supervisor_->mark("floor", "x", clock_.now_ns() + beyond_ns), ErrorCode::InvalidArgument),
+                HasSubstr("5 s before now"));
+  }
+  EXPECT_THAT(taken_events(v1::Event::kMarker), IsEmpty());
+}
+
 TEST_F(SupervisorTest, Marker_HasOneTo200BytesAndStandsAtTheNewestScan) {
   open();
   EXPECT_THAT(why_refused(supervisor_->mark("", "x")), HasSubstr("no rig delivers"));

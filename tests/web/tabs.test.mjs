@@ -121,17 +121,18 @@ describe('tabs', () => {
     await page.close();
   });
 
-  test('eight tabs at once are all live, none older than a second', async (context) => {
+  test('eight tabs at once are all live, none older than two seconds', async (context) => {
     const pages = [];
     for (let count = 0; count < mostTabs; count += 1) pages.push(await openMeasured());
 
-    // A machine that draws eight screens on one core may be late with any of them for a moment: each is checked until it is in time.
+    // A busy browser draws a tab in the background once a second, and then the newest scan is up to a second older than the drawing. A machine
+    // that draws eight screens on one core may be late with any of them for a moment: each is checked until it is in time.
     const least = pages.map(() => Infinity);
     await waitFor(
       async () => {
         const ages = await Promise.all(pages.map(ageOf));
         ages.forEach((age, index) => (least[index] = Math.min(least[index], age)));
-        return Math.max(...least) < 1000;
+        return Math.max(...least) < 2000;
       },
       () => `least ages in ms: ${least.map(Math.round)}`,
     );

@@ -123,15 +123,16 @@ auto Store::guarded(Action action) const {
 core::Result<std::unique_ptr<Store>> Store::open(const std::string& folder) {
   DTS_TRY_ASSIGN(auto database, record::Database::open(folder + "/sent.sqlite"));
   std::unique_ptr<Store> store(new Store(std::move(database)));
-  const auto made = store->guarded([&store] {
-    const record::Database& opened = store->database_;
-    const std::int64_t version = opened.number("PRAGMA user_version");
-    if (version == kVersion) return;
-    opened.execute("DROP TABLE IF EXISTS session; DROP TABLE IF EXISTS file; DROP TABLE IF EXISTS word;");
-    opened.execute(kSchema);
-    opened.execute("PRAGMA user_version = " + std::to_string(kVersion));
-  });
-  if (!made) return tl::make_unexpected(made.error());
+  // Reads the version without a transaction: `dts-forward status` must not wait for the writes of the running service.
+  DTS_TRY_ASSIGN(const bool is_made, store->guarded([&store] { return store->database_.number("PRAGMA user_version") == kVersion; }));
+  if (!is_made) {
+    DTS_TRY(store->guarded([&store] {
+      const record::Database& opened = store->database_;
+      opened.execute("DROP TABLE IF EXISTS session; DROP TABLE IF EXISTS file; DROP TABLE IF EXISTS word;");
+      opened.execute(kSchema);
+      opened.execute("PRAGMA user_version = " + std::to_string(kVersion));
+    }));
+  }
   try {  // not within a transaction: a receipt that a power failure removes is sent again by the centre
     store->database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;");
   } catch (const SQLite::Exception& exception) {

@@ -83,6 +83,7 @@ class NatsClient:
         self.tls = connect(port, ca, key)
         self.tls.setblocking(False)
         self._lock = threading.Lock()  # OpenSSL does not allow two threads in one connection
+        self._sending = threading.Lock()  # and after a write that must be repeated, no other write
         threading.Thread(target=self._read, daemon=True).start()
         self.wait_for_server()
 
@@ -124,14 +125,15 @@ class NatsClient:
             raise Failure(f"no letter within {patience_s:.0f} s") from None
 
     def _send(self, data: bytes) -> None:
-        while data and not self.ended.is_set():
-            try:
-                with self._lock:
-                    data = data[self.tls.send(data):]
-            except (ssl.SSLWantReadError, ssl.SSLWantWriteError):
-                time.sleep(0.001)
-            except OSError:
-                self.ended.set()
+        with self._sending:
+            while data and not self.ended.is_set():
+                try:
+                    with self._lock:
+                        data = data[self.tls.send(data):]
+                except (ssl.SSLWantReadError, ssl.SSLWantWriteError):
+                    time.sleep(0.001)
+                except OSError:
+                    self.ended.set()
 
     def _receive(self) -> bytes:
         """Returns the next bytes; none at the end of the connection."""

@@ -170,7 +170,7 @@ def power_cuts(words: argparse.Namespace, checks: Checks) -> None:
                     broken.add(f"{name}/{sha256}")
             centre.hub.start()
         wait_until("the last session has ended", lambda: not clinic.is_recording())
-        wait_until("all recordings have arrived", lambda: not clinic.undelivered(), 120)
+        wait_until("all recordings have arrived", lambda: not clinic.undelivered(), 600)
         checks.expect(f"no receipt without its whole file after any of {words.cuts} power cuts", not broken, sorted(broken))
         checks.expect("files, rows and receipts are the same",
                       set(centre.objects()) == set(centre.parts()) == centre.receipts() and len(centre.objects()) == len(clinic.recorded()))

@@ -38,6 +38,7 @@ DeviceReport BoardDevice::report() const {
   }
   const std::vector<DeviceCheck> findings = delivery_->findings();
   report.checks.insert(report.checks.end(), findings.begin(), findings.end());
+  add_log(report.checks);
   return report;
 }
 
@@ -106,7 +107,11 @@ void BoardDevice::note_unit() {
     if (!board.serial.view().empty()) found.serial = board.serial.view();
     found.firmware = board.firmware.view();
     std::string detail = std::string(board.model.view()) + ", " + std::to_string(board.converter_bits) + " bits";
-    for (const Channel& channel : conversation_->facts().channels()) detail += ", " + core::printable(channel.name.view());
+    for (const Channel& channel : conversation_->facts().channels()) {
+      detail += ", " + core::printable(channel.name.view());
+      const std::string& unit = describe().channels[channel.index].unit;
+      if (channel.is_digital && channel.unit.view() != unit) detail += " (digital, so its unit is not " + unit + ")";
+    }
     found.checks.push_back({"the board describes itself as the address says", DeviceCheck::Outcome::Passed, std::move(detail)});
     if (const double hz = conversation_->measured_hz(); hz > 0.0) {
       found.checks.push_back({"the board's rate was measured", DeviceCheck::Outcome::Passed, core::number_text(hz) + " Hz"});
@@ -189,16 +194,20 @@ void BoardDevice::interrupt() noexcept {
 
 core::Status BoardDevice::set_sync_output(bool) { return refuse_sync_output(describe(), state()); }
 
+/// Adds the newest message of a board that speaks frames, if there was one. Needs `report_mutex_`.
+void BoardDevice::add_log(std::vector<DeviceCheck>& checks) const {
+  if (frames_ == nullptr) return;
+  const std::string log = core::printable(frames_->last_log().view());
+  if (!log.empty()) checks.push_back({"the board's newest message", DeviceCheck::Outcome::Passed, log});
+}
+
 /// Destroys the source and keeps its findings. `undelivered`: number of scans between the last delivered one and the stop.
 void BoardDevice::keep_findings(std::optional<std::uint64_t> undelivered) {
   const std::lock_guard lock(report_mutex_);
   if (!delivery_) return;
   scan_checks_ = delivery_->findings();
-  if (frames_ != nullptr) {
-    const std::string log = core::printable(frames_->last_log().view());
-    if (!log.empty()) scan_checks_.push_back({"the board's newest message", DeviceCheck::Outcome::Passed, log});
-    scan_checks_.push_back(describe_end(undelivered));
-  }
+  add_log(scan_checks_);
+  if (frames_ != nullptr) scan_checks_.push_back(describe_end(undelivered));
   delivery_.reset();
   source_.reset();
   frames_ = nullptr;

@@ -49,6 +49,7 @@ class BoardDevice final : public Device {
   void note_unit();
   [[nodiscard]] core::Status begin(const StartOptions& options);
   [[nodiscard]] core::Status end_scan();
+  void add_log(std::vector<DeviceCheck>& checks) const;
   void keep_findings(std::optional<std::uint64_t> undelivered);
 
   BoardOptions options_;

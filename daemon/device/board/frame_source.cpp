@@ -12,6 +12,7 @@ using core::GapReason;
 
 constexpr std::uint32_t kHalfTurn = 1U << 31U;  // a larger step of the counter is one backwards
 constexpr std::int64_t kShortestStartPauseNs = core::kNanosecondsPerSecond;
+constexpr std::int64_t kSilenceOfUnknownRateNs = 3 * core::kNanosecondsPerSecond;
 
 }  // namespace
 
@@ -47,6 +48,10 @@ bool FrameSource::start_again() noexcept {
   if (!start_.is_commanded) return true;
   const core::Status sent = link_.write(start_command(start_.wanted).view());
   return sent || sent.error().code != core::ErrorCode::DeviceGone;
+}
+
+std::int64_t FrameSource::silence_ns() const noexcept {
+  return start_.confirmed.is_known() ? ScanSource::silence_ns() : kSilenceOfUnknownRateNs;
 }
 
 std::optional<std::uint32_t> FrameSource::scans_until(std::uint8_t run, std::uint32_t counter) const noexcept {

@@ -43,6 +43,8 @@ class FrameSource final : public ScanSource {
   [[nodiscard]] bytes::ReadEnd pull(std::int64_t deadline_ns) noexcept override;
   [[nodiscard]] bool ask() noexcept override;
   [[nodiscard]] bool start_again() noexcept override;
+  /// 3 s if the board does not know its rate.
+  [[nodiscard]] std::int64_t silence_ns() const noexcept override;
 
   /// Returns how many scans the board has made in this run that are not in the queue, if the board stopped with `counter` as its next scan;
   /// nothing if the run is not known.

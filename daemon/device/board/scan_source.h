@@ -37,6 +37,8 @@ class ScanSource {
   /// Starts a silent board again; its next scans are a new segment. Waits up to 100 ms. Returns false if the link is lost.
   [[nodiscard]] virtual bool start_again() noexcept = 0;
 
+  /// Returns how long no scans may arrive until the board counts as silent: 1 s and 2 periods.
+  [[nodiscard]] virtual std::int64_t silence_ns() const noexcept { return core::kNanosecondsPerSecond + 2 * timeline_.period_ns(); }
   /// Numbers of good and bad pieces since the link was opened.
   [[nodiscard]] virtual InputCounts counts() const noexcept = 0;
 

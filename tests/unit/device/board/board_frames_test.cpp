@@ -201,16 +201,12 @@ TEST(BoardFrames, LossBeforeTheFirstScan_IsAnExactGap) {
   rig.expect_nothing_hidden();
 }
 
-TEST(BoardFrames, Counter_Wraps) {
+TEST(BoardFrames, CounterNearItsWrap_AtTheStart_BreaksTheScan) {
   BoardRig rig;
-  rig.start(1000.0);
-  rig.read();
-  BoardRig near_wrap;
-  near_wrap.open();
-  ASSERT_TRUE(near_wrap.device->start({rate_of(1000.0), 64}).has_value());
-  near_wrap.board->set_counter(0xFFFFFFFFU - 49U);  // as if the run were 49 days old; the gap before it is what a counter near its end is
-  const ReadResult first = near_wrap.read();
-  EXPECT_EQ(first.outcome, ReadOutcome::Broken) << "a run that we started begins at 0";
+  rig.open();
+  ASSERT_TRUE(rig.device->start({rate_of(1000.0), 64}).has_value());
+  rig.board->set_counter(0xFFFFFFFFU - 49U);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Broken) << "a run that we started begins at 0";
 }
 
 TEST(BoardFrames, CounterWrap_InARunningScan_IsNoGap) {
@@ -288,6 +284,30 @@ TEST(BoardFrames, Silence_IsAskedThenStartedThenGone) {
   EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
 }
 
+TEST(BoardFrames, SilenceOfABoardThatDoesNotKnowItsRate_Is3Seconds) {
+  BoardRig rig({.knows_rate = false, .keeps_rate = true, .silent_at_s = 5.0});
+  rig.start(100.0);
+  EXPECT_EQ(rig.read_until_trouble(60.0).outcome, ReadOutcome::Gone);
+  const double silent_s = static_cast<double>(rig.clock.now_ns() - rig.board->run_start_ns()) * 1e-9 - 5.0;
+  EXPECT_NEAR(silent_s, 3.0 + 0.5 + 3.0, 0.2);
+}
+
+/// Descriptions and messages are no scans: nothing could be measured with them.
+TEST(BoardFrames, FramesWithoutScans_AreSilence) {
+  BoardRig rig({.silent_at_s = 2.0});
+  rig.start(100.0);
+  const std::int64_t start_ns = rig.board->run_start_ns();
+  ReadResult result;
+  for (int i = 0; i < 600 && result.outcome != ReadOutcome::Gone; ++i) {
+    result = rig.read(10 * kMs);
+    rig.board->send_descriptor();
+    rig.board->send_log("still here");
+  }
+  EXPECT_EQ(result.outcome, ReadOutcome::Gone);
+  EXPECT_EQ(result.gap.reason, GapReason::Silence);
+  EXPECT_NEAR(static_cast<double>(rig.clock.now_ns() - start_ns) * 1e-9, 2.0 + 1.02 + 0.5 + 1.02, 0.2);
+}
+
 TEST(BoardFrames, Unplugged_IsGone) {
   BoardRig rig;
   rig.start(100.0);
@@ -308,6 +328,20 @@ TEST(BoardFrames, AnotherDescription_BreaksTheScanAndIsAskedFor) {
   EXPECT_TRUE(rig.device->stop().has_value());
   rig.start(100.0);
   EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+}
+
+/// Another board is plugged in, or the program is loaded anew: it resets and describes itself completely.
+TEST(BoardFrames, ResetWithAnotherDescription_BreaksTheScan) {
+  BoardRig rig;
+  rig.start(100.0);
+  rig.read();
+  rig.board->setup().serial = "B0A4D002";
+  rig.board->reset(rig.clock.now_ns());
+  EXPECT_EQ(rig.read_until_trouble(10.0).outcome, ReadOutcome::Broken);
+  EXPECT_TRUE(rig.device->stop().has_value());
+  rig.start(100.0);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  rig.expect_nothing_hidden();
 }
 
 TEST(BoardFrames, Pattern_IsNeverDelivered) {
@@ -456,8 +490,12 @@ TEST(BoardFrames, ScansThatNobodyCounts_BreakTheScan) {
   for (unsigned i = 0; i < 4; ++i) scans[6 + i] = static_cast<std::uint8_t>(ticks >> (8 * i));
   scans[10] = 1;
   rig.board->send_payload(scans);
-  const ReadResult broken = rig.device->read(rig.witness->block, rig.clock.now_ns() + 1);
-  EXPECT_NE(broken.outcome, ReadOutcome::Timeout);
+  ReadResult broken;
+  for (int i = 0; i < 5 && broken.outcome != ReadOutcome::Broken; ++i) {
+    broken = rig.device->read(rig.witness->block, rig.clock.now_ns() + 1);
+  }
+  EXPECT_EQ(broken.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(broken.gap.reason, GapReason::Integrity);
 }
 
 TEST(BoardFrames, WrongRate_BreaksTheScan) {
@@ -473,6 +511,7 @@ TEST(BoardFrames, Log_IsInTheReport) {
   rig.start(100.0);
   rig.board->send_log("brown-out\x1B[2J");
   rig.read();
+  ASSERT_NE(rig.check("newest message"), nullptr) << "while scans flow";
   ASSERT_TRUE(rig.device->stop().has_value());
   ASSERT_NE(rig.check("newest message"), nullptr);
   EXPECT_EQ(rig.check("newest message")->detail, "brown-out [2J");

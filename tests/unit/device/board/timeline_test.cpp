@@ -71,6 +71,16 @@ TEST(BoardTimeline, ManySmallHoles_AreFoundTogether) {
   EXPECT_LE(board.number, 20'000U) << "3 % of the scans are missing: found within some seconds";
 }
 
+TEST(BoardTimeline, LowRate_MayJitterByLessThanAPeriod) {
+  Timeline timeline;
+  timeline.start(test::rate_of(1.0), 1'000'000, false, std::nullopt);
+  const auto add = [&](std::uint32_t number, double time_s) {
+    return timeline.add(number, static_cast<std::uint32_t>(time_s * 1e6), 1, static_cast<std::int64_t>(time_s * 1e9) + kArrivalNs);
+  };
+  for (std::uint32_t number = 0; number < 100; ++number) ASSERT_TRUE(add(number, number + (number % 5 == 2 ? 0.6 : 0.0))) << number;
+  EXPECT_FALSE(add(100, 101.0)) << "one scan is missing";
+}
+
 TEST(BoardTimeline, CountedLoss_AcrossAWrapOfTheTicks_IsNoHole) {
   TickingBoard board(16'000'000);
   board.speed = 1.005;

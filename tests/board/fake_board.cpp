@@ -232,7 +232,8 @@ void FakeBoard::send_channels() {
     const bool is_constant = static_cast<int>(channel) == setup_.constant_channel;
     Payload payload(FrameType::Channel);
     payload.u8(static_cast<std::uint8_t>(channel));
-    payload.u8(is_constant ? 1 : 0);
+    const bool is_digital = static_cast<int>(channel) == setup_.digital_channel;
+    payload.u8(static_cast<std::uint8_t>((is_constant ? 1 : 0) | (is_digital ? 2 : 0)));
     payload.i16(is_constant ? std::int16_t{12345} : std::int16_t{0});
     payload.i16(is_constant ? std::int16_t{12345} : std::int16_t{32767});
     payload.u32(std::bit_cast<std::uint32_t>(kScale));
@@ -240,7 +241,7 @@ void FakeBoard::send_channels() {
     std::array<char, 8> name{};
     std::snprintf(name.data(), name.size(), "a%u", static_cast<unsigned>(channel));
     payload.text(name.data());
-    payload.text("V");
+    payload.text(is_digital ? "" : "V");
     send_payload(payload.view());
   }
 }

@@ -29,6 +29,7 @@ struct FakeBoardSetup {
   double clock_ppm = 0.0;   ///< How much its clock is fast.
   std::string serial = "B0A4D001";
   int constant_channel = -1;
+  int digital_channel = -1;  ///< Has no unit.
   // Lines
   bool has_counter = false;
   unsigned counter_bits = 32;

@@ -37,6 +37,13 @@ TEST(BoardFrames, Report_NamesTheBoard) {
   EXPECT_EQ(rig.check("describes itself")->detail, "Fake board, 15 bits, a0, a1, a2, a3");
 }
 
+TEST(BoardFrames, DigitalChannel_HasNoUnitAndTheReportSaysSo) {
+  BoardRig rig({.digital_channel = 2});
+  rig.open();
+  ASSERT_NE(rig.check("describes itself"), nullptr);
+  EXPECT_EQ(rig.check("describes itself")->detail, "Fake board, 15 bits, a0, a1, a2 (digital, so its unit is not V), a3");
+}
+
 TEST(BoardFrames, OtherNumberOfChannels_IsNamedWithBoth) {
   BoardRig rig({.channels = 6});
   const core::Error error = rig.open_error();

@@ -130,7 +130,8 @@ inline const Recordings& recordings() {
   return made;
 }
 
-/// A board that speaks over a link in memory: the device above the link is under test. `boards_in_real_time_test.cpp` has real links.
+/// A board that speaks over a link in memory: the device above the link is under test. The scheme of the address selects the options only:
+/// there is one link, and what differs between the entries is the format and its options. `board_real_test.cpp` has real links.
 inline DeviceUnderTest board(const char* name, const char* uri, const char* unplugging_uri, const char* gapping_uri) {
   DeviceUnderTest tested{name, uri, unplugging_uri, gapping_uri};
   tested.make_device = dts::test::make_fake_board_device;
@@ -258,6 +259,13 @@ inline core::ErrorCode code(const core::Result<core::Rate>& result) { return res
 struct Model {
   DeviceState state = DeviceState::Closed;
   bool was_opened = false;
+  bool leaves_any_time = false;  ///< Also `start` and `stop` see that it is unplugged, not only `read`.
+  int times_gone = 0;
+
+  void note_gone() {
+    state = DeviceState::Gone;
+    ++times_gone;
+  }
 
   void check_report(const Device& device) const {
     const bool has_serial = !device.report().serial.empty();  // one that needs no hardware may know it before
@@ -291,7 +299,9 @@ struct Model {
 
   void check_start(Device& device, const StartOptions& options) {
     const auto started = device.start(options);
-    if (state == DeviceState::Open) {
+    if (state == DeviceState::Open && leaves_any_time && code(started) == core::ErrorCode::DeviceGone) {
+      note_gone();
+    } else if (state == DeviceState::Open) {
       EXPECT_TRUE(started.has_value());
       state = DeviceState::Streaming;
     } else {
@@ -307,14 +317,16 @@ struct Model {
       EXPECT_EQ(outcome, ReadOutcome::NotStreaming);
     } else {
       EXPECT_NE(outcome, ReadOutcome::NotStreaming);
-      if (outcome == ReadOutcome::Gone) state = DeviceState::Gone;
+      if (outcome == ReadOutcome::Gone) note_gone();
     }
     EXPECT_EQ(block.count() > 0, outcome == ReadOutcome::Scans);
   }
 
   void check_stop(Device& device) {
     EXPECT_TRUE(device.stop().has_value());
-    if (state == DeviceState::Streaming) state = DeviceState::Open;
+    if (state != DeviceState::Streaming) return;
+    if (leaves_any_time && device.state() == DeviceState::Gone) return note_gone();
+    state = DeviceState::Open;
   }
 
   void check_close(Device& device) {

@@ -127,7 +127,9 @@ bool LineSource::follows_by_arrival(std::int64_t raw_ns) noexcept {
 void LineSource::add_scan(const Line& line, std::int64_t raw_ns) noexcept {
   last_position_ = line.position;
   note_scans(clock_.now_ns());
-  if (!timeline().add(number_, line.position, 1, raw_ns)) return set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+  if (!timeline().add(number_, line.position, 1, raw_ns)) {
+    return break_off("the board's time_us does not fit its rate; correct rate_hz, or the board's program");
+  }
   ++number_;
   const ScanQueue::Slot slot = queue().add(timeline().position(0));
   for (std::size_t i = 0; i < shape_.channels; ++i) {

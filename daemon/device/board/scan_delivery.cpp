@@ -104,7 +104,7 @@ void ScanDelivery::check_rate() noexcept {
   damaged_.store(counts.damaged + counts.too_long, std::memory_order_relaxed);
   rejected_.store(counts.rejected, std::memory_order_relaxed);
   const bool is_rate_wrong = !(std::abs(host_time.rate_error()) <= kLargestRateError);
-  if (is_rate_wrong && !source_.has_trouble()) source_.set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+  if (is_rate_wrong && !source_.has_trouble()) source_.break_off("the board does not scan at its rate; correct rate_hz, or its program");
 }
 
 void ScanDelivery::deliver(core::Block& block, std::size_t wanted) noexcept {
@@ -156,6 +156,7 @@ std::vector<DeviceCheck> ScanDelivery::findings() const {
   } else {
     checks.push_back({"the scan runs at its rate", Skipped, "needs 3 s of scans"});
   }
+  if (const char* const why = source_.why_broken()) checks.push_back({kBreakOffCheck, Failed, why});
   const std::uint64_t counted = source_.losses().counted.load(std::memory_order_relaxed);
   const std::uint64_t estimated = source_.losses().estimated.load(std::memory_order_relaxed);
   std::snprintf(text.data(), text.size(), "%llu counted, %llu estimated from time", static_cast<unsigned long long>(counted),

@@ -11,6 +11,9 @@
 
 namespace dts::device::board {
 
+/// Name of the check that reports why a scan broke off.
+inline constexpr const char* kBreakOffCheck = "the scan does not break off";
+
 /// The path from a source to blocks: waits, delivers, and handles a silent board. Thread: the reader, except `findings`. Realtime-safe:
 /// yes; a silent board gets questions, each of which may take 100 ms.
 class ScanDelivery {

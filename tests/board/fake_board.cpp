@@ -213,7 +213,7 @@ std::size_t FakeBoard::take(std::span<std::uint8_t> out) noexcept {
 
 void FakeBoard::send_descriptor() {
   Payload payload(FrameType::Descriptor);
-  payload.u8(1);
+  payload.u8(setup_.version);
   payload.u8(static_cast<std::uint8_t>(setup_.channels));
   payload.u8(15);
   payload.u32(setup_.knows_rate ? rate_.numerator : 0);
@@ -232,24 +232,25 @@ void FakeBoard::send_channels() {
     const bool is_constant = static_cast<int>(channel) == setup_.constant_channel;
     Payload payload(FrameType::Channel);
     payload.u8(static_cast<std::uint8_t>(channel));
-    payload.u8(is_constant ? 1 : 0);
+    const bool is_digital = static_cast<int>(channel) == setup_.digital_channel;
+    payload.u8(static_cast<std::uint8_t>((is_constant ? 1 : 0) | (is_digital ? 2 : 0)));
     payload.i16(is_constant ? std::int16_t{12345} : std::int16_t{0});
     payload.i16(is_constant ? std::int16_t{12345} : std::int16_t{32767});
-    payload.u32(std::bit_cast<std::uint32_t>(kScale));
+    payload.u32(std::bit_cast<std::uint32_t>(setup_.scale));
     payload.u32(0);
     std::array<char, 8> name{};
     std::snprintf(name.data(), name.size(), "a%u", static_cast<unsigned>(channel));
     payload.text(name.data());
-    payload.text("V");
+    payload.text(is_digital ? "" : "V");
     send_payload(payload.view());
   }
 }
 
-void FakeBoard::send_lost(LostReason reason, std::uint32_t lost) {
+void FakeBoard::send_lost(LostReason reason, std::uint32_t lost, std::uint32_t ahead) {
   if (setup_.speaks_lines) return;
   Payload payload(FrameType::Lost);
   payload.u8(run_);
-  payload.u32(counter_);
+  payload.u32(counter_ + ahead);
   payload.u8(static_cast<std::uint8_t>(reason));
   payload.u32(lost);
   send_payload(payload.view());

@@ -28,7 +28,10 @@ struct FakeBoardSetup {
   bool keeps_rate = false;  ///< true: runs `rate` whatever START says.
   double clock_ppm = 0.0;   ///< How much its clock is fast.
   std::string serial = "B0A4D001";
+  std::uint8_t version = 1;       ///< Of the frames, as its DESCRIPTOR says.
+  float scale = 5.0F / 32767.0F;  ///< Of its channels, as its CHANNELs say.
   int constant_channel = -1;
+  int digital_channel = -1;  ///< Has no unit.
   // Lines
   bool has_counter = false;
   unsigned counter_bits = 32;
@@ -81,11 +84,15 @@ class FakeBoard {
     first_counter_ = counter;
     counter_ = counter;
   }
+  void set_run(std::uint8_t run) noexcept { run_ = run; }
+  /// Makes no scans for the time of `scans`, and does not count them.
+  void skip_uncounted(std::uint32_t scans) noexcept { first_counter_ -= scans; }
   void send_payload(std::span<const std::uint8_t> payload);
   void send_bytes(std::span<const std::uint8_t> bytes);
   void send_descriptor();
   void send_channels();
-  void send_lost(device::board::LostReason reason, std::uint32_t lost);
+  /// `ahead`: how many scans later the next scan is.
+  void send_lost(device::board::LostReason reason, std::uint32_t lost, std::uint32_t ahead = 0);
   void send_log(std::string_view text);
 
  private:

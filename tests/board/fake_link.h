@@ -25,6 +25,7 @@ class FakeLink final : public device::bytes::ByteLink {
   Damage damage;
   bool resets_on_open = true;
   bool takes_bytes = true;
+  std::int64_t reads_late_ns = 0;  ///< A waiting read ends this much later, with all that has come until then.
   std::string adapter_serial;
 
   [[nodiscard]] core::Status open() override {
@@ -53,7 +54,7 @@ class FakeLink final : public device::bytes::ByteLink {
       const std::size_t count = damage.apply(buffer, board_.take(buffer.first(buffer.size() / 2)));
       if (count > 0) return {ReadEnd::Bytes, count, clock_.raw_ns()};
       if (now_ns >= deadline_ns) return {ReadEnd::Timeout, 0, 0};
-      clock_.sleep_until_ns(std::min({deadline_ns, std::max(board_.next_event_ns(), now_ns + 1), now_ns + kSliceNs}));
+      clock_.sleep_until_ns(std::min({deadline_ns, std::max(board_.next_event_ns(), now_ns + 1), now_ns + kSliceNs}) + reads_late_ns);
     }
   }
   [[nodiscard]] core::Status write(std::span<const std::uint8_t> bytes) override {

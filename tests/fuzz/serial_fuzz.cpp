@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "board/fake_board_device.h"
@@ -25,16 +26,27 @@ constexpr std::array<const char*, 6> kForms{"channels=4",
                                             "channels=4&format=lines&rate_hz=100&counter=1",
                                             "channels=4&format=lines&rate_hz=100&time_us=1"};
 
-/// What is delivered is in order, and its time goes on.
+/// What is known of the scans that arrive, after what the input has changed.
+struct Truth {
+  int constant_channel = -1;
+  bool are_values_known = true;  ///< No byte has arrived that is not the fake board's.
+  bool is_order_known = true;    ///< The board counts its scans, one after the other.
+};
+
+/// What is delivered is what the fake board has made, in order, and its time goes on.
 class Reader {
  public:
-  explicit Reader(std::size_t channels) : block_(channels, 16) {}
+  Reader(std::size_t channels, const Truth& truth) : block_(channels, 16), truth_(truth) {}
 
   device::ReadOutcome read(device::Device& device, const core::Clock& clock) {
-    const device::ReadResult result = device.read(block_, clock.now_ns() + 50 * kMsNs);
+    const std::int64_t deadline_ns = clock.now_ns() + 50 * kMsNs;
+    const device::ReadResult result = device.read(block_, deadline_ns);
     promise((result.outcome == device::ReadOutcome::Scans) == (block_.count() > 0), "scans, or why there are none");
-    if (result.outcome == device::ReadOutcome::Gap) next_scan_ = 0;
+    promise(result.outcome != device::ReadOutcome::Timeout || clock.now_ns() >= deadline_ns, "without scans, read waits");
+    promise(clock.now_ns() <= deadline_ns + 10 * kMsNs, "read returns at its deadline");
+    if (result.outcome != device::ReadOutcome::Scans && result.outcome != device::ReadOutcome::Timeout) restart();
     if (block_.count() == 0) return result.outcome;
+    if (truth_.are_values_known) check_values();
     promise(block_.first_scan.value == next_scan_, "scans are numbered without a hole");
     promise(next_scan_ == 0 || block_.host_time_ns > host_time_ns_, "time goes on");
     host_time_ns_ = block_.host_time_ns;
@@ -46,17 +58,57 @@ class Reader {
     }
     return result.outcome;
   }
-  void restart() { next_scan_ = 0; }
+  void restart() {
+    next_scan_ = 0;
+    last_counter_.reset();
+  }
 
  private:
+  void check_values() {
+    for (std::size_t scan = 0; scan < block_.count(); ++scan) {
+      const bool shows_its_origin = block_.channel_count() >= 4 && (truth_.constant_channel < 0 || truth_.constant_channel > 3);
+      const auto counter = static_cast<std::uint32_t>(code(0, scan) | (shows_its_origin ? code(3, scan) << 15 : 0));
+      const auto run = static_cast<std::uint8_t>(shows_its_origin ? code(1, scan) - 1 : 0);
+      if (shows_its_origin) {
+        const bool is_made = has_made(run, counter, scan) || has_made(run, counter | 1U << 30U, scan) ||
+                             has_made(run, counter | 2U << 30U, scan) || has_made(run, counter | 3U << 30U, scan);
+        promise(is_made, "a scan is one that the board has made");
+      }
+      const std::uint32_t mask = shows_its_origin ? 0x3FFFFFFFU : 0x7FFFU;
+      if (truth_.is_order_known && last_counter_) promise(counter == ((*last_counter_ + 1U) & mask), "no scan is missing without a gap");
+      last_counter_ = counter;
+    }
+  }
+  /// The codes show 30 bits of the counter only.
+  [[nodiscard]] bool has_made(std::uint8_t run, std::uint32_t counter, std::size_t scan) const {
+    for (std::size_t channel = 0; channel < block_.channel_count(); ++channel) {
+      const bool is_constant = static_cast<int>(channel) == truth_.constant_channel;
+      if (!is_constant && code(channel, scan) != dts::test::fake_code(run, counter, channel)) return false;
+    }
+    return true;
+  }
+  [[nodiscard]] int code(std::size_t channel, std::size_t scan) const {
+    const double value = block_.column(channel)[scan];
+    const auto found = static_cast<std::int16_t>(std::clamp(std::lround(value / (5.0 / 32767.0)), -32768L, 32767L));
+    promise(dts::test::fake_value(found) == value, "a value is one that the board has made");
+    return found;
+  }
+
   core::Block block_;
+  const Truth& truth_;
+  std::optional<std::uint32_t> last_counter_;  ///< Of the newest scan in this segment.
   std::uint64_t next_scan_ = 0;
   std::int64_t host_time_ns_ = 0;
 };
 
-void change(dts::test::OwnedFakeLink& link, core::VirtualClock& clock, fuzz::Pieces& pieces) {
+void change(dts::test::OwnedFakeLink& link, core::VirtualClock& clock, fuzz::Pieces& pieces, Truth& truth) {
   dts::test::FakeBoard& board = link.board();
-  switch (pieces.byte() % 8) {
+  const int what = pieces.byte() % 8;
+  const bool is_time = what == 6;
+  // Nothing protects lines, so two pieces of different lines can form a good one.
+  if (what <= 1 || (board.setup().speaks_lines && !is_time && what != 4)) truth.are_values_known = false;
+  if (what == 4) truth.is_order_known = false;  // it changes in the middle of a frame
+  switch (what) {
     case 0: {  // bytes as they are
       const std::string_view bytes = pieces.piece();
       return board.send_bytes({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
@@ -98,24 +150,25 @@ void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   auto owned = std::make_unique<dts::test::OwnedFakeLink>(setup, clock);
   dts::test::OwnedFakeLink& link = *owned;
   device::board::BoardDevice device(std::move(*options), std::move(owned), clock);
-  Reader reader(device.describe().channels.size());
+  Truth truth{.constant_channel = setup.constant_channel, .is_order_known = !setup.speaks_lines || setup.has_counter};
+  Reader reader(device.describe().channels.size(), truth);
   const double rate_hz = std::max(100.0, device.describe().minimum_rate_hz);
   for (int step = 0; step < 40 && !pieces.is_over(); ++step) {
     if (device.state() == device::DeviceState::Gone) (void)device.close();
     if (device.state() == device::DeviceState::Closed && !device.open()) {
-      change(link, clock, pieces);
+      change(link, clock, pieces, truth);
       continue;
     }
     if (device.state() == device::DeviceState::Open) {
       const auto started = device.start({core::Rate::from_hz(rate_hz).value(), 16});
       if (!started) {
         (void)device.close();
-        change(link, clock, pieces);
+        change(link, clock, pieces, truth);
         continue;
       }
       reader.restart();
     }
-    change(link, clock, pieces);
+    change(link, clock, pieces, truth);
     if (reader.read(device, clock) == device::ReadOutcome::Broken) {
       promise(reader.read(device, clock) == device::ReadOutcome::Broken, "broken stays broken");
       (void)device.stop();

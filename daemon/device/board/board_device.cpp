@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/board/board_device.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/number_text.h"
@@ -12,6 +13,7 @@ namespace {
 
 using core::ErrorCode;
 
+constexpr std::uint64_t kLeastHeardBytes = 8;                           // fewer bytes are noise of a plug
 constexpr std::int64_t kFirstLineNs = 5 * core::kNanosecondsPerSecond;  // opening may reset the board
 
 DeviceCheck describe_end(std::optional<std::uint64_t> undelivered) {
@@ -32,11 +34,11 @@ core::Result<core::Rate> BoardDevice::exact_rate(core::Rate wanted) const { retu
 DeviceReport BoardDevice::report() const {
   const std::lock_guard lock(report_mutex_);
   DeviceReport report = report_;
-  if (!delivery_) {
-    report.checks.insert(report.checks.end(), scan_checks_.begin(), scan_checks_.end());
-    return report;
+  const std::vector<DeviceCheck> findings = delivery_ ? delivery_->findings() : scan_checks_;
+  const bool is_told = std::ranges::any_of(findings, [](const DeviceCheck& check) { return check.name == kBreakOffCheck; });
+  if (!is_told && !why_broken_before_.empty()) {
+    report.checks.push_back({kBreakOffCheck, DeviceCheck::Outcome::Warning, "an earlier scan did: " + why_broken_before_});
   }
-  const std::vector<DeviceCheck> findings = delivery_->findings();
   report.checks.insert(report.checks.end(), findings.begin(), findings.end());
   return report;
 }
@@ -54,6 +56,11 @@ core::Status BoardDevice::open() {
     return met;
   }
   note_unit();
+  {
+    const std::lock_guard lock(report_mutex_);
+    scan_checks_.clear();
+    why_broken_before_.clear();
+  }
   move_to(DeviceState::Open);
   return {};
 }
@@ -106,7 +113,11 @@ void BoardDevice::note_unit() {
     if (!board.serial.view().empty()) found.serial = board.serial.view();
     found.firmware = board.firmware.view();
     std::string detail = std::string(board.model.view()) + ", " + std::to_string(board.converter_bits) + " bits";
-    for (const Channel& channel : conversation_->facts().channels()) detail += ", " + core::printable(channel.name.view());
+    for (const Channel& channel : conversation_->facts().channels()) {
+      detail += ", " + core::printable(channel.name.view());
+      const std::string& unit = describe().channels[channel.index].unit;
+      if (channel.is_digital && channel.unit.view() != unit) detail += " (digital, so its unit is not " + unit + ")";
+    }
     found.checks.push_back({"the board describes itself as the address says", DeviceCheck::Outcome::Passed, std::move(detail)});
     if (const double hz = conversation_->measured_hz(); hz > 0.0) {
       found.checks.push_back({"the board's rate was measured", DeviceCheck::Outcome::Passed, core::number_text(hz) + " Hz"});
@@ -115,7 +126,6 @@ void BoardDevice::note_unit() {
   if (found.serial.empty()) found.serial = describe().serial;
   const std::lock_guard lock(report_mutex_);
   report_ = std::move(found);
-  scan_checks_.clear();
 }
 
 core::Result<core::Rate> BoardDevice::start(const StartOptions& options) {
@@ -142,7 +152,9 @@ core::Status BoardDevice::begin(const StartOptions& options) {
   std::uint32_t ticks_per_second = 0;
   FrameSource* frames = nullptr;
   if (conversation_) {
-    DTS_TRY_ASSIGN(const RunStart run, conversation_->start(options.rate));
+    const auto started = conversation_->start(options.rate);
+    if (conversation_->facts().is_agreed()) note_unit();  // it may be another board that agrees with the address too
+    DTS_TRY_ASSIGN(const RunStart run, started);
     const Descriptor& board = conversation_->facts().descriptor();
     if (run.is_commanded) not_before_ns = asked_ns;
     if (board.carries_time) ticks_per_second = board.ticks_per_second;
@@ -164,6 +176,7 @@ core::Status BoardDevice::begin(const StartOptions& options) {
   source_ = std::move(source);
   frames_ = frames;
   delivery_ = std::move(delivery);
+  heard_at_scan_ = heard();
   return {};
 }
 
@@ -172,6 +185,7 @@ ReadResult BoardDevice::read(core::Block& block, std::int64_t deadline_ns) noexc
   if (state() == DeviceState::Gone) return {ReadOutcome::Gone, {core::GapReason::Unplugged, 0, false}};
   if (state() != DeviceState::Streaming) return {};
   const ReadResult result = delivery_->read(block, deadline_ns);
+  if (result.outcome == ReadOutcome::Scans) heard_at_scan_ = heard();
   if (result.outcome == ReadOutcome::Gone) move_to(DeviceState::Gone);
   return result;
 }
@@ -179,7 +193,31 @@ ReadResult BoardDevice::read(core::Block& block, std::int64_t deadline_ns) noexc
 std::string BoardDevice::why_gone() const {
   if (state() != DeviceState::Gone) return {};
   if (std::string why = link_->why_lost(); !why.empty()) return why;
-  return "the board is silent: it sends no scans; check its program, cable and power";
+  return what_came_instead();
+}
+
+BoardDevice::Heard BoardDevice::heard() const noexcept {
+  if (conversation_) return {conversation_->input().byte_count(), source_->counts()};
+  return {lines_->byte_count(), source_->counts()};
+}
+
+/// Returns what arrived since the newest scan of a board that sends no scans any more.
+std::string BoardDevice::what_came_instead() const {
+  if (!source_) return {};
+  const Heard now = heard();
+  const std::uint64_t bytes = now.bytes - heard_at_scan_.bytes;
+  const bool is_good = now.pieces.good != heard_at_scan_.pieces.good;
+  if (bytes < kLeastHeardBytes) return "the board is silent: it sends nothing; check its program, cable and power";
+  if (conversation_) {
+    if (is_good) return "the board sends frames, but no scans that fit its description; reset it, and check its program";
+    return "what arrives are no frames (" + std::to_string(bytes) + " bytes); check baud and the cable";
+  }
+  if (is_good) return "the board sends lines, but their first column does not fit; check counter, time_us and the board's program";
+  if (now.pieces.rejected != heard_at_scan_.pieces.rejected) {
+    return "the board's lines have " + std::to_string(lines_->decoder().wrong_columns()) + " columns, not those of the address; " +
+           "correct channels, counter or time_us";
+  }
+  return "what arrives are no lines of numbers (" + std::to_string(bytes) + " bytes); check baud and the cable";
 }
 
 void BoardDevice::interrupt() noexcept {
@@ -189,10 +227,18 @@ void BoardDevice::interrupt() noexcept {
 
 core::Status BoardDevice::set_sync_output(bool) { return refuse_sync_output(describe(), state()); }
 
+/// Adds the newest message of a board that speaks frames, if there was one. Needs `report_mutex_`.
+void BoardDevice::add_log(std::vector<DeviceCheck>& checks) const {
+  if (frames_ == nullptr) return;
+  const std::string log = core::printable(frames_->last_log().view());
+  if (!log.empty()) checks.push_back({"the board's newest message", DeviceCheck::Outcome::Passed, log});
+}
+
 /// Destroys the source and keeps its findings. `undelivered`: number of scans between the last delivered one and the stop.
 void BoardDevice::keep_findings(std::optional<std::uint64_t> undelivered) {
   const std::lock_guard lock(report_mutex_);
   if (!delivery_) return;
+  if (const char* const why = source_->why_broken()) why_broken_before_ = why;
   scan_checks_ = delivery_->findings();
   if (frames_ != nullptr) {
     const std::string log = core::printable(frames_->last_log().view());

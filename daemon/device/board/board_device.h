@@ -49,7 +49,16 @@ class BoardDevice final : public Device {
   void note_unit();
   [[nodiscard]] core::Status begin(const StartOptions& options);
   [[nodiscard]] core::Status end_scan();
+  void add_log(std::vector<DeviceCheck>& checks) const;
   void keep_findings(std::optional<std::uint64_t> undelivered);
+  [[nodiscard]] std::string what_came_instead() const;
+
+  /// What has arrived on the link since it was opened.
+  struct Heard {
+    std::uint64_t bytes = 0;
+    InputCounts pieces;
+  };
+  [[nodiscard]] Heard heard() const noexcept;
 
   BoardOptions options_;
   std::unique_ptr<bytes::ByteLink> link_;
@@ -66,7 +75,9 @@ class BoardDevice final : public Device {
   std::vector<DeviceCheck> scan_checks_;  ///< Of the last scan, after its end.
   std::unique_ptr<ScanSource> source_;
   FrameSource* frames_ = nullptr;  ///< `source_`, if the board speaks frames.
+  std::string why_broken_before_;  ///< Why the last scan since `open` that broke off did so; empty: none.
   std::unique_ptr<ScanDelivery> delivery_;
+  Heard heard_at_scan_;  ///< At the newest delivered scan. Thread: the reader; the owner after Gone.
 };
 
 }  // namespace dts::device::board

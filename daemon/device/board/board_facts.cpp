@@ -19,6 +19,7 @@ bool describe_the_same_board(const Descriptor& a, const Descriptor& b) noexcept 
 BoardFacts::Change BoardFacts::add(const Descriptor& descriptor) noexcept {
   const bool is_new = !descriptor_.has_value();
   const bool is_same = !is_new && describe_the_same_board(*descriptor_, descriptor);
+  if (!is_same) is_agreed_ = false;
   if (!is_new && !is_same) is_known_ = {};
   descriptor_ = descriptor;
   if (is_new) return Change::Learned;
@@ -29,12 +30,17 @@ Parsed<BoardFacts::Change> BoardFacts::add(const Channel& channel) noexcept {
   // Names of channels beyond the board's number of channels are of an earlier board.
   const std::size_t count = descriptor_ ? descriptor_->channels : channels_.size();
   if (channel.index >= count) {
-    return tl::make_unexpected(Refusal{"CHANNEL", -1, "index", static_cast<double>(channel.index), "is not below the number of channels"});
+    return tl::make_unexpected(Refusal{.frame = "CHANNEL",
+                                       .field = "index",
+                                       .value = static_cast<double>(channel.index),
+                                       .rule = "is not below the number of channels",
+                                       .is_malformed = true});
   }
   Channel& known = channels_[channel.index];
   const bool was_known = is_known_[channel.index];
   if (was_known && known == channel) return Change::None;
   const bool is_another = was_known;
+  is_agreed_ = false;
   if (is_another) is_known_ = {};
   for (std::size_t i = 0; i < count; ++i) {
     if (!is_known_[i] || i == channel.index || channels_[i].name != channel.name) continue;

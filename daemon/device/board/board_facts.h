@@ -24,6 +24,11 @@ class BoardFacts {
   /// Fails if another channel has this name.
   [[nodiscard]] Parsed<Change> add(const Channel& channel) noexcept;
   void forget() noexcept { *this = {}; }
+  /// The complete facts agree with the address. This ends with every frame that contradicts them.
+  void agree() noexcept { is_agreed_ = true; }
+  /// The board has described itself in a way that was rejected.
+  void doubt() noexcept { is_agreed_ = false; }
+  [[nodiscard]] bool is_agreed() const noexcept { return is_agreed_; }
 
   [[nodiscard]] bool has_descriptor() const noexcept { return descriptor_.has_value(); }
   /// Needs `has_descriptor`.
@@ -37,6 +42,7 @@ class BoardFacts {
   std::optional<Descriptor> descriptor_;
   std::array<Channel, core::kMaxChannels> channels_{};
   std::array<bool, core::kMaxChannels> is_known_{};
+  bool is_agreed_ = false;
 };
 
 }  // namespace dts::device::board

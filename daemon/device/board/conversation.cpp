@@ -16,6 +16,8 @@ constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kLearnNs = 6000 * kMillisecond;  // a board that does not receive describes itself every 5 s
 constexpr std::int64_t kAnswerNs = 500 * kMillisecond;
 constexpr int kAttempts = 4;
+constexpr int kStarts = 2;
+constexpr std::int64_t kCatchUpNs = 1000 * kMillisecond;
 constexpr std::int64_t kStopNs = 200 * kMillisecond;  // below the 250 ms of Device::stop
 constexpr std::int64_t kMeasureNs = 2000 * kMillisecond;
 constexpr std::int64_t kLongestMeasureNs = 10'000 * kMillisecond;
@@ -54,10 +56,7 @@ void Conversation::handle(std::span<const std::uint8_t> payload, std::int64_t ra
   switch (static_cast<FrameType>(payload[0])) {
     case FrameType::Descriptor: {
       const auto descriptor = parse_descriptor(payload);
-      if (!descriptor) {
-        refusal_ = descriptor.error();
-        return;
-      }
+      if (!descriptor) return refuse(descriptor.error());
       facts_.add(*descriptor);
       ++descriptors_;
       newest_fact_ns_ = clock_.now_ns();
@@ -66,14 +65,13 @@ void Conversation::handle(std::span<const std::uint8_t> payload, std::int64_t ra
     case FrameType::Channel: {
       const auto channel = parse_channel(payload);
       const auto added = channel ? facts_.add(*channel) : tl::make_unexpected(channel.error());
-      if (!added) refusal_ = added.error();
+      if (!added) refuse(added.error());
       newest_fact_ns_ = clock_.now_ns();
       return;
     }
     case FrameType::Scans: return note_scans(payload, raw_ns);
     case FrameType::Lost:
       if (const auto lost = parse_lost(payload)) {
-        run_ = lost->run;
         if (lost->reason == static_cast<std::uint8_t>(LostReason::Stopped)) stopped_ = *lost;
       }
       return;
@@ -81,11 +79,15 @@ void Conversation::handle(std::span<const std::uint8_t> payload, std::int64_t ra
   }
 }
 
+void Conversation::refuse(const Refusal& refusal) {
+  refusal_ = refusal;
+  if (!refusal.is_malformed) facts_.doubt();
+}
+
 void Conversation::note_scans(std::span<const std::uint8_t> payload, std::int64_t raw_ns) {
   if (!facts_.has_descriptor()) return;
   const auto scans = parse_scans(payload, facts_.descriptor().channels);
   if (!scans) return;
-  run_ = scans->run;
   const Arrived arrived{scans->run, scans->counter, scans->ticks, scans->counter + static_cast<std::uint32_t>(scans->count - 1), raw_ns};
   if (!span_ || span_->first.run != scans->run) span_ = Span{arrived, arrived};
   span_->newest = arrived;
@@ -126,7 +128,7 @@ core::Status Conversation::learn() {
       ask_at_ns = now_ns + kAnswerNs;
     }
     DTS_TRY(listen(std::min(until_ns, std::max(ask_at_ns, newest_fact_ns_ + kAnswerNs))));
-    if (refusal_) return tl::make_unexpected(unanswered("cannot open " + options_.description.uri));
+    if (refusal_ && !refusal_->is_malformed) return tl::make_unexpected(unanswered("cannot open " + options_.description.uri));
   }
   return {};
 }
@@ -145,26 +147,36 @@ core::Status Conversation::command(const EncodedFrame& frame, const char* name, 
   return core::fail(ErrorCode::Timeout, options_.description.uri + ": the board does not answer " + name, "reset it, or plug it in again");
 }
 
-/// Stops a scan and the pattern.
+/// Stops a scan and the pattern. A button or another host may have started a scan since the last DESCRIPTOR, so STOP is always sent.
 core::Status Conversation::halt() {
-  const bool takes_commands = facts_.descriptor().starts_on_command;
-  if (takes_commands && (may_be_streaming_ || facts_.descriptor().is_streaming || facts_.descriptor().is_pattern)) {
-    DTS_TRY(command(stop_command(), "STOP", [](const Descriptor& now) { return !now.is_streaming && !now.is_pattern; }));
-  } else if (facts_.descriptor().is_pattern) {
-    DTS_TRY(command(pattern_command(false), "PATTERN", [](const Descriptor& now) { return !now.is_pattern; }));
+  if (facts_.descriptor().starts_on_command) {
+    DTS_TRY(command(stop_command(), "STOP", [](const Descriptor& now) { return !now.is_streaming; }));
   }
-  may_be_streaming_ = false;
-  return {};
+  if (!facts_.descriptor().is_pattern) return {};
+  return command(pattern_command(false), "PATTERN", [](const Descriptor& now) { return !now.is_pattern; });
+}
+
+/// Handles what has arrived: a board that was reset in the meantime has described itself. Then drops the rest.
+core::Status Conversation::catch_up() {
+  const std::int64_t until_ns = clock_.now_ns() + kCatchUpNs;
+  while (clock_.now_ns() < until_ns) {
+    DTS_TRY_ASSIGN(const bool has_come, listen(clock_.now_ns()));
+    if (!has_come) break;
+  }
+  if (input_.drain()) return {};
+  return core::fail(ErrorCode::DeviceGone, "cannot start " + options_.description.uri + ": it is gone");
 }
 
 core::Status Conversation::meet() {
   DTS_TRY(learn());
   DTS_TRY(check_serial());
   DTS_TRY(check_agreement(options_, facts_));
-  DTS_TRY(halt());
+  facts_.agree();  // from here on every frame that contradicts them ends it
   measured_hz_ = 0.0;
-  if (!facts_.descriptor().rate.is_known()) DTS_TRY(measure_rate());
-  return {};
+  core::Status ready = halt();
+  if (ready && !facts_.descriptor().rate.is_known()) ready = measure_rate();
+  if (!ready) facts_.doubt();
+  return ready;
 }
 
 /// The configured serial number is that of the board or that of its USB adapter.
@@ -182,7 +194,6 @@ core::Status Conversation::check_serial() const {
 core::Status Conversation::measure_rate() {
   const bool takes_commands = facts_.descriptor().starts_on_command;
   if (takes_commands) {
-    may_be_streaming_ = true;
     DTS_TRY(command(start_command({}), "START", [](const Descriptor& now) { return now.is_streaming; }));
   } else {
     input_.drain();
@@ -197,7 +208,7 @@ core::Status Conversation::measure_rate() {
     if (span_->newest.raw_ns - span_->first.raw_ns >= kMeasureNs && scans >= kLeastMeasuredScans) break;
   }
   if (takes_commands) DTS_TRY(halt());
-  if (!span_ || scans < kLeastMeasuredScans) {
+  if (!span_ || scans < kLeastMeasuredScans || span_->newest.raw_ns - span_->first.raw_ns < kMeasureNs) {
     return core::fail(ErrorCode::Timeout, "cannot open " + options_.description.uri + ": the board sends too few scans to measure its rate",
                       "check the board's program");
   }
@@ -229,39 +240,41 @@ core::Status Conversation::check_rate(core::Rate wanted, const std::string& what
       "configure rate_hz = " + number_text(configurable));
 }
 
-core::Result<RunStart> Conversation::start(core::Rate rate) {
-  const std::string what = "cannot start " + options_.description.uri;
-  if (!input_.drain()) return core::fail(ErrorCode::DeviceGone, what + ": it is gone");
-  if (!facts_.is_complete()) DTS_TRY(meet());  // it described itself differently while it was streaming
+/// Starts a run; afterwards the newest DESCRIPTOR is the board's answer.
+core::Result<RunStart> Conversation::begin_run(core::Rate rate) {
   DTS_TRY(halt());
   RunStart started{.is_commanded = facts_.descriptor().starts_on_command};
   if (started.is_commanded) {
     started.wanted = facts_.descriptor().rate.is_known() ? wire_rate(rate) : WireRate{};
-    const auto is_streaming = [](const Descriptor& now) { return now.is_streaming; };
-    started.earlier_run = run_;
-    may_be_streaming_ = true;
-    DTS_TRY(command(start_command(started.wanted), "START", is_streaming));
-    if (facts_.descriptor().is_pattern) {  // switched on since the board described itself
-      DTS_TRY(halt());
-      started.earlier_run = run_;
-      may_be_streaming_ = true;
-      DTS_TRY(command(start_command(started.wanted), "START", is_streaming));
-    }
-  }
-  core::Status checked = check_rate(rate, what);
-  if (checked && facts_.descriptor().is_pattern) {
-    checked = core::fail(ErrorCode::Failed, what + ": the board sends its test pattern", "reset the board");
-  }
-  if (!checked) {
-    DTS_TRY(halt());
-    return tl::make_unexpected(checked.error());
+    DTS_TRY(command(start_command(started.wanted), "START", [](const Descriptor& now) { return now.is_streaming; }));
   }
   started.confirmed = facts_.descriptor().rate;
   return started;
 }
 
+core::Result<RunStart> Conversation::start(core::Rate rate) {
+  const std::string what = "cannot start " + options_.description.uri;
+  DTS_TRY(catch_up());
+  RunStart started;
+  bool is_right = false;
+  for (int attempt = 0; attempt < kStarts && !is_right; ++attempt) {
+    if (!facts_.is_agreed()) DTS_TRY(meet());
+    DTS_TRY_ASSIGN(started, begin_run(rate));
+    is_right = facts_.is_agreed() && !facts_.descriptor().is_pattern;
+    if (!is_right) DTS_TRY(halt());  // it has changed since it described itself
+  }
+  if (!facts_.is_agreed()) {
+    return core::fail(ErrorCode::Failed, what + ": the board describes itself differently each time", "correct the board's program");
+  }
+  if (!is_right) return core::fail(ErrorCode::Failed, what + ": the board sends its test pattern", "reset the board");
+  if (const core::Status checked = check_rate(rate, what); !checked) {
+    DTS_TRY(halt());
+    return tl::make_unexpected(checked.error());
+  }
+  return started;
+}
+
 core::Result<std::optional<std::uint32_t>> Conversation::stop(const FrameSource& source) {
-  run_ = source.run() ? source.run() : run_;
   if (!facts_.has_descriptor() || !facts_.descriptor().starts_on_command) return std::optional<std::uint32_t>();
   stopped_.reset();
   DTS_TRY(send(stop_command()));
@@ -276,7 +289,6 @@ core::Result<std::optional<std::uint32_t>> Conversation::stop(const FrameSource&
     return core::fail(ErrorCode::Timeout, "cannot stop the scan of " + options_.description.uri + ": the board does not answer STOP",
                       "reset it, or plug it in again");
   }
-  may_be_streaming_ = false;
   if (!stopped_) return std::optional<std::uint32_t>();
   return source.scans_until(stopped_->run, stopped_->counter);
 }

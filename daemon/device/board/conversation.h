@@ -20,7 +20,8 @@ class Conversation {
   /// Asks an opened link's board for its description, for at most 6 s, compares it with the address, and stops a scan or a pattern that
   /// runs. Measures the rate of a board that does not know it. Fails with Timeout, DeviceGone, DataDamaged, InvalidArgument, Failed.
   [[nodiscard]] core::Status meet();
-  /// Starts the scan; the answer says how. Fails with InvalidArgument if the board cannot run at `rate`, and like `meet`.
+  /// Starts the scan; the answer says how. Does `meet` first if the board's description is not agreed. Fails with InvalidArgument if the
+  /// board cannot run at `rate`, and like `meet`.
   [[nodiscard]] core::Result<RunStart> start(core::Rate rate);
   /// Stops the scan within 200 ms and returns the number of scans that `source` did not put into its queue: nothing if the board did not
   /// say it. Fails with Timeout if the board does not answer, with DeviceGone if the link is lost.
@@ -36,11 +37,14 @@ class Conversation {
   /// Handles the next frame. Fails with DeviceGone if the link is lost; false: none came in time.
   [[nodiscard]] core::Result<bool> listen(std::int64_t deadline_ns);
   void handle(std::span<const std::uint8_t> payload, std::int64_t raw_ns);
+  void refuse(const Refusal& refusal);
   void note_scans(std::span<const std::uint8_t> payload, std::int64_t raw_ns);
   [[nodiscard]] core::Status learn();
   [[nodiscard]] core::Status command(const EncodedFrame& frame, const char* name, const Condition& is_answer);
   [[nodiscard]] core::Status send(const EncodedFrame& frame);
   [[nodiscard]] core::Status halt();
+  [[nodiscard]] core::Status catch_up();
+  [[nodiscard]] core::Result<RunStart> begin_run(core::Rate rate);
   [[nodiscard]] core::Status check_serial() const;
   [[nodiscard]] core::Status measure_rate();
   [[nodiscard]] core::Status check_rate(core::Rate wanted, const std::string& what);
@@ -68,10 +72,8 @@ class Conversation {
   std::uint64_t descriptors_ = 0;    ///< Number of DESCRIPTORs that have arrived.
   std::int64_t newest_fact_ns_ = 0;  ///< When the newest DESCRIPTOR or CHANNEL arrived.
   std::optional<Refusal> refusal_;   ///< The newest rejected DESCRIPTOR or CHANNEL.
-  std::optional<std::uint8_t> run_;  ///< Run of the newest SCANS or LOST.
   std::optional<Lost> stopped_;      ///< The newest LOST with reason 4.
   std::optional<Span> span_;         ///< Scans since it was reset.
-  bool may_be_streaming_ = false;    ///< A STOP has not been confirmed since the last START.
   double measured_hz_ = 0.0;
 };
 

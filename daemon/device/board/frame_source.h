@@ -21,10 +21,9 @@ using FrameInput = LinkInput<FrameDecoder>;
 
 /// How the scan of a board was started.
 struct RunStart {
-  bool is_commanded = false;                  ///< The board has confirmed our START: it counts from 0 in a new run.
-  std::optional<std::uint8_t> earlier_run{};  ///< Run of scans before the START; they are not used.
-  WireRate wanted{};                          ///< For a START after a reset.
-  WireRate confirmed{};                       ///< Rate in the DESCRIPTOR that confirmed the start.
+  bool is_commanded = false;  ///< The board has confirmed a STOP and then our START: it counts from 0 in a new run.
+  WireRate wanted{};          ///< For a START after a reset.
+  WireRate confirmed{};       ///< Rate in the DESCRIPTOR that confirmed the start.
 };
 
 /// Scans of a board that speaks frames.
@@ -33,22 +32,22 @@ struct RunStart {
 ///   the scan.
 /// - New run: the board was reset; the loss is estimated from time.
 /// - Not streaming any more, though we did not stop it: the board was reset and waits; it is started again.
-/// - A description that differs, or the test pattern: the scan is broken, and the next start asks for the description again.
+/// - A description that differs or is rejected, or the test pattern: the scan is broken, and the next start asks for the description again.
 class FrameSource final : public ScanSource {
  public:
-  /// The facts must be complete; they change if the board describes itself differently. All references must outlive the source.
+  /// The facts must be agreed; they change if the board describes itself differently. All references must outlive the source.
   FrameSource(bytes::ByteLink& link, FrameInput& input, BoardFacts& facts, Timeline& timeline, core::Clock& clock, const RunStart& start,
               std::size_t max_block_scans);
 
   [[nodiscard]] bytes::ReadEnd pull(std::int64_t deadline_ns) noexcept override;
   [[nodiscard]] bool ask() noexcept override;
   [[nodiscard]] bool start_again() noexcept override;
+  /// 3 s if the board does not know its rate.
+  [[nodiscard]] std::int64_t silence_ns() const noexcept override;
 
   /// Returns how many scans the board has made in this run that are not in the queue, if the board stopped with `counter` as its next scan;
   /// nothing if the run is not known.
   [[nodiscard]] std::optional<std::uint32_t> scans_until(std::uint8_t run, std::uint32_t counter) const noexcept;
-  /// Returns the run of the scans, if there were any.
-  [[nodiscard]] std::optional<std::uint8_t> run() const noexcept { return run_; }
   /// The newest text that the board has logged. Thread: any one.
   [[nodiscard]] ShortText<120> last_log() noexcept { return last_log_.load(); }
   [[nodiscard]] InputCounts counts() const noexcept override;
@@ -62,8 +61,8 @@ class FrameSource final : public ScanSource {
   [[nodiscard]] bool follows(const Scans& scans, std::int64_t raw_ns) noexcept;
   void add_scans(const Scans& scans, std::int64_t raw_ns) noexcept;
   void refuse() noexcept { ++rejected_; }
-  void break_off() noexcept { set_trouble(ReadOutcome::Broken, core::GapReason::Integrity); }
-  [[nodiscard]] core::GapReason take_reason() noexcept;
+  void refuse_description(const Refusal& refusal) noexcept;
+  [[nodiscard]] core::GapReason reason_of_gap(std::uint32_t lost) const noexcept;
 
   bytes::ByteLink& link_;
   FrameInput& input_;
@@ -73,7 +72,8 @@ class FrameSource final : public ScanSource {
   std::optional<std::uint8_t> run_;
   std::uint32_t next_counter_ = 0;         ///< Of the next scan in `run_`.
   std::uint64_t number_ = 0;               ///< Of the next scan for the timeline.
-  std::uint8_t lost_reason_ = 0;           ///< Of the newest LOST; 0: none since the last gap.
+  std::uint64_t counted_missing_ = 0;      ///< Reported as lost since the newest scan.
+  std::optional<Lost> lost_;               ///< The newest LOST about scans that have not come yet.
   std::int64_t started_again_ns_;          ///< When the board was started the last time.
   std::span<const std::uint8_t> pending_;  ///< A SCANS frame behind a gap.
   std::int64_t pending_raw_ns_ = 0;

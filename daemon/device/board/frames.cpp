@@ -19,6 +19,7 @@ constexpr std::uint8_t kVersion = 1;
 constexpr unsigned kMostConverterBits = 32;
 constexpr std::size_t kScansHead = 11;
 constexpr std::size_t kLostLength = 11;
+constexpr std::size_t kMostLogText = 120;
 
 /// Reads little-endian fields one after the other. After a read beyond the end, all further fields are zero.
 class FieldReader {
@@ -64,7 +65,11 @@ tl::unexpected<Refusal> refuse(const char* frame, const char* field, double valu
 }
 
 tl::unexpected<Refusal> refuse_length(const char* frame, std::span<const std::uint8_t> payload) noexcept {
-  return refuse(frame, "length", static_cast<double>(payload.size()), "bytes does not fit the fields");
+  return tl::make_unexpected(Refusal{.frame = frame,
+                                     .field = "length",
+                                     .value = static_cast<double>(payload.size()),
+                                     .rule = "bytes does not fit the fields",
+                                     .is_malformed = true});
 }
 
 bool is_printable_ascii(std::string_view text) noexcept {
@@ -160,7 +165,10 @@ Parsed<Channel> parse_channel(std::span<const std::uint8_t> payload) noexcept {
   const std::string_view unit = fields.text();
   const int index = static_cast<int>(found.index);
   if (!fields.is_exactly_read()) return refuse_length(kFrame, payload);
-  if (found.index >= core::kMaxChannels) return refuse(kFrame, "index", index, "is not below 32");
+  if (found.index >= core::kMaxChannels) {
+    return tl::make_unexpected(
+        Refusal{.frame = kFrame, .field = "index", .value = static_cast<double>(index), .rule = "is not below 32", .is_malformed = true});
+  }
   if (!std::isfinite(found.scale)) return refuse(kFrame, "scale", kNoValue, "is not finite", index);
   if (found.scale == 0.0F) return refuse(kFrame, "scale", 0.0, "is not allowed", index);
   if (!std::isfinite(found.offset)) return refuse(kFrame, "offset", kNoValue, "is not finite", index);
@@ -202,8 +210,9 @@ Parsed<Lost> parse_lost(std::span<const std::uint8_t> payload) noexcept {
   return found;
 }
 
-ShortText<120> parse_log(std::span<const std::uint8_t> payload) noexcept {
-  return ShortText<120>({reinterpret_cast<const char*>(payload.data()) + 1, payload.size() - 1});
+Parsed<ShortText<120>> parse_log(std::span<const std::uint8_t> payload) noexcept {
+  if (payload.size() > 1 + kMostLogText) return refuse_length("LOG", payload);
+  return ShortText<kMostLogText>({reinterpret_cast<const char*>(payload.data()) + 1, payload.size() - 1});
 }
 
 EncodedFrame encode_frame(std::span<const std::uint8_t> payload) noexcept {
@@ -218,7 +227,19 @@ EncodedFrame encode_frame(std::span<const std::uint8_t> payload) noexcept {
   return frame;
 }
 
-EncodedFrame describe_command() noexcept { return encode_frame(std::array{static_cast<std::uint8_t>(FrameType::Describe)}); }
+namespace {
+
+EncodedFrame encode_command(std::span<const std::uint8_t> payload) noexcept {
+  const EncodedFrame frame = encode_frame(payload);
+  EncodedFrame command;  // its first byte stays 0x00
+  command.length = std::min(1 + frame.length, command.bytes.size());
+  std::copy_n(frame.bytes.begin(), command.length - 1, command.bytes.begin() + 1);
+  return command;
+}
+
+}  // namespace
+
+EncodedFrame describe_command() noexcept { return encode_command(std::array{static_cast<std::uint8_t>(FrameType::Describe)}); }
 
 EncodedFrame start_command(WireRate rate) noexcept {
   std::array<std::uint8_t, 9> payload{static_cast<std::uint8_t>(FrameType::Start)};
@@ -226,13 +247,13 @@ EncodedFrame start_command(WireRate rate) noexcept {
     payload[1 + i] = static_cast<std::uint8_t>(rate.numerator >> (8 * i));
     payload[5 + i] = static_cast<std::uint8_t>(rate.denominator >> (8 * i));
   }
-  return encode_frame(payload);
+  return encode_command(payload);
 }
 
-EncodedFrame stop_command() noexcept { return encode_frame(std::array{static_cast<std::uint8_t>(FrameType::Stop)}); }
+EncodedFrame stop_command() noexcept { return encode_command(std::array{static_cast<std::uint8_t>(FrameType::Stop)}); }
 
 EncodedFrame pattern_command(bool is_on) noexcept {
-  return encode_frame(std::array{static_cast<std::uint8_t>(FrameType::Pattern), static_cast<std::uint8_t>(is_on ? 1 : 0)});
+  return encode_command(std::array{static_cast<std::uint8_t>(FrameType::Pattern), static_cast<std::uint8_t>(is_on ? 1 : 0)});
 }
 
 }  // namespace dts::device::board

@@ -121,6 +121,8 @@ struct Refusal {
   const char* field = "";  ///< "rate"
   double value = 0.0;      ///< NaN: not shown.
   const char* rule = "";   ///< "Hz is outside 1 to 20000 Hz"
+  /// The frame itself is wrong (length, index, count), so it says nothing about the board: it is dropped and counted.
+  bool is_malformed = false;
 };
 
 /// Returns "DESCRIPTOR: rate 0.5 Hz is outside 1 to 20000 Hz".
@@ -135,8 +137,8 @@ using Parsed = tl::expected<T, Refusal>;
 /// `channels`: of the board's DESCRIPTOR.
 [[nodiscard]] Parsed<Scans> parse_scans(std::span<const std::uint8_t> payload, std::size_t channels) noexcept;
 [[nodiscard]] Parsed<Lost> parse_lost(std::span<const std::uint8_t> payload) noexcept;
-/// Returns the text of a LOG, cut at 120 bytes; it may contain anything.
-[[nodiscard]] ShortText<120> parse_log(std::span<const std::uint8_t> payload) noexcept;
+/// Returns the text of a LOG; it may contain anything.
+[[nodiscard]] Parsed<ShortText<120>> parse_log(std::span<const std::uint8_t> payload) noexcept;
 
 /// Bytes to send, with the 0x00 at the end.
 struct EncodedFrame {
@@ -148,7 +150,7 @@ struct EncodedFrame {
 /// Returns the payload with CRC, stuffed and ended. `payload` has 1 to `kMostPayload` bytes. Realtime-safe: yes.
 [[nodiscard]] EncodedFrame encode_frame(std::span<const std::uint8_t> payload) noexcept;
 
-// The commands of the host.
+// The commands of the host. Each begins with a 0x00 too: so a part of an earlier command, or noise, does not spoil it.
 [[nodiscard]] EncodedFrame describe_command() noexcept;
 [[nodiscard]] EncodedFrame start_command(WireRate rate) noexcept;
 [[nodiscard]] EncodedFrame stop_command() noexcept;

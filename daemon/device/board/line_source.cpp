@@ -10,8 +10,10 @@ namespace {
 
 using core::GapReason;
 
-constexpr std::int64_t kDoubtNs = core::kNanosecondsPerSecond;  // a counter may be this far ahead of time
-constexpr std::int64_t kMicrosecondNs = 1'000;
+constexpr std::int64_t kDoubtNs = core::kNanosecondsPerSecond;  // a counter may be this far ahead of time, if two lines agree
+constexpr double kMicrosecondNs = 1e3;
+constexpr double kLatePart = 0.75;   // of a period: a line that is later follows a loss
+constexpr double kFollowPart = 0.1;  // of a period: how far the expected time follows each line
 
 }  // namespace
 
@@ -68,6 +70,7 @@ void LineSource::lose(std::uint64_t scans, bool is_exact) noexcept {
 void LineSource::restart_segment(std::int64_t raw_ns) noexcept {
   const std::uint64_t missing = std::max(bad_lines_, timeline().estimate_missing(1, raw_ns));
   timeline().restart();
+  late_us_ = 0.0;
   lose(missing, false);
   number_ = 0;
 }
@@ -81,7 +84,11 @@ bool LineSource::follows_by_counter(std::uint32_t counter, std::int64_t raw_ns) 
     doubtful_.reset();
     return true;
   }
-  if (lost <= mask / 2 && lost <= timeline().estimate_missing(1, raw_ns + kDoubtNs)) {
+  const std::uint64_t by_time = timeline().estimate_missing(1, raw_ns);
+  const std::uint64_t most = is_confirmed ? timeline().estimate_missing(1, raw_ns + kDoubtNs) : by_time;
+  if (by_time > mask / 2) {
+    restart_segment(raw_ns);  // the counter may have turned
+  } else if (lost <= mask / 2 && lost <= most) {
     lose(lost, true);
   } else if (is_confirmed) {
     restart_segment(raw_ns);  // the board was reset
@@ -98,11 +105,14 @@ bool LineSource::follows_by_time(std::uint32_t time_us, std::int64_t raw_ns) noe
     restart_segment(raw_ns);
     return false;
   }
-  const double periods =
-      static_cast<double>(elapsed_us) * static_cast<double>(kMicrosecondNs) / static_cast<double>(timeline().period_ns());
-  const double missing = std::round(periods) - 1.0;
-  if (missing <= 0.0 && bad_lines_ == 0) return true;
-  lose(std::max<std::uint64_t>(bad_lines_, missing > 0.0 ? static_cast<std::uint64_t>(missing) : 0), false);
+  const double period_us = static_cast<double>(timeline().period_ns()) / kMicrosecondNs;
+  const double late_us = late_us_ + static_cast<double>(elapsed_us) - period_us;
+  const double missing = std::max(0.0, std::floor(late_us / period_us + 1.0 - kLatePart));
+  late_us_ = late_us - missing * period_us;
+  late_us_ -= std::clamp(late_us_, -kFollowPart * period_us, kFollowPart * period_us);
+  bad_lines_ = 0;  // the time shows whether they were scans
+  if (missing < 1.0) return true;
+  lose(static_cast<std::uint64_t>(missing), false);
   return false;
 }
 
@@ -117,7 +127,9 @@ bool LineSource::follows_by_arrival(std::int64_t raw_ns) noexcept {
 void LineSource::add_scan(const Line& line, std::int64_t raw_ns) noexcept {
   last_position_ = line.position;
   note_scans(clock_.now_ns());
-  if (!timeline().add(number_, line.position, 1, raw_ns)) return set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+  if (!timeline().add(number_, line.position, 1, raw_ns)) {
+    return break_off("the board's time_us does not fit its rate; correct rate_hz, or the board's program");
+  }
   ++number_;
   const ScanQueue::Slot slot = queue().add(timeline().position(0));
   for (std::size_t i = 0; i < shape_.channels; ++i) {

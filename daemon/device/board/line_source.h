@@ -24,9 +24,10 @@ struct LineShape {
 
 /// Scans of a board that writes lines of numbers.
 ///
-/// - With a counter a loss is exact. A counter that does not fit the time since the newest scan is a damaged digit; if the next line agrees
-///   with it, the board was reset: a new segment, its loss from time.
-/// - With a time in us a loss is estimated from the board's time.
+/// - With a counter a loss is exact. A counter that is ahead of the time since the newest scan is a damaged digit, unless the next line
+///   agrees with it. If it is more than 1 s ahead or runs backwards and the next line agrees, the board was reset: a new segment, its loss
+///   from time. After half a turn of the counter the loss is estimated from time too.
+/// - With a time in us a loss is estimated from the board's time alone: lines that are late by nearly a period, or more, follow a loss.
 /// - Without both it is estimated from the time of arrival: at a bad line, or when lines arrive later and later.
 class LineSource final : public ScanSource {
  public:
@@ -55,6 +56,7 @@ class LineSource final : public ScanSource {
   std::uint64_t number_ = 0;               ///< Of the next scan for the timeline.
   std::uint64_t bad_lines_ = 0;            ///< Since the newest good line.
   std::optional<std::uint32_t> doubtful_;  ///< Counter of the line before, if it was not believed.
+  double late_us_ = 0.0;                   ///< By the board's time: how late the newest line was; follows a wrong rate.
   std::optional<Line> pending_;            ///< A line behind a gap.
   std::int64_t pending_raw_ns_ = 0;
 };

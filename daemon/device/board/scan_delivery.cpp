@@ -15,7 +15,6 @@ using core::GapReason;
 
 constexpr std::int64_t kMsNs = core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kDeliverySliceNs = 50 * kMsNs;  // read() sees interrupt() within 100 ms
-constexpr std::int64_t kSilenceNs = 1000 * kMsNs;
 constexpr std::int64_t kQuestionNs = 500 * kMsNs;
 constexpr double kLargestRateError = 0.01;
 
@@ -35,11 +34,7 @@ ReadResult ScanDelivery::read(core::Block& block, std::int64_t deadline_ns) noex
   const std::size_t wanted = std::min(block.capacity(), max_block_scans_);
   std::int64_t wait_until_ns = std::numeric_limits<std::int64_t>::min();  // first only what has arrived
   while (true) {
-    ReadEnd end = ReadEnd::Bytes;
-    while (end == ReadEnd::Bytes && !source_.has_trouble() && source_.queue().size() < wanted) {
-      end = source_.pull(wait_until_ns);
-      if (end == ReadEnd::Bytes) check_rate();
-    }
+    const ReadEnd end = fill(wanted, wait_until_ns, std::min(deadline_ns, silent_at_ns()));
     if (end == ReadEnd::Lost) source_.set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
     const std::int64_t now_ns = clock_.now_ns();
     const bool is_interrupted = is_interrupted_.exchange(false, std::memory_order_acquire);  // pairs with BoardDevice::interrupt
@@ -58,10 +53,24 @@ ReadResult ScanDelivery::read(core::Block& block, std::int64_t deadline_ns) noex
   }
 }
 
+/// Fills the queue with what arrives until `wait_until_ns`. A board that sends pieces without a scan keeps the caller for at most 50 ms,
+/// and not beyond `limit_ns`.
+ReadEnd ScanDelivery::fill(std::size_t wanted, std::int64_t wait_until_ns, std::int64_t limit_ns) noexcept {
+  const std::int64_t leave_ns = std::min(limit_ns, clock_.now_ns() + kDeliverySliceNs);
+  ReadEnd end = ReadEnd::Bytes;
+  while (end == ReadEnd::Bytes && !source_.has_trouble() && source_.queue().size() < wanted) {
+    const std::size_t before = source_.queue().size();
+    end = source_.pull(wait_until_ns);
+    if (end == ReadEnd::Bytes) check_rate();
+    if (source_.queue().size() == before && clock_.now_ns() >= leave_ns) break;
+  }
+  return end;
+}
+
 /// Returns when the board counts as silent, or, after a question, when it has had time to answer.
 std::int64_t ScanDelivery::silent_at_ns() noexcept {
   if (silence_ != Silence::None && source_.newest_ns() > silence_step_ns_) silence_ = Silence::None;
-  const std::int64_t limit_ns = kSilenceNs + 2 * source_.timeline().period_ns();
+  const std::int64_t limit_ns = source_.silence_ns();
   switch (silence_) {
     case Silence::None: return source_.newest_ns() + limit_ns;
     case Silence::Asked: return silence_step_ns_ + kQuestionNs;
@@ -95,7 +104,7 @@ void ScanDelivery::check_rate() noexcept {
   damaged_.store(counts.damaged + counts.too_long, std::memory_order_relaxed);
   rejected_.store(counts.rejected, std::memory_order_relaxed);
   const bool is_rate_wrong = !(std::abs(host_time.rate_error()) <= kLargestRateError);
-  if (is_rate_wrong && !source_.has_trouble()) source_.set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+  if (is_rate_wrong && !source_.has_trouble()) source_.break_off("the board does not scan at its rate; correct rate_hz, or its program");
 }
 
 void ScanDelivery::deliver(core::Block& block, std::size_t wanted) noexcept {
@@ -109,14 +118,18 @@ void ScanDelivery::deliver(core::Block& block, std::size_t wanted) noexcept {
   block.host_time_ns = published_ns_;
   block.host_time_uncertainty_ns = timeline.host_time().uncertainty_ns();
   block.clock_drift_ppm = timeline.drift_ppm();
+  std::uint64_t outside = 0;
   for (std::size_t channel = 0; channel < queue.channels(); ++channel) {
     const std::span<double> values = block.column(channel);
     const std::span<std::uint8_t> quality = block.quality(channel);
     for (std::size_t i = 0; i < count; ++i) {
       values[i] = queue.values(i)[channel];
       quality[i] = queue.quality(i)[channel];
+      if ((quality[i] & core::quality::kRail) != 0) ++outside;
     }
   }
+  values_.fetch_add(count * queue.channels(), std::memory_order_relaxed);
+  outside_.fetch_add(outside, std::memory_order_relaxed);
   delivered_ += count;
   queue.remove(count);
 }
@@ -143,6 +156,7 @@ std::vector<DeviceCheck> ScanDelivery::findings() const {
   } else {
     checks.push_back({"the scan runs at its rate", Skipped, "needs 3 s of scans"});
   }
+  if (const char* const why = source_.why_broken()) checks.push_back({kBreakOffCheck, Failed, why});
   const std::uint64_t counted = source_.losses().counted.load(std::memory_order_relaxed);
   const std::uint64_t estimated = source_.losses().estimated.load(std::memory_order_relaxed);
   std::snprintf(text.data(), text.size(), "%llu counted, %llu estimated from time", static_cast<unsigned long long>(counted),
@@ -154,6 +168,11 @@ std::vector<DeviceCheck> ScanDelivery::findings() const {
                 static_cast<unsigned long long>(good_.load(std::memory_order_relaxed)), static_cast<unsigned long long>(damaged),
                 static_cast<unsigned long long>(rejected));
   checks.push_back({"frames or lines arrive undamaged since it was opened", damaged + rejected == 0 ? Passed : Warning, text.data()});
+  const std::uint64_t outside = outside_.load(std::memory_order_relaxed);
+  std::snprintf(text.data(), text.size(), "%llu of %llu are outside%s", static_cast<unsigned long long>(outside),
+                static_cast<unsigned long long>(values_.load(std::memory_order_relaxed)),
+                outside == 0 ? "" : ": correct range in the address, or check the sensor");
+  checks.push_back({"values are inside the range", outside == 0 ? Passed : Warning, text.data()});
   return checks;
 }
 

@@ -11,6 +11,9 @@
 
 namespace dts::device::board {
 
+/// Name of the check that reports why a scan broke off.
+inline constexpr const char* kBreakOffCheck = "the scan does not break off";
+
 /// The path from a source to blocks: waits, delivers, and handles a silent board. Thread: the reader, except `findings`. Realtime-safe:
 /// yes; a silent board gets questions, each of which may take 100 ms.
 class ScanDelivery {
@@ -30,6 +33,7 @@ class ScanDelivery {
   /// What was done about a silent board since its last scan.
   enum class Silence : std::uint8_t { None, Asked, StartedAgain };
 
+  [[nodiscard]] bytes::ReadEnd fill(std::size_t wanted, std::int64_t wait_until_ns, std::int64_t limit_ns) noexcept;
   void check_rate() noexcept;
   void deliver(core::Block& block, std::size_t wanted) noexcept;
   [[nodiscard]] std::int64_t silent_at_ns() noexcept;
@@ -47,6 +51,8 @@ class ScanDelivery {
   std::atomic<double> rate_error_{0.0};
   std::atomic<double> drift_ppm_{0.0};
   std::atomic<bool> is_judged_{false};
+  std::atomic<std::uint64_t> values_{0};
+  std::atomic<std::uint64_t> outside_{0};  ///< Values outside the range.
   /// As InputCounts, for the report.
   std::atomic<std::uint64_t> good_{0};
   std::atomic<std::uint64_t> damaged_{0};

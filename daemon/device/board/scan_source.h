@@ -32,11 +32,13 @@ class ScanSource {
   /// Handles the next piece, and waits for it until `deadline_ns`. Returns Bytes if a piece was handled. Needs: no trouble, and room for
   /// one frame of scans in the queue.
   [[nodiscard]] virtual bytes::ReadEnd pull(std::int64_t deadline_ns) noexcept = 0;
-  /// Asks a silent board whether it is there. Waits up to 100 ms. Returns false if the link is lost.
+  /// Asks a silent board whether it is there. Waits up to 100 ms, and a failed write allocates. Returns false if the link is lost.
   [[nodiscard]] virtual bool ask() noexcept = 0;
-  /// Starts a silent board again; its next scans are a new segment. Waits up to 100 ms. Returns false if the link is lost.
+  /// Starts a silent board again; its next scans are a new segment. Waits and allocates as `ask`. Returns false if the link is lost.
   [[nodiscard]] virtual bool start_again() noexcept = 0;
 
+  /// Returns how long no scans may arrive until the board counts as silent: 1 s and 2 periods.
+  [[nodiscard]] virtual std::int64_t silence_ns() const noexcept { return core::kNanosecondsPerSecond + 2 * timeline_.period_ns(); }
   /// Numbers of good and bad pieces since the link was opened.
   [[nodiscard]] virtual InputCounts counts() const noexcept = 0;
 
@@ -48,6 +50,13 @@ class ScanSource {
 
   [[nodiscard]] bool has_trouble() const noexcept { return trouble_.outcome != ReadOutcome::Scans; }
   void set_trouble(ReadOutcome outcome, core::GapReason reason) noexcept { trouble_ = {outcome, {reason, 0, false}}; }
+  /// `why`: what is wrong and what to do, for the report; a literal.
+  void break_off(const char* why) noexcept {
+    set_trouble(ReadOutcome::Broken, core::GapReason::Integrity);
+    why_broken_.store(why, std::memory_order_relaxed);  // only for the report
+  }
+  /// Returns why the scan broke off; null: it did not. Thread: any.
+  [[nodiscard]] const char* why_broken() const noexcept { return why_broken_.load(std::memory_order_relaxed); }
   [[nodiscard]] const ReadResult& trouble() const noexcept { return trouble_; }
   /// Returns the trouble; a Gap is over then, Broken and Gone stay.
   [[nodiscard]] ReadResult take_trouble() noexcept {
@@ -66,6 +75,7 @@ class ScanSource {
   Timeline& timeline_;
   LossCounts losses_;
   ReadResult trouble_{ReadOutcome::Scans, {}};
+  std::atomic<const char*> why_broken_{nullptr};
   std::int64_t newest_ns_ = 0;
 };
 

@@ -10,7 +10,9 @@ namespace {
 constexpr std::int64_t kFrameNs = 1'000'000;  // a USB frame of the adapter; a serial line itself adds some 100 us
 constexpr double kLargestTickError = 0.01;    // as the largest error of a rate
 constexpr double kTickJitterS = 0.05;         // of boards that scan in a loop
+constexpr double kTickJitterPart = 0.75;      // of a period, at low rates
 constexpr double kTickDriftKnownS = 10.0;
+constexpr double kTickWindowS = 10.0;  // in which small differences add up
 
 }  // namespace
 
@@ -42,6 +44,15 @@ std::uint64_t Timeline::ticks_in(std::uint64_t scans) const noexcept {
   return static_cast<std::uint64_t>(ticks + 0.5L);
 }
 
+/// Returns true if a number of ticks is the time of a number of scans: not exactly, because a rate may be slightly wrong, and a loop
+/// uneven.
+bool Timeline::agree(std::uint64_t ticks, std::uint64_t scans) const noexcept {
+  const double elapsed_s = static_cast<double>(ticks) / ticks_per_second_;
+  const double expected_s = static_cast<double>(ticks_in(scans)) / ticks_per_second_;
+  const double jitter_s = std::max(kTickJitterS, kTickJitterPart * static_cast<double>(period_ns()) * 1e-9);
+  return std::abs(elapsed_s - expected_s) <= kLargestTickError * expected_s + jitter_s;
+}
+
 bool Timeline::add(std::uint64_t number, std::uint32_t ticks, std::size_t count, std::int64_t arrived_ns) noexcept {
   if (!has_scans_) {
     first_number_ = number;
@@ -50,17 +61,23 @@ bool Timeline::add(std::uint64_t number, std::uint32_t ticks, std::size_t count,
     first_position_ = number - first_number_;
   } else {
     // The time since the last frame is whole turns of the ticks, as the counter says, and what the ticks say.
-    const std::uint64_t expected = ticks_in(number - first_number_);
-    const std::uint64_t base = first_position_ + (ticks - last_ticks_);
+    const std::uint64_t expected = ticks_in(number - last_number_);
     const std::uint64_t turn = 1ULL << 32U;
-    const std::uint64_t turns = expected > base ? (expected - base + turn / 2) / turn : 0;
-    first_position_ = base + turns * turn;
+    std::uint64_t step = ticks - last_ticks_;
+    if (expected > step) step += (expected - step + turn / 2) / turn * turn;
+    first_position_ += step;
+    if (!agree(step, number - last_number_) || !agree(first_position_ - window_position_, number - window_number_)) return false;
     const double elapsed_s = static_cast<double>(first_position_) / ticks_per_second_;
-    const double expected_s = static_cast<double>(expected) / ticks_per_second_;
-    if (std::abs(elapsed_s - expected_s) > kLargestTickError * expected_s + kTickJitterS) return false;
+    const double expected_s = static_cast<double>(ticks_in(number - first_number_)) / ticks_per_second_;
     if (elapsed_s >= kTickDriftKnownS) ticks_ppm_ = (expected_s / elapsed_s - 1.0) * 1e6;
   }
+  const bool begins_window = static_cast<double>(first_position_ - window_position_) >= kTickWindowS * ticks_per_second_;
+  if (!has_scans_ || begins_window) {
+    window_number_ = number;
+    window_position_ = first_position_;
+  }
   has_scans_ = true;
+  last_number_ = number;
   last_ticks_ = ticks;
   newest_position_ = std::max(newest_position_, position(count - 1));
   host_time_.add({newest_position_}, arrived_ns);

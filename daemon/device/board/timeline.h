@@ -39,6 +39,7 @@ class Timeline {
 
  private:
   [[nodiscard]] std::uint64_t ticks_in(std::uint64_t scans) const noexcept;
+  [[nodiscard]] bool agree(std::uint64_t ticks, std::uint64_t scans) const noexcept;
 
   core::Rate rate_;
   std::uint32_t ticks_per_second_ = 0;
@@ -48,7 +49,10 @@ class Timeline {
   std::uint64_t newest_position_ = 0;  ///< Of the newest scan.
   std::uint32_t last_ticks_ = 0;       ///< As sent, of the first scan of the last `add`.
   std::uint64_t first_number_ = 0;     ///< Of the scan at position 0.
-  double ticks_ppm_ = 0.0;             ///< How much faster than nominal the scans are, by the board's ticks.
+  std::uint64_t last_number_ = 0;      ///< Of the first scan of the last `add`.
+  std::uint64_t window_number_ = 0;    ///< Of the first scan of the window in which ticks and numbers are compared.
+  std::uint64_t window_position_ = 0;
+  double ticks_ppm_ = 0.0;  ///< How much faster than nominal the scans are, by the board's ticks.
 };
 
 }  // namespace dts::device::board

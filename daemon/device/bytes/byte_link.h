@@ -26,7 +26,8 @@ struct BytesRead {
 };
 
 /// A stream of bytes in both directions to one board or program. Closed -> open -> Open -> (Lost) -> close -> Closed.
-/// Thread: open, close, write, has_arrived on the owner; read on one thread between open and close; interrupt, facts, why_lost on any.
+/// Thread: open, close, has_arrived on the owner; read on one thread between open and close; write on the owner, or on the thread that
+/// reads as long as the owner does not write; interrupt, facts, why_lost on any.
 class ByteLink {
  public:
   virtual ~ByteLink() = default;
@@ -40,7 +41,8 @@ class ByteLink {
   /// Waits for at least one byte until `deadline_ns` (now_ns clock); does not wait if it has passed. Realtime-safe: no allocation, lock,
   /// log.
   [[nodiscard]] virtual BytesRead read(std::span<std::uint8_t> buffer, std::int64_t deadline_ns) noexcept = 0;
-  /// Writes all bytes. Fails with Timeout if the other end does not take them within 100 ms, with DeviceGone if the link is lost.
+  /// Writes all bytes; may wait for 100 ms, and allocates if it fails. Fails with Timeout if the other end does not take them within 100
+  /// ms, with DeviceGone if the link is lost.
   [[nodiscard]] virtual core::Status write(std::span<const std::uint8_t> bytes) = 0;
   /// Makes a waiting read return Interrupted, also one that begins later (once).
   virtual void interrupt() noexcept = 0;

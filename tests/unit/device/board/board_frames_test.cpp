@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,13 @@ TEST(BoardFrames, Report_NamesTheBoard) {
   EXPECT_EQ(report.nodes, std::vector<std::string>{"/dev/fake"});
   ASSERT_NE(rig.check("describes itself"), nullptr);
   EXPECT_EQ(rig.check("describes itself")->detail, "Fake board, 15 bits, a0, a1, a2, a3");
+}
+
+TEST(BoardFrames, DigitalChannel_HasNoUnitAndTheReportSaysSo) {
+  BoardRig rig({.digital_channel = 2});
+  rig.open();
+  ASSERT_NE(rig.check("describes itself"), nullptr);
+  EXPECT_EQ(rig.check("describes itself")->detail, "Fake board, 15 bits, a0, a1, a2 (digital, so its unit is not V), a3");
 }
 
 TEST(BoardFrames, OtherNumberOfChannels_IsNamedWithBoth) {
@@ -117,6 +125,18 @@ TEST(BoardFrames, UnknownRate_IsMeasuredBeforeTheStart) {
   }
 }
 
+/// Two frames in one read, and then nothing: that is no rate.
+TEST(BoardFrames, UnknownRateOfABoardThatFallsSilent_IsNotMeasured) {
+  BoardRig rig({.rate = {1000, 1},
+                .scans_per_frame = 10,
+                .carries_time = false,
+                .starts_on_command = false,
+                .knows_rate = false,
+                .silent_at_s = 0.0205});
+  rig.link->reads_late_ns = 30 * kMs;
+  EXPECT_EQ(rig.open_error().code, ErrorCode::Timeout);
+}
+
 TEST(BoardFrames, BoardThatStartsByItself_NeedsNoCommand) {
   BoardRig rig({.rate = {100, 1}, .starts_on_command = false});
   rig.start(100.0);
@@ -158,6 +178,44 @@ TEST(BoardFrames, BoardThatStreamsAlready_IsStoppedAndStartedAgain) {
   EXPECT_EQ(witness.first->counter, 0U);
 }
 
+/// A button starts the board, and nobody hears that: its scans are not ours.
+TEST(BoardFrames, BoardThatAButtonStarted_BeginsAtZero) {
+  BoardRig rig;
+  rig.open();
+  rig.board->receive(start_command({1000, 1}).view(), rig.clock.now_ns());
+  rig.clock.advance_ns(20 * kSecond);
+  rig.board->run_until(rig.clock.now_ns());
+  rig.board->drop_output();
+  rig.start(1000.0);
+  ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  EXPECT_EQ(rig.witness->first->counter, 0U);
+}
+
+/// A run that is noise equals the last one in 1 of 256 resets.
+TEST(BoardFrames, SameRunAfterAReset_IsNotTakenForTheOldOne) {
+  BoardRig rig;
+  rig.start(1000.0);
+  while (rig.witness->scans < 1000) rig.read();
+  const std::uint8_t run = rig.board->run();
+  EXPECT_TRUE(rig.device->stop().has_value());
+  rig.board->reset(rig.clock.now_ns());
+  rig.board->set_run(static_cast<std::uint8_t>(run - 1));  // START makes the next one
+  rig.start(1000.0);
+  EXPECT_EQ(rig.board->run(), run);
+  ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  rig.expect_nothing_hidden();
+}
+
+/// Noise on the line before a command does not spoil it.
+TEST(BoardFrames, CommandBehindNoise_IsUnderstood) {
+  BoardRig rig;
+  rig.open();
+  const std::array<std::uint8_t, 3> noise{5, 6, 7};
+  rig.board->receive(noise, rig.clock.now_ns());
+  rig.board->receive(start_command({}).view(), rig.clock.now_ns());
+  EXPECT_TRUE(rig.board->is_streaming());
+}
+
 TEST(BoardFrames, LostScans_AreAnExactGapWithItsReason) {
   BoardRig rig({.loses_at_s = 1.0, .lost_scans = 33});
   rig.start(1000.0);
@@ -169,6 +227,24 @@ TEST(BoardFrames, LostScans_AreAnExactGapWithItsReason) {
   EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
   EXPECT_EQ(rig.witness->block.first_scan.value, 0U);
   rig.expect_nothing_hidden();
+}
+
+/// LOST is the reason of the gap that it is in, and of no other.
+TEST(BoardFrames, ReasonOfALostFrame_IsNotThatOfALaterGap) {
+  for (const std::uint32_t ahead : {0U, 30U}) {  // LOST may come before scans that the board still has
+    BoardRig rig;
+    rig.start(1000.0);
+    while (rig.witness->scans < 640 || rig.board->counter() % 5 != 0) rig.read(kMs);
+    rig.board->send_lost(LostReason::BufferFull, 0, ahead);
+    while (rig.witness->scans < 5000) ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+    rig.clock.advance_ns(20 * kMs);
+    rig.board->run_until(rig.clock.now_ns());
+    rig.board->drop_output();
+    const ReadResult gap = rig.read_until_trouble(5.0);
+    ASSERT_EQ(gap.outcome, ReadOutcome::Gap);
+    EXPECT_EQ(gap.gap.reason, GapReason::Integrity) << ahead;
+    rig.expect_nothing_hidden();
+  }
 }
 
 TEST(BoardFrames, DamagedFrame_IsAnExactGap) {
@@ -201,16 +277,12 @@ TEST(BoardFrames, LossBeforeTheFirstScan_IsAnExactGap) {
   rig.expect_nothing_hidden();
 }
 
-TEST(BoardFrames, Counter_Wraps) {
+TEST(BoardFrames, CounterNearItsWrap_AtTheStart_BreaksTheScan) {
   BoardRig rig;
-  rig.start(1000.0);
-  rig.read();
-  BoardRig near_wrap;
-  near_wrap.open();
-  ASSERT_TRUE(near_wrap.device->start({rate_of(1000.0), 64}).has_value());
-  near_wrap.board->set_counter(0xFFFFFFFFU - 49U);  // as if the run were 49 days old; the gap before it is what a counter near its end is
-  const ReadResult first = near_wrap.read();
-  EXPECT_EQ(first.outcome, ReadOutcome::Broken) << "a run that we started begins at 0";
+  rig.open();
+  ASSERT_TRUE(rig.device->start({rate_of(1000.0), 64}).has_value());
+  rig.board->set_counter(0xFFFFFFFFU - 49U);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Broken) << "a run that we started begins at 0";
 }
 
 TEST(BoardFrames, CounterWrap_InARunningScan_IsNoGap) {
@@ -288,6 +360,30 @@ TEST(BoardFrames, Silence_IsAskedThenStartedThenGone) {
   EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
 }
 
+TEST(BoardFrames, SilenceOfABoardThatDoesNotKnowItsRate_Is3Seconds) {
+  BoardRig rig({.knows_rate = false, .keeps_rate = true, .silent_at_s = 5.0});
+  rig.start(100.0);
+  EXPECT_EQ(rig.read_until_trouble(60.0).outcome, ReadOutcome::Gone);
+  const double silent_s = static_cast<double>(rig.clock.now_ns() - rig.board->run_start_ns()) * 1e-9 - 5.0;
+  EXPECT_NEAR(silent_s, 3.0 + 0.5 + 3.0, 0.2);
+}
+
+/// Descriptions and messages are no scans: nothing could be measured with them.
+TEST(BoardFrames, FramesWithoutScans_AreSilence) {
+  BoardRig rig({.silent_at_s = 2.0});
+  rig.start(100.0);
+  const std::int64_t start_ns = rig.board->run_start_ns();
+  ReadResult result;
+  for (int i = 0; i < 600 && result.outcome != ReadOutcome::Gone; ++i) {
+    result = rig.read(10 * kMs);
+    rig.board->send_descriptor();
+    rig.board->send_log("still here");
+  }
+  EXPECT_EQ(result.outcome, ReadOutcome::Gone);
+  EXPECT_EQ(result.gap.reason, GapReason::Silence);
+  EXPECT_NEAR(static_cast<double>(rig.clock.now_ns() - start_ns) * 1e-9, 2.0 + 1.02 + 0.5 + 1.02, 0.2);
+}
+
 TEST(BoardFrames, Unplugged_IsGone) {
   BoardRig rig;
   rig.start(100.0);
@@ -321,6 +417,114 @@ TEST(BoardFrames, Pattern_IsNeverDelivered) {
   rig.start(100.0);
   while (rig.witness->scans < 200) ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
   rig.expect_nothing_hidden();
+}
+
+/// The board behind the port is another one: each start checks it as `open` does.
+TEST(BoardFrames, AnotherSerialAfterAReset_IsNotStarted) {
+  BoardRig rig({}, "channels=4&serial=B0A4D001");
+  rig.start(100.0);
+  rig.read();
+  rig.board->setup().serial = "B0A4D002";
+  rig.board->reset(rig.clock.now_ns());
+  EXPECT_EQ(rig.read_until_trouble(10.0).outcome, ReadOutcome::Broken);
+  EXPECT_TRUE(rig.device->stop().has_value());
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    const auto started = rig.device->start({rate_of(100.0), 64});
+    ASSERT_FALSE(started.has_value());
+    EXPECT_EQ(started.error().code, ErrorCode::NotFound);
+    EXPECT_EQ(rig.device->state(), DeviceState::Open);
+  }
+  EXPECT_FALSE(rig.board->is_streaming());
+  rig.board->setup().serial = "B0A4D001";
+  rig.start(100.0);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+}
+
+TEST(BoardFrames, OtherNumberOfChannelsAfterAReset_IsNotStarted) {
+  BoardRig rig;
+  rig.start(100.0);
+  rig.read();
+  rig.board->setup().channels = 6;
+  rig.board->reset(rig.clock.now_ns());
+  EXPECT_EQ(rig.read_until_trouble(10.0).outcome, ReadOutcome::Broken);
+  EXPECT_TRUE(rig.device->stop().has_value());
+  const auto started = rig.device->start({rate_of(100.0), 64});
+  ASSERT_FALSE(started.has_value());
+  EXPECT_EQ(started.error().code, ErrorCode::InvalidArgument);
+  EXPECT_NE(started.error().what.find("the board has 6 channels"), std::string::npos) << started.error().what;
+}
+
+TEST(BoardFrames, OtherScaleWhileItScans_IsNotStarted) {
+  BoardRig rig;
+  rig.start(100.0);
+  rig.read();
+  rig.board->setup().scale = 1000.0F;
+  rig.board->send_channels();
+  EXPECT_EQ(rig.read_until_trouble(10.0).outcome, ReadOutcome::Broken);
+  EXPECT_TRUE(rig.device->stop().has_value());
+  const auto started = rig.device->start({rate_of(100.0), 64});
+  ASSERT_FALSE(started.has_value());
+  EXPECT_NE(started.error().what.find("the board has the range"), std::string::npos) << started.error().what;
+}
+
+/// Nobody reads an open board: its new description waits, or was lost.
+TEST(BoardFrames, AnotherBoardBeforeTheStart_IsAskedForItsChannels) {
+  for (const bool is_lost : {false, true}) {
+    BoardRig rig({}, "channels=4");
+    rig.open();
+    rig.board->setup().serial = "B0A4D002";
+    rig.board->setup().scale = 1000.0F;
+    if (!is_lost) rig.board->reset(rig.clock.now_ns());
+    const auto started = rig.device->start({rate_of(100.0), 64});
+    ASSERT_FALSE(started.has_value());
+    EXPECT_NE(started.error().what.find("the board has the range"), std::string::npos) << started.error().what;
+    EXPECT_FALSE(rig.board->is_streaming());
+    rig.board->setup().scale = 5.0F / 32767.0F;
+    rig.start(100.0);
+    EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+    EXPECT_EQ(rig.device->report().serial, "B0A4D002");
+    rig.expect_nothing_hidden();
+  }
+}
+
+TEST(BoardFrames, OtherScaleBeforeTheStart_IsFoundInWhatWaits) {
+  BoardRig rig;
+  rig.open();
+  rig.board->setup().scale = 1000.0F;
+  rig.board->reset(rig.clock.now_ns());
+  EXPECT_FALSE(rig.device->start({rate_of(100.0), 64}).has_value());
+}
+
+TEST(BoardFrames, DescriptionThatIsRejected_BreaksTheScanAndIsNamed) {
+  const std::array<std::string, 2> fields{"CHANNEL 0: scale is not finite", "DESCRIPTOR: version 2 is unknown"};
+  for (const std::string& field : fields) {
+    BoardRig rig;
+    rig.start(100.0);
+    rig.read();
+    if (field == fields[0]) rig.board->setup().scale = std::numeric_limits<float>::quiet_NaN();
+    if (field == fields[1]) rig.board->setup().version = 2;
+    rig.board->send_descriptor();
+    rig.board->send_channels();
+    EXPECT_EQ(rig.read_until_trouble(4.0).outcome, ReadOutcome::Broken) << field;
+    (void)rig.device->stop();  // dtsd does not understand an answer of version 2
+    const auto started = rig.device->start({rate_of(100.0), 64});
+    ASSERT_FALSE(started.has_value()) << field;
+    EXPECT_EQ(started.error().code, ErrorCode::DataDamaged);
+    EXPECT_NE(started.error().what.find(field), std::string::npos) << started.error().what;
+  }
+}
+
+/// A frame of the wrong length says nothing about the board: it is only counted.
+TEST(BoardFrames, DescriptionOfTheWrongLength_IsDroppedAndCounted) {
+  BoardRig rig;
+  rig.start(100.0);
+  rig.read();
+  rig.board->send_payload(std::array<std::uint8_t, 3>{0x01, 1, 4});
+  rig.board->send_payload(std::array<std::uint8_t, 3>{0x02, 0, 0});
+  rig.board->send_payload(std::array<std::uint8_t, 123>{0x05});
+  while (rig.witness->scans < 200) ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  ASSERT_NE(rig.check("arrive undamaged"), nullptr);
+  EXPECT_NE(rig.check("arrive undamaged")->detail.find("3 rejected"), std::string::npos) << rig.check("arrive undamaged")->detail;
 }
 
 TEST(BoardFrames, PatternBeforeTheStart_IsSwitchedOff) {
@@ -382,6 +586,35 @@ TEST(BoardFrames, StoppedByAButton_ShowsTheTailAndIsStartedAgain) {
   EXPECT_GT(rig.witness->scans, before);
 }
 
+/// Only LOST 4 shows the tail; the new run adds nothing but the time that the board did not scan.
+TEST(BoardFrames, TailBeforeAButton_IsToldByItsLostFrameOnce) {
+  BoardRig rig;
+  rig.start(1000.0);
+  while (rig.witness->scans < 2000) rig.read();
+  for (int i = 0; i < 50; ++i) {
+    rig.clock.advance_ns(10 * kMs);
+    rig.board->run_until(rig.clock.now_ns());
+    rig.board->drop_output();
+  }
+  rig.board->receive(stop_command().view(), rig.clock.now_ns());
+  const std::uint32_t end = rig.board->counter();
+  const std::int64_t stop_ns = rig.clock.now_ns();
+  rig.board->drop_output();  // with the scans that STOP has sent
+  rig.board->send_lost(LostReason::Stopped, 0);
+  rig.board->send_descriptor();
+  const ReadResult tail = rig.read_until_trouble(5.0);
+  ASSERT_EQ(tail.outcome, ReadOutcome::Gap);
+  EXPECT_TRUE(tail.gap.is_exact);
+  EXPECT_EQ(tail.gap.missing_scans, end - rig.witness->scans);
+  const ReadResult pause = rig.read_until_trouble(5.0);
+  ASSERT_EQ(pause.outcome, ReadOutcome::Gap);
+  EXPECT_FALSE(pause.gap.is_exact);
+  const double pause_ms = static_cast<double>(rig.board->run_start_ns() - stop_ns) * 1e-6;
+  EXPECT_NEAR(static_cast<double>(pause.gap.missing_scans), pause_ms, 7.0) << "the tail is not told again";
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  rig.expect_nothing_hidden();
+}
+
 TEST(BoardFrames, ConstantChannel_BreaksTheScanWhenItIsWrong) {
   BoardRig rig({.constant_channel = 3}, "channels=4&marker=3");
   EXPECT_EQ(rig.device->describe().channels[3].role, ChannelRole::Marker);
@@ -395,6 +628,67 @@ TEST(BoardFrames, ConstantChannel_BreaksTheScanWhenItIsWrong) {
   }
   EXPECT_EQ(result.outcome, ReadOutcome::Broken);
   EXPECT_EQ(result.gap.reason, GapReason::Integrity);
+  ASSERT_NE(rig.check("break off"), nullptr);
+  EXPECT_EQ(rig.check("break off")->outcome, DeviceCheck::Outcome::Failed);
+  EXPECT_NE(rig.check("break off")->detail.find("constant"), std::string::npos);
+  EXPECT_TRUE(rig.device->stop().has_value());
+  ASSERT_NE(rig.check("break off"), nullptr);
+  EXPECT_EQ(rig.check("break off")->outcome, DeviceCheck::Outcome::Failed);
+}
+
+/// A scan that breaks off is started again within milliseconds: its reason must not be gone by then.
+TEST(BoardFrames, ReasonOfABrokenScan_StaysInTheReport) {
+  BoardRig rig;
+  rig.start(100.0);
+  EXPECT_EQ(rig.check("break off"), nullptr);
+  while (rig.witness->scans < 100) rig.read();
+  rig.board->set_counter(3);
+  ASSERT_EQ(rig.read_until_trouble(5.0).outcome, ReadOutcome::Broken);
+  EXPECT_TRUE(rig.device->stop().has_value());
+  rig.start(100.0);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  const DeviceCheck* const check = rig.check("break off");
+  ASSERT_NE(check, nullptr);
+  EXPECT_EQ(check->outcome, DeviceCheck::Outcome::Warning);
+  EXPECT_NE(check->detail.find("the counter of the board runs backwards"), std::string::npos) << check->detail;
+  EXPECT_TRUE(rig.device->close().has_value());
+  rig.open();
+  EXPECT_EQ(rig.check("break off"), nullptr);
+}
+
+/// The board continues where it was: 500 scans later by its ticks, but not by its counter.
+TEST(BoardFrames, ScansThatNobodyCounts_AreInTheReport) {
+  BoardRig rig;  // carries ticks
+  rig.start(1000.0);
+  while (rig.witness->scans < 1000) rig.read();
+  rig.clock.advance_ns(500 * kMs);
+  rig.board->skip_uncounted(500);
+  ReadResult broken;
+  for (int i = 0; i < 10 && broken.outcome != ReadOutcome::Broken; ++i) broken = rig.read();
+  EXPECT_EQ(broken.outcome, ReadOutcome::Broken);
+  ASSERT_NE(rig.check("break off"), nullptr);
+  EXPECT_NE(rig.check("break off")->detail.find("ticks"), std::string::npos) << rig.check("break off")->detail;
+  rig.expect_nothing_hidden();
+}
+
+TEST(BoardFrames, WhyGone_SaysWhatCameInstead) {
+  BoardRig silent({.silent_at_s = 2.0});
+  silent.start(100.0);
+  EXPECT_EQ(silent.read_until_trouble(60.0).outcome, ReadOutcome::Gone);
+  EXPECT_NE(silent.device->why_gone().find("the board is silent"), std::string::npos) << silent.device->why_gone();
+  BoardRig garbage;
+  garbage.start(100.0);
+  garbage.read();
+  garbage.link->damage.flip = 0.5;
+  EXPECT_EQ(garbage.read_until_trouble(60.0).outcome, ReadOutcome::Gone);
+  EXPECT_NE(garbage.device->why_gone().find("what arrives are no frames"), std::string::npos) << garbage.device->why_gone();
+  BoardRig other;
+  other.start(100.0);
+  other.read();
+  other.board->setup().channels = 5;  // it does not say so
+  other.link->takes_bytes = false;
+  EXPECT_EQ(other.read_until_trouble(4.0).outcome, ReadOutcome::Gone);
+  EXPECT_NE(other.device->why_gone().find("the board sends frames, but no scans"), std::string::npos) << other.device->why_gone();
 }
 
 TEST(BoardFrames, CodeOutsideTheRange_IsMarkedAndKept) {
@@ -456,8 +750,12 @@ TEST(BoardFrames, ScansThatNobodyCounts_BreakTheScan) {
   for (unsigned i = 0; i < 4; ++i) scans[6 + i] = static_cast<std::uint8_t>(ticks >> (8 * i));
   scans[10] = 1;
   rig.board->send_payload(scans);
-  const ReadResult broken = rig.device->read(rig.witness->block, rig.clock.now_ns() + 1);
-  EXPECT_NE(broken.outcome, ReadOutcome::Timeout);
+  ReadResult broken;
+  for (int i = 0; i < 5 && broken.outcome != ReadOutcome::Broken; ++i) {
+    broken = rig.device->read(rig.witness->block, rig.clock.now_ns() + 1);
+  }
+  EXPECT_EQ(broken.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(broken.gap.reason, GapReason::Integrity);
 }
 
 TEST(BoardFrames, WrongRate_BreaksTheScan) {
@@ -473,6 +771,7 @@ TEST(BoardFrames, Log_IsInTheReport) {
   rig.start(100.0);
   rig.board->send_log("brown-out\x1B[2J");
   rig.read();
+  ASSERT_NE(rig.check("newest message"), nullptr) << "while scans flow";
   ASSERT_TRUE(rig.device->stop().has_value());
   ASSERT_NE(rig.check("newest message"), nullptr);
   EXPECT_EQ(rig.check("newest message")->detail, "brown-out [2J");

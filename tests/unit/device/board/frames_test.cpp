@@ -199,6 +199,16 @@ TEST(Frames, AnyBytes_NeitherCrashNorPassWithWrongLength) {
   });
 }
 
+TEST(Frames, Log_HasAtMost120Bytes) {
+  Bytes wire{0x05};
+  wire.resize(121, 'x');
+  ASSERT_TRUE(parse_log(wire).has_value());
+  EXPECT_EQ(parse_log(wire)->view(), std::string(120, 'x'));
+  wire.push_back('x');
+  ASSERT_FALSE(parse_log(wire).has_value());
+  EXPECT_TRUE(parse_log(wire).error().is_malformed);
+}
+
 TEST(Frames, Codes_AreSigned) {
   const Bytes wire = Wire{}.u8(0x03).u8(7).u32(0xFFFFFFFF).u32(6).u8(1).u16(0x8000).u16(0xFFFF).bytes;
   const auto scans = parse_scans(wire, 2);
@@ -225,9 +235,10 @@ TEST(Frames, Value_IsRoundedOnceToAFloat) {
 
 TEST(Frames, Commands_AreThoseOfTheSheet) {
   EXPECT_EQ(start_command({1000, 3}).view().back(), 0);
+  EXPECT_EQ(start_command({1000, 3}).view().front(), 0) << "ends what came before";
   std::array<std::uint8_t, kMostStuffed> plain{};
   const auto command = start_command({1000, 3});
-  const auto length = unstuff(command.view().first(command.length - 1), plain);
+  const auto length = unstuff(command.view().subspan(1, command.length - 2), plain);
   ASSERT_EQ(length, 9U + kCrcBytes);
   EXPECT_TRUE(std::ranges::equal(std::span(plain).first(9), Wire{}.u8(0x82).u32(1000).u32(3).bytes));
 }
@@ -254,6 +265,27 @@ TEST(BoardFacts, AnotherDescription_ForgetsTheFirst) {
   EXPECT_TRUE(facts.is_complete());
   EXPECT_EQ(facts.add(*parse_descriptor(DescriptorFields{.channels = 1, .serial = "S2"}.wire())), BoardFacts::Change::Another);
   EXPECT_FALSE(facts.is_complete());
+}
+
+TEST(BoardFacts, Agreement_EndsWithEveryContradiction) {
+  BoardFacts facts;
+  const auto descriptor = *parse_descriptor(DescriptorFields{.channels = 1}.wire());
+  const auto channel = *parse_channel(ChannelFields{.index = 0}.wire());
+  facts.add(descriptor);
+  (void)facts.add(channel);
+  EXPECT_FALSE(facts.is_agreed());
+  facts.agree();
+  facts.add(descriptor);
+  (void)facts.add(channel);
+  EXPECT_TRUE(facts.is_agreed()) << "the same again";
+  (void)facts.add(*parse_channel(ChannelFields{.index = 0, .scale = 2.0F}.wire()));
+  EXPECT_FALSE(facts.is_agreed());
+  facts.agree();
+  facts.add(*parse_descriptor(DescriptorFields{.channels = 1, .serial = "S2"}.wire()));
+  EXPECT_FALSE(facts.is_agreed());
+  facts.agree();
+  facts.doubt();
+  EXPECT_FALSE(facts.is_agreed());
 }
 
 TEST(BoardFacts, NameTwice_AndIndexBeyondTheChannels_AreRejected) {

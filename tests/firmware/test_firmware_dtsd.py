@@ -21,6 +21,7 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = pathlib.Path(os.environ["DTS_BIN_DIR"])
 LIMIT_S = 120.0
 RATE = int(os.environ.get("DTS_FIRMWARE_RATE", "200"))
+RAIL = 1  # the quality bit
 SECONDS = int(os.environ.get("DTS_FIRMWARE_SECONDS", "3"))
 
 
@@ -89,6 +90,21 @@ class Dtsd(unittest.TestCase):
             self.check_with_daemon(board)
             changes = int(board.ask("led 4000").split()[1])
             self.assertIn(changes, (3, 4, 5), "dtsd has ended: the board is idle")
+
+    def test_a_saturated_input_is_marked_as_rail(self):
+        with Board("dts-firmware.elf", "--reset-on-open") as board:
+            board.ask("volts 5.2 0 4.99 1")
+            with Daemon(board.path) as daemon:
+                daemon.wait_for(lambda: daemon.scans() > 100, "dtsd receives scans")
+                session = daemon.ctl("session", "start", "--rig", "floor", "--protocol", "free", "--subject", "P001").strip()
+                before = daemon.scans()
+                daemon.wait_for(lambda: daemon.scans() > before + RATE, "scans are recorded")
+                daemon.ctl("session", "stop", "--rig", "floor")
+                rows = daemon.raw_rows(session)
+                self.assertGreater(len(rows), RATE // 2)
+                for row in rows:
+                    self.assertEqual([float(row[f"w{i}_v"]) for i in range(1, 5)], [code * 5 / 1024 for code in (1023, 0, 1021, 204)])
+                    self.assertEqual([int(row[f"w{i}_quality"]) & RAIL for i in range(1, 5)], [RAIL, RAIL, 0, 0])
 
     def check_with_daemon(self, board: Board):
         with Daemon(board.path) as daemon:

@@ -47,7 +47,7 @@ class Description(unittest.TestCase):
             self.assertEqual(descriptor["serial"], "")
             self.assertEqual([channel["name"] for channel in channels], ["A0", "A1", "A2", "A3"])
             for channel in channels:
-                self.assertEqual((channel["lowest"], channel["highest"], channel["unit"]), (0, 1023, "V"))
+                self.assertEqual((channel["lowest"], channel["highest"], channel["unit"]), (1, 1022, "V"))
                 self.assertEqual((channel["scale"], channel["offset"]), (5 / 1024, 0))
 
     def test_descriptor_every_five_seconds(self):

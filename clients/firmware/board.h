@@ -46,10 +46,11 @@ class Board {
       if (reader_.add(from_host.take())) obey();
     }
     // Alternately, so that a description during a run does not make the queue overflow.
-    const bool has_announced = !is_scans_turn_ && send_announcement();
-    is_scans_turn_ = has_announced;
-    if (is_running_) send_run();
-    if (!has_announced && send_announcement()) is_scans_turn_ = true;
+    if (!is_scans_turn_ && is_announcement_due()) {
+      if (!has_room(kLargestAnnouncement)) return;  // else shorter frames could take the room for ever
+      send_announcement();
+    }
+    is_scans_turn_ = is_running_ && !send_run();
   }
 
   /// Call it every 5 s.
@@ -141,11 +142,11 @@ class Board {
     hardware_.wake_line();
   }
 
-  /// Sends one frame of the description, or a line of log. Returns false if nothing was to be sent, there is no room, or the scans that
-  /// wait fill half of the queue: at the highest rate, the line has little time for anything else.
-  bool send_announcement() {
-    constexpr uint8_t kLargest = 24 + 3 * 33;  // a descriptor with three texts of 32 bytes
-    if (!has_room(kLargest) || scans.size() >= Hardware::kQueuedScans / 2) return false;
+  /// At the highest rate, the line has little time for anything but scans. So a description waits while they fill half of the queue.
+  bool is_announcement_due() const { return has_announcement() && (!is_running_ || scans.size() < Hardware::kQueuedScans / 2); }
+
+  /// Sends one frame of the description, or a line of log.
+  void send_announcement() {
     if (announce_next_ < announce_end_) {
       if (announce_next_ == 0) {
         send_descriptor();
@@ -153,14 +154,12 @@ class Board {
         send_channel(static_cast<uint8_t>(announce_next_ - 1));
       }
       ++announce_next_;
-      return true;
+      return;
     }
-    if (log_ == nullptr) return false;
     FrameWriter frame(to_host, Type::kLog);
     frame.bytes(log_);
     log_ = nullptr;
     finish(frame);
-    return true;
   }
 
   void send_descriptor() {
@@ -193,29 +192,33 @@ class Board {
     finish(frame);
   }
 
-  void send_run() {
-    if (!hardware_.is_stored()) return;  // a reset before that would give the next run the same number
+  /// Sends one frame of the run. Returns false if one is due but has no room.
+  bool send_run() {
+    if (!hardware_.is_stored()) return true;  // a reset before that would give the next run the same number
     const bool is_complete = is_stopping_ && !hardware_.is_converting();
     const bool has_loss = scans.has_loss();  // before size(): scans are accepted again only after take_loss()
     const uint8_t ready = scans.size();
     if (ready >= frame_scans_ || (ready != 0 && (has_loss || is_complete))) {
       const uint8_t count = ready < frame_scans_ ? ready : frame_scans_;
-      if (has_room(scans_payload(kChannels, count))) send_scans(count);
-      return;
+      if (!has_room(scans_payload(kChannels, count))) return false;
+      send_scans(count);
+      return true;
     }
-    if (ready != 0 || !has_room(kLostPayload)) return;
+    if (ready != 0 || !(has_loss || is_complete)) return true;
+    if (!has_room(kLostPayload)) return false;
     if (has_loss) {
       const typename Queue::Loss loss = scans.take_loss();
       skip(loss.scans);
       has_new_loss_ = true;
       send_lost(static_cast<uint8_t>(loss.reason), loss.scans);
-    } else if (is_complete) {
+    } else {
       send_lost(static_cast<uint8_t>(Reason::kStopped), 0);
       is_stopping_ = false;
       is_running_ = false;
       wants_pattern_ = false;
       announce(1);
     }
+    return true;
   }
 
   void send_scans(uint8_t count) {
@@ -249,6 +252,7 @@ class Board {
   }
 
   static constexpr uint8_t kLostPayload = 11;
+  static constexpr uint8_t kLargestAnnouncement = 24 + 3 * 33;  ///< A descriptor with three texts of 32 bytes.
 
   Hardware& hardware_;
   CommandReader reader_;

@@ -220,7 +220,8 @@ TEST_F(BoardTest, StopEndsThePatternOfAnIdleBoard) {
 }
 
 TEST_F(BoardTest, EachOfSeveralCommandsIsAnswered) {
-  for (const Bytes& payload : {Bytes{0x81}, Bytes{0x82, 0, 0, 0, 0, 1, 0, 0, 0}, Bytes{0x84, 1}, Bytes{0x77}, Bytes{0x77}, Bytes{0x84, 0}}) {
+  for (const Bytes& payload :
+       {Bytes{0x81}, Bytes{0x82, 0, 0, 0, 0, 1, 0, 0, 0}, Bytes{0x84, 1}, Bytes{0x77}, Bytes{0x77}, Bytes{0x84, 0}}) {
     for (const uint8_t byte : encoded(payload)) board_.from_host.add(byte);
   }
   board_.from_host.publish();

@@ -101,7 +101,7 @@ class Dtsd(unittest.TestCase):
                 for block in blocks:
                     self.assertEqual(block["quality"], {"w1_v": ["rail"], "w2_v": ["rail"]})
                     for values in block["values"]:
-                        self.assertEqual(values, [code * 5 / 1024 for code in (1023, 0, 1021, 204)])
+                        self.assertEqual([round(volts * 1024 / 5, 2) for volts in values], [1023, 0, 1021, 204])
 
     def check_with_daemon(self, board: Board):
         with Daemon(board.path) as daemon:

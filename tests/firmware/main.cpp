@@ -153,6 +153,8 @@ class Program {
       std::cout << "ok" << std::endl;
     } else if (verb == "time") {
       std::cout << "ok " << board_.time_s() << std::endl;
+    } else if (verb == "began") {
+      std::cout << "ok " << board_.began_cycles() << std::endl;
     } else if (verb == "stack") {
       std::cout << "ok " << board_.stack_bytes() << std::endl;
     } else if (verb == "quit") {
@@ -160,7 +162,7 @@ class Program {
       std::cout << "ok" << std::endl;
     } else {
       std::cout << "error no command is called \"" << verb
-                << "\"; there are reset, volts V V ..., led MS, run MS, resume, time, stack, quit" << std::endl;
+                << "\"; there are reset, volts V V ..., led MS, run MS, resume, time, began, stack, quit" << std::endl;
     }
   }
 
@@ -253,6 +255,7 @@ int main(int argc, char** argv) {
       "  run MS         run so many ms of the board's time, then pause until run or resume\n"
       "  resume\n"
       "  time           the board's time, s\n"
+      "  began          cycles (16 MHz) from the reset to the first conversion after a pause of 50 ms\n"
       "  stack          the most bytes of stack so far\n"
       "  quit           as the end of the input"};
   app.add_option("ELF", options.elf, "The firmware")->required();

@@ -178,6 +178,28 @@ class Run(unittest.TestCase):
             self.assertLess(checker.counter, 2**31)
             self.assertEqual(checker.lost, 0)
 
+    def test_the_clock_is_that_of_the_conversions(self):
+        """STARTs at many places between two overflows of the timer of 16 bits (32.768 ms): the ticks of the first scan are those at which
+        its conversion began, but for the few us of an interrupt."""
+        with Board("dts-firmware.elf", "--fast") as board:
+            board.open()
+            board.ask("run 200")
+            board.waiting()
+            distances = []
+            places = set()
+            for i in range(60):
+                board.start()
+                board.ask("run 40")
+                board.send(STOP)
+                board.ask(f"run {110 + i % 3}")
+                first = next(frame for frame in board.waiting() if frame["kind"] == SCANS)
+                self.assertEqual(first["counter"], 0)
+                distances.append(int(board.ask("began")) / 8 - first["ticks"])
+                places.add(first["ticks"] % 65536 // 4096)
+            self.assertGreater(len(places), 12, places)
+            self.assertLess(max(distances) - min(distances), 60, distances)
+            self.assertLess(abs(min(distances)), 10_000, "the clock begins within 5 ms of the reset")
+
     def test_reset_in_the_middle(self):
         with Board("dts-firmware.elf", "--fast") as board:
             board.open()

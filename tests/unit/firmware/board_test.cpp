@@ -315,6 +315,29 @@ TEST_F(BoardTest, ADescriptionDuringARunLosesNothing) {
   }
 }
 
+TEST(InterruptedBoard, ScansAndALossThatHappenDuringOneLookKeepTheirOrder) {
+  InterruptedHardware hardware;
+  Board<InterruptedHardware> board(hardware);
+  for (const uint8_t byte : encoded({0x82, 0, 0, 0, 0, 1, 0, 0, 0})) board.from_host.add(byte);
+  board.from_host.publish();
+  for (int i = 0; i < 5; ++i) board.poll();
+  take_frames(board.to_host);
+  Interrupted::interrupt = [&board] {
+    Interrupted::interrupt = nullptr;
+    while (board.scans.slot() != nullptr) board.scans.commit();
+    board.scans.lose(6, Reason::kBufferFull);
+  };
+  std::vector<Bytes> frames;
+  for (int i = 0; i < 20; ++i) {
+    board.poll();
+    for (Bytes& frame : take_frames(board.to_host)) frames.push_back(std::move(frame));
+  }
+  ASSERT_EQ(frames.size(), 5U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(u32_at(frames[i], 2), static_cast<uint32_t>(0xFFFFFFF0U + 20 * i));
+  EXPECT_EQ(frames[4][0], 0x04);
+  EXPECT_EQ(u32_at(frames[4], 2), 0xFFFFFFF0U + 70);
+}
+
 TEST(Plan, FramesTakeLessThanTheLine) {
   for (uint8_t channels = 1; channels <= 8; ++channels) {
     const Limits limits{channels, 2'000'000, 2000, 0xFFFF, 11'520};

@@ -12,11 +12,16 @@
 namespace firmware {
 
 /// One board. Call poll() from the main loop, never from an interrupt. `Hardware` has:
-///   static constexpr Limits kLimits; uint8_t kBits; float kVoltsPerCode; uint8_t kQueuedScans; uint32_t kFirstCounter; uint16_t
-///   kDefaultPeriod serial(), model(), firmware(), channel_name(i): texts Guard: keeps interrupts out while it lives
-///   start_sampling(period): returns the ticks of the first scan; stop_sampling(): the scan that is being converted is still completed
-///   is_converting(), wake_line(): there are bytes to send
-///   read_cell(i), store_cell(i, value): the EEPROM, without waiting; is_stored(): the last store_cell() is complete
+/// - static constexpr Limits kLimits; uint8_t kBits; float kVoltsPerCode; uint8_t kQueuedScans; uint32_t kFirstCounter;
+///   uint16_t kDefaultPeriod
+/// - serial(), model(), firmware(), channel_name(i): texts
+/// - Guard: keeps interrupts out while it lives
+/// - start_sampling(period): returns the ticks of the first scan
+/// - stop_sampling(): the scan that is being converted is still completed
+/// - is_converting()
+/// - wake_line(): there are bytes to send
+/// - read_cell(i), store_cell(i, value): the EEPROM, without waiting
+/// - is_stored(): the last store_cell() is complete
 template <class Hardware>
 class Board {
  public:
@@ -36,19 +41,22 @@ class Board {
 
   /// Takes commands and sends what is due. Never waits.
   void poll() {
-    // A command waits while the tail of a stopped run is on its way, so that answers come in order.
-    while (!is_stopping_ && !from_host.is_empty()) {
+    // A command waits until the answer to the one before is sent, the tail of a stopped run included: each has an answer of its own.
+    while (!is_stopping_ && !has_announcement() && !from_host.is_empty()) {
       if (reader_.add(from_host.take())) obey();
     }
     // Alternately, so that a description during a run does not make the queue overflow.
-    const bool has_announced = !is_scans_turn_ && send_announcement();
-    is_scans_turn_ = has_announced;
-    if (is_running_) send_run();
-    if (!has_announced && send_announcement()) is_scans_turn_ = true;
+    if (!is_scans_turn_ && is_announcement_due()) {
+      if (!has_room(kLargestAnnouncement)) return;  // else shorter frames could take the room for ever
+      send_announcement();
+    }
+    is_scans_turn_ = is_running_ && !send_run();
   }
 
   /// Call it every 5 s.
-  void describe_again() { announce(1); }
+  void describe_again() {
+    if (!has_announcement()) announce(1);
+  }
 
   /// Returns whether the LED is on. `beats` counts thirtieths of a second. Idle: one second on, one off. Running: on. 2 s after a loss:
   /// fast.
@@ -78,11 +86,12 @@ class Board {
     hardware_.store_cell(run_.cell(), run_.value());
   }
 
-  /// Queues the first `frames` of DESCRIPTOR, CHANNEL 0, CHANNEL 1, ... If some are still to be sent, all begin again.
+  /// Queues the first `frames` of DESCRIPTOR, CHANNEL 0, CHANNEL 1, ...
   void announce(uint8_t frames) {
-    announce_end_ = announce_next_ < announce_end_ && announce_end_ > frames ? announce_end_ : frames;
+    announce_end_ = frames;
     announce_next_ = 0;
   }
+  bool has_announcement() const { return announce_next_ < announce_end_ || log_ != nullptr; }
 
   void obey() {
     const uint8_t size = reader_.size();
@@ -95,7 +104,10 @@ class Board {
         return start(reader_.u32(1), reader_.u32(5));
       case Type::kStop:
         if (size != 1) break;
-        if (!is_running_) return announce(1);
+        if (!is_running_) {
+          wants_pattern_ = false;
+          return announce(1);
+        }
         hardware_.stop_sampling();
         is_stopping_ = true;
         return;  // the answer follows the tail
@@ -130,10 +142,11 @@ class Board {
     hardware_.wake_line();
   }
 
-  /// Sends one frame of the description, or a line of log. Returns false if nothing was to be sent or there is no room.
-  bool send_announcement() {
-    constexpr uint8_t kLargest = 24 + 3 * 33;  // a descriptor with three texts of 32 bytes
-    if (!has_room(kLargest)) return false;
+  /// At the highest rate, the line has little time for anything but scans. So a description waits while they fill half of the queue.
+  bool is_announcement_due() const { return has_announcement() && (!is_running_ || scans.size() < Hardware::kQueuedScans / 2); }
+
+  /// Sends one frame of the description, or a line of log.
+  void send_announcement() {
     if (announce_next_ < announce_end_) {
       if (announce_next_ == 0) {
         send_descriptor();
@@ -141,14 +154,12 @@ class Board {
         send_channel(static_cast<uint8_t>(announce_next_ - 1));
       }
       ++announce_next_;
-      return true;
+      return;
     }
-    if (log_ == nullptr) return false;
     FrameWriter frame(to_host, Type::kLog);
     frame.bytes(log_);
     log_ = nullptr;
     finish(frame);
-    return true;
   }
 
   void send_descriptor() {
@@ -171,8 +182,9 @@ class Board {
     FrameWriter frame(to_host, Type::kChannel);
     frame.u8(channel);
     frame.u8(0);
-    frame.i16(0);
-    frame.i16(static_cast<int16_t>((1UL << Hardware::kBits) - 1));
+    // A converter whose input is beyond its range gives its first or last code: those two are rail, not values.
+    frame.i16(1);
+    frame.i16(static_cast<int16_t>((1UL << Hardware::kBits) - 2));
     frame.f32(Hardware::kVoltsPerCode);
     frame.f32(0.0F);
     frame.text(hardware_.channel_name(channel), 16);
@@ -180,29 +192,33 @@ class Board {
     finish(frame);
   }
 
-  void send_run() {
-    if (!hardware_.is_stored()) return;  // a reset before that would give the next run the same number
+  /// Sends one frame of the run. Returns false if one is due but has no room.
+  bool send_run() {
+    if (!hardware_.is_stored()) return true;  // a reset before that would give the next run the same number
     const bool is_complete = is_stopping_ && !hardware_.is_converting();
     const bool has_loss = scans.has_loss();  // before size(): scans are accepted again only after take_loss()
     const uint8_t ready = scans.size();
     if (ready >= frame_scans_ || (ready != 0 && (has_loss || is_complete))) {
       const uint8_t count = ready < frame_scans_ ? ready : frame_scans_;
-      if (has_room(scans_payload(kChannels, count))) send_scans(count);
-      return;
+      if (!has_room(scans_payload(kChannels, count))) return false;
+      send_scans(count);
+      return true;
     }
-    if (ready != 0 || !has_room(kLostPayload)) return;
+    if (ready != 0 || !(has_loss || is_complete)) return true;
+    if (!has_room(kLostPayload)) return false;
     if (has_loss) {
       const typename Queue::Loss loss = scans.take_loss();
       skip(loss.scans);
       has_new_loss_ = true;
       send_lost(static_cast<uint8_t>(loss.reason), loss.scans);
-    } else if (is_complete) {
+    } else {
       send_lost(static_cast<uint8_t>(Reason::kStopped), 0);
       is_stopping_ = false;
       is_running_ = false;
       wants_pattern_ = false;
       announce(1);
     }
+    return true;
   }
 
   void send_scans(uint8_t count) {
@@ -236,6 +252,7 @@ class Board {
   }
 
   static constexpr uint8_t kLostPayload = 11;
+  static constexpr uint8_t kLargestAnnouncement = 24 + 3 * 33;  ///< A descriptor with three texts of 32 bytes.
 
   Hardware& hardware_;
   CommandReader reader_;

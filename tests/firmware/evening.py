@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Follows docs/evening-rig.md from step 5 on, with a simulated board and a simulated assistant. scripts/evening-demo runs it.
 
+--sensors-only      ends after the calibration of the sensors
+--write-weights F   only writes the rows of weights for a simulated plate, in the order of `calibrate cop --grid 6 --verify 5`
+--keep F            copies the folder of configuration, calibrations, recordings and report to F at the end
+
 Each step prints its command and how long it took. The assistant works faster than a person: spacers and weights rest for a second.
 """
 
+import argparse
 import json
 import os
 import pathlib
@@ -14,8 +19,8 @@ import tempfile
 import time
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-PROGRAMS = pathlib.Path(os.environ["DTS_BIN_DIR"])
-ELF = pathlib.Path(os.environ["DTS_FIRMWARE_DIR"]) / "dts-firmware.elf"
+PROGRAMS = pathlib.Path(os.environ.get("DTS_BIN_DIR", SOURCE / "build/release/bin"))
+ELF = pathlib.Path(os.environ.get("DTS_FIRMWARE_DIR", SOURCE / "build/release/firmware")) / "dts-firmware.elf"
 LIMIT_S = 900.0
 GAPS = "12.5,12,11,10,9,8,7,6.5"
 LOADS = (245.2, 588.4)
@@ -29,6 +34,10 @@ def weights() -> list:
     quarter = [HALF_MM * (i / 4 - 1) for i in range(5)]
     verified = [(quarter[column], quarter[row], LOADS[-1]) for row in range(5) for column in range(row + 1)]
     return rows + [verified[i * 14 // 4] for i in range(5)]
+
+
+def write_weights(path: pathlib.Path):
+    path.write_text("x_mm,y_mm,load_n\n" + "".join(f"{x},{y},{load}\n" for x, y, load in weights()))
 
 
 class Evening:
@@ -79,9 +88,10 @@ class Evening:
     def ctl(self, *words: str, is_quiet: bool = False) -> str:
         """Runs a command of the page, and prints it with what it says."""
         begun = time.monotonic()
+        print(f"$ dtsctl {' '.join(words)}", flush=True)
         done = subprocess.run([PROGRAMS / "dtsctl", *words], env=self.environment, capture_output=True, text=True, timeout=LIMIT_S,
                               cwd=self.folder)
-        print(f"$ dtsctl {' '.join(words)}    [{time.monotonic() - begun:.1f} s]")
+        print(f"    [{time.monotonic() - begun:.1f} s]")
         if done.returncode != 0:
             sys.exit(done.stdout + done.stderr + (self.folder / "log").read_text())
         if not is_quiet:
@@ -100,7 +110,24 @@ class Evening:
         self.rig.write_text(report["rig_file_line"] + "\n" + text)
 
 
+def check_curves(evening: Evening):
+    """dtsd accepts the rig file with the new curves, and the simulated plate with it."""
+    assert "hoa1405-assumed" not in evening.rig.read_text(), evening.rig.read_text()
+    evening.begin("sim:floor?seed=7&step_on_s=60")
+    print("dtsd runs with the curves that were measured")
+
+
 def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--sensors-only", action="store_true")
+    parser.add_argument("--write-weights", type=pathlib.Path)
+    parser.add_argument("--keep", type=pathlib.Path)
+    options = parser.parse_args()
+    if options.write_weights:
+        write_weights(options.write_weights)
+        return
+    if options.keep and options.keep.exists():
+        sys.exit(f"{options.keep} exists; name a folder that does not")
     begun = time.monotonic()
     evening = Evening()
     try:
@@ -112,8 +139,12 @@ def main():
         curves = json.loads(evening.ctl("calibrate", "sensor", "--rig", "floor", "--sensor", "all", "--auto", "--hold", "0.5", "--json",
                                         "--out", str(evening.config / "sensors"), is_quiet=True))
         evening.enter_curves(curves)
+        if options.sensors_only:
+            check_curves(evening)
+            return
 
-        (evening.folder / "weights.csv").write_text("x_mm,y_mm,load_n\n" + "".join(f"{x},{y},{load}\n" for x, y, load in weights()))
+        write_weights(evening.folder / "weights.csv")
+        print("77 weights, some 2 s each:")
         evening.begin(f"sim:floor?contact=weights&weights={evening.folder}/weights.csv&step_on_s=15&hold_s=1.5&pause_s=0.5&ramp_s=0.1")
         cop = json.loads(evening.ctl("calibrate", "cop", "--rig", "floor", "--loads", "245.2,588.4", "--grid", "6", "--verify", "5",
                                      "--auto", "--hold", "0.5", "--json", "--out", str(evening.folder / "cop.toml"), is_quiet=True))
@@ -134,6 +165,9 @@ def main():
         print(f"the page was followed in {(time.monotonic() - begun) / 60:.1f} min; {status['scans_total']} scans since the last start, "
               f"{status['gaps_total']} gaps")
     finally:
+        evening.stop()
+        if options.keep:
+            shutil.copytree(evening.folder, options.keep, ignore=shutil.ignore_patterns("*.sock", "board"))
         evening.close()
 
 

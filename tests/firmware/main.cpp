@@ -5,7 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -14,6 +16,7 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "firmware/serial_line.h"
@@ -24,6 +27,8 @@ namespace dts::firmware_test {
 namespace {
 
 constexpr double kStepS = 0.001;  // between looks at the line, the commands and the clock
+
+volatile std::sig_atomic_t is_signalled = 0;
 
 struct Options {
   std::string elf;
@@ -40,11 +45,11 @@ class Program {
 
   int run() {
     auto begun = std::chrono::steady_clock::now();
-    while (!wants_to_quit_) {
+    while (!is_over()) {
       if (pauses_at_s_ && board_.time_s() >= *pauses_at_s_) {
         const auto paused = std::chrono::steady_clock::now();
         finish_run();
-        while (pauses_at_s_ && board_.time_s() >= *pauses_at_s_ && !wants_to_quit_) take_commands(100);
+        while (pauses_at_s_ && board_.time_s() >= *pauses_at_s_ && !is_over()) take_commands(100);
         begun += std::chrono::steady_clock::now() - paused;
         continue;
       }
@@ -64,6 +69,8 @@ class Program {
   }
 
  private:
+  [[nodiscard]] bool is_over() const noexcept { return wants_to_quit_ || is_signalled != 0; }
+
   /// An Uno and a Nano reset when a program opens their port.
   void look_at_host() {
     const bool has_host = line_.has_host();
@@ -77,7 +84,7 @@ class Program {
     if (!received.empty()) board_.receive(received);
     const std::vector<std::uint8_t> sent = board_.take_sent();
     std::span<const std::uint8_t> rest(sent);
-    while (!rest.empty() && !wants_to_quit_) {
+    while (!rest.empty() && !is_over()) {
       const std::size_t written = line_.write(rest);
       rest = rest.subspan(written);
       if (written == 0) take_commands(10);
@@ -100,6 +107,7 @@ class Program {
     if (::poll(&wait, 1, wait_ms) <= 0) return;
     std::array<char, 1024> bytes{};
     const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) return;
     if (count <= 0) {  // the program that started this one has ended
       wants_to_quit_ = true;
       return;
@@ -115,7 +123,9 @@ class Program {
     std::istringstream words(command);
     std::string verb;
     words >> verb;
-    if (verb == "led") {
+    if (verb == "led" && led_) {
+      std::cout << "error the led command before this one is not answered yet" << std::endl;
+    } else if (verb == "led") {
       double window_ms = 0.0;
       words >> window_ms;
       led_ = LedWindow{board_.time_s() + window_ms / 1e3, board_.led_changes(), board_.led_on_s()};
@@ -143,6 +153,8 @@ class Program {
       std::cout << "ok" << std::endl;
     } else if (verb == "time") {
       std::cout << "ok " << board_.time_s() << std::endl;
+    } else if (verb == "began") {
+      std::cout << "ok " << board_.began_cycles() << std::endl;
     } else if (verb == "stack") {
       std::cout << "ok " << board_.stack_bytes() << std::endl;
     } else if (verb == "quit") {
@@ -150,7 +162,7 @@ class Program {
       std::cout << "ok" << std::endl;
     } else {
       std::cout << "error no command is called \"" << verb
-                << "\"; there are reset, volts V V ..., led MS, run MS, resume, time, stack, quit" << std::endl;
+                << "\"; there are reset, volts V V ..., led MS, run MS, resume, time, began, stack, quit" << std::endl;
     }
   }
 
@@ -176,7 +188,33 @@ int refuse(const core::Error& error) {
   return 1;
 }
 
+/// A symbolic link to the pseudo-terminal. Its end removes it, unless it belongs to another program by then: a link that stays would lead a
+/// host to the terminal that has the same number later.
+class Link {
+ public:
+  Link(std::filesystem::path path, std::filesystem::path target) : path_(std::move(path)), target_(std::move(target)) {}
+  ~Link() {
+    std::error_code failure;
+    if (std::filesystem::read_symlink(path_, failure) == target_ && !failure) std::filesystem::remove(path_, failure);
+  }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  [[nodiscard]] std::error_code make() const {
+    std::error_code failure;
+    if (std::filesystem::is_symlink(path_)) std::filesystem::remove(path_, failure);
+    std::filesystem::create_symlink(target_, path_, failure);
+    return failure;
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::filesystem::path target_;
+};
+
 int run(const Options& options) {
+  for (const int number : {SIGTERM, SIGINT}) std::signal(number, [](int) { is_signalled = 1; });
+
   auto board = VirtualBoard::create(options.elf);
   if (!board) return refuse(board.error());
   std::unique_ptr<emulator::RigSource> rig;
@@ -188,11 +226,10 @@ int run(const Options& options) {
   }
   auto line = SerialLine::open();
   if (!line) return refuse(line.error());
+  std::optional<Link> link;
   if (!options.link.empty()) {
-    std::error_code failure;
-    if (std::filesystem::is_symlink(options.link)) std::filesystem::remove(options.link, failure);
-    std::filesystem::create_symlink(line->path(), options.link, failure);
-    if (failure) {
+    link.emplace(options.link, line->path());
+    if (const std::error_code failure = link->make()) {
       return refuse({core::ErrorCode::InvalidArgument, "cannot make the link " + options.link + ": " + failure.message(),
                      "name a file that does not exist, in a folder that you may write"});
     }
@@ -218,12 +255,13 @@ int main(int argc, char** argv) {
       "  run MS         run so many ms of the board's time, then pause until run or resume\n"
       "  resume\n"
       "  time           the board's time, s\n"
+      "  began          cycles (16 MHz) from the reset to the first conversion after a pause of 50 ms\n"
       "  stack          the most bytes of stack so far\n"
       "  quit           as the end of the input"};
   app.add_option("ELF", options.elf, "The firmware")->required();
   app.add_option("--rig", options.rig, "Rig file for --scene: plate and sensors")->capture_default_str();
   app.add_option("--scene", options.scene, "What is on the plate, with sensor n at input n: sim:floor?...");
-  app.add_option("--link", options.link, "Make a symbolic link to the pseudo-terminal");
+  app.add_option("--link", options.link, "Make a symbolic link to the pseudo-terminal, and remove it at the end");
   app.add_flag("--fast", options.is_fast, "As fast as possible. Default: the board's time is the machine's time");
   app.add_flag("--reset-on-open", options.resets_on_open, "Reset when a program opens the port, as an Uno does");
   CLI11_PARSE(app, argc, argv);

@@ -21,7 +21,6 @@ class SerialLine {
   SerialLine& operator=(const SerialLine&) = delete;
 
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
-  [[nodiscard]] int descriptor() const noexcept { return master_; }
   /// Returns whether a program has the other end open.
   [[nodiscard]] bool has_host() const;
   /// Returns the bytes that the host has sent; never waits.

@@ -90,6 +90,19 @@ class Dtsd(unittest.TestCase):
             changes = int(board.ask("led 4000").split()[1])
             self.assertIn(changes, (3, 4, 5), "dtsd has ended: the board is idle")
 
+    def test_a_saturated_input_is_marked_as_rail(self):
+        with Board("dts-firmware.elf", "--reset-on-open") as board:
+            board.ask("volts 5.2 0 4.99 1")
+            with Daemon(board.path) as daemon:
+                daemon.wait_for(lambda: daemon.scans() > 100, "dtsd receives scans")
+                lines = daemon.ctl("watch", "floor/raw", "--jsonl", "--count", "20").splitlines()
+                blocks = [block for block in map(json.loads, lines) if "values" in block]
+                self.assertGreater(len(blocks), 0)
+                for block in blocks:
+                    self.assertEqual(block["quality"], {"w1_v": ["rail"], "w2_v": ["rail"]})
+                    for values in block["values"]:
+                        self.assertEqual([round(volts * 1024 / 5, 2) for volts in values], [1023, 0, 1021, 204])
+
     def check_with_daemon(self, board: Board):
         with Daemon(board.path) as daemon:
             daemon.wait_for(lambda: daemon.scans() > 100, "dtsd receives scans")

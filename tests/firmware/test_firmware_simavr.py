@@ -6,11 +6,18 @@ DTS_FIRMWARE_SCANS: scans of the longest run (default 20,000).
 """
 
 import os
+import pathlib
+import signal
 import struct
+import subprocess
+import tempfile
 import time
 import unittest
 
-from board_host import (CHANNEL, DESCRIBE, DESCRIPTOR, LOG, LOST, PATTERN, SCANS, STOP, Board, ScanChecker, conversion_of, encode, wave)
+from board_host import (CHANNEL, DESCRIBE, DESCRIPTOR, LIMIT_S, LOG, LOST, PATTERN, SCANS, START, STOP, Board, ScanChecker, conversion_of,
+                        encode, wave)
+
+MAKEFILE = pathlib.Path(__file__).resolve().parents[2] / "clients/firmware"
 
 PATTERN_ON, STREAMING = 4, 8
 PERIOD = 2000  # ticks at 1000 Hz
@@ -47,7 +54,7 @@ class Description(unittest.TestCase):
             self.assertEqual(descriptor["serial"], "")
             self.assertEqual([channel["name"] for channel in channels], ["A0", "A1", "A2", "A3"])
             for channel in channels:
-                self.assertEqual((channel["lowest"], channel["highest"], channel["unit"]), (0, 1023, "V"))
+                self.assertEqual((channel["lowest"], channel["highest"], channel["unit"]), (1, 1022, "V"))
                 self.assertEqual((channel["scale"], channel["offset"]), (5 / 1024, 0))
 
     def test_descriptor_every_five_seconds(self):
@@ -171,6 +178,28 @@ class Run(unittest.TestCase):
             self.assertLess(checker.counter, 2**31)
             self.assertEqual(checker.lost, 0)
 
+    def test_the_clock_is_that_of_the_conversions(self):
+        """STARTs at many places between two overflows of the timer of 16 bits (32.768 ms): the ticks of the first scan are those at which
+        its conversion began, but for the few us of an interrupt."""
+        with Board("dts-firmware.elf", "--fast") as board:
+            board.open()
+            board.ask("run 200")
+            board.waiting()
+            distances = []
+            places = set()
+            for i in range(60):
+                board.start()
+                board.ask("run 40")
+                board.send(STOP)
+                board.ask(f"run {110 + i % 3}")
+                first = next(frame for frame in board.waiting() if frame["kind"] == SCANS)
+                self.assertEqual(first["counter"], 0)
+                distances.append(int(board.ask("began")) / 8 - first["ticks"])
+                places.add(first["ticks"] % 65536 // 4096)
+            self.assertGreater(len(places), 12, places)
+            self.assertLess(max(distances) - min(distances), 60, distances)
+            self.assertLess(abs(min(distances)), 10_000, "the clock begins within 5 ms of the reset")
+
     def test_reset_in_the_middle(self):
         with Board("dts-firmware.elf", "--fast") as board:
             board.open()
@@ -233,9 +262,65 @@ class Run(unittest.TestCase):
                 checker.take(frame)
             losses = [frame for frame in frames if frame["kind"] == LOST]
             self.assertIn(2, {frame["reason"] for frame in losses})
+            self.assertEqual(losses[-1]["reason"], 4, "short frames must not keep STOP and its answer waiting")
             self.assertTrue(9994 <= checker.scans + checker.lost <= 10_006, (checker.scans, checker.lost))
             self.assertGreater(checker.scans, 500)
             self.assertEqual(board.damaged, 0)
+
+
+class EightChannels(unittest.TestCase):
+    def check_highest_rate(self, elf: str, period: int, described_ms: float):
+        """10 s at the highest rate, with a DESCRIBE now and then: none is lost, and each is answered."""
+        with Board(elf, "--fast") as board:
+            board.open()
+            board.ask("run 200")
+            board.waiting()
+            board.damaged = 0
+            board.start(1000)
+            asked = 0
+            frames = []
+            for _ in range(int(10_000 / described_ms)):
+                board.ask(f"run {described_ms}")
+                frames += board.waiting()
+                board.send(DESCRIBE)
+                asked += 1
+            board.ask("run 5000")
+            board.send(STOP)
+            board.ask("run 1000")
+            frames += board.waiting()
+            self.assertEqual((frames[0]["channels"], frames[0]["rate"]), (8, (2_000_000, period)))
+            checker = ScanChecker(period)
+            for frame in frames:
+                checker.take(frame)
+            self.assertEqual((checker.lost, board.damaged), (0, 0))
+            self.assertGreater(checker.scans, 14.9 * 2_000_000 / period)
+            self.assertEqual(sum(frame["kind"] == CHANNEL for frame in frames), 8 * asked)
+            self.assertEqual([(frame["reason"], frame["lost"]) for frame in frames if frame["kind"] == LOST], [(4, 0)])
+
+    def test_at_115200_baud(self):
+        self.check_highest_rate("dts-firmware-8.elf", 3345, 5000)
+
+    def test_descriptions_do_not_lose_scans(self):
+        """A DESCRIBE every 250 ms is more than the line carries beside the scans. Later ones wait, or are dropped."""
+        with Board("dts-firmware-8.elf", "--fast") as board:
+            board.open()
+            board.ask("run 200")
+            board.waiting()
+            board.damaged = 0
+            board.start(1000)
+            for _ in range(40):
+                board.ask("run 250")
+                board.send(DESCRIBE)
+            frames = board.waiting()
+            checker = ScanChecker(3345)
+            for frame in frames:
+                checker.take(frame)
+            self.assertEqual((checker.lost, board.damaged), (0, 0))
+            self.assertGreater(checker.scans, 5900)
+            self.assertIn(CHANNEL, {frame["kind"] for frame in frames})
+
+    def test_at_500000_baud(self):
+        self.check_highest_rate("dts-firmware-8-fast.elf", PERIOD, 250)
 
 
 class Led(unittest.TestCase):
@@ -272,7 +357,79 @@ class Led(unittest.TestCase):
             self.assertGreater(self.led(board)[0], 30)
 
 
+class Commands(unittest.TestCase):
+    def test_each_is_answered_by_a_descriptor_of_its_own(self):
+        with Board("dts-firmware.elf", "--fast") as board:
+            board.open()
+            board.ask("run 200")
+            board.waiting()
+            start = encode(struct.pack("<BII", START, 0, 1))
+            on, off = (encode(bytes([PATTERN, value])) for value in (1, 0))
+            os.write(board.port, start + on + off + start + encode(bytes([STOP])) + on + encode(bytes([STOP])))
+            board.ask("run 1000")
+            flags = [frame["flags"] for frame in board.waiting() if frame["kind"] == DESCRIPTOR]
+            self.assertEqual(flags, [11, 15, 11, 11, 3, 7, 3])
+
+
+class Build(unittest.TestCase):
+    """make in a folder of its own; avrdude is a script that says what it would write."""
+
+    def make(self, *words: str):
+        path = f"{self.folder}:{os.environ['PATH']}"
+        return subprocess.run(["make", "-C", MAKEFILE, f"OUT={self.folder}", *words], env=os.environ | {"PATH": path},
+                              capture_output=True, text=True)
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        (self.folder / "avrdude").write_text('#!/bin/sh\necho "writes $*"\n')
+        (self.folder / "avrdude").chmod(0o755)
+
+    def test_flash_and_size_use_the_build_that_exists(self):
+        self.assertEqual(self.make("SERIAL=plate-9").returncode, 0)
+        built = (self.folder / "dts-firmware.hex").read_bytes()
+        self.assertIn(b"plate-9", (self.folder / "dts-firmware.elf").read_bytes())
+        flashed = self.make("flash", "PORT=/dev/null")
+        self.assertIn(f"flash:w:{self.folder}/dts-firmware.hex:i", flashed.stdout)
+        self.assertEqual(self.make("size").returncode, 0)
+        self.assertEqual((self.folder / "dts-firmware.hex").read_bytes(), built)
+
+    def test_without_a_build_they_say_so(self):
+        for target in ("flash", "size"):
+            done = self.make(target)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn("Build it first", done.stderr)
+            self.assertNotIn("writes", done.stdout)
+
+    def test_a_rate_that_the_timer_cannot_do_is_no_build(self):
+        self.assertIn("RATE must be 31 to 1000 Hz", self.make("RATE=30").stderr)
+
+
 class Port(unittest.TestCase):
+    def test_the_link_ends_with_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            link = pathlib.Path(folder) / "board"
+            for end in ("quit", signal.SIGTERM, signal.SIGINT):
+                with Board("dts-firmware.elf", "--fast", "--link", str(link)) as board:
+                    self.assertEqual(os.readlink(link), board.path)
+                    if end == "quit":
+                        board.ask("quit")
+                    else:
+                        board.process.send_signal(end)
+                    self.assertEqual(board.process.wait(LIMIT_S), 0)
+                self.assertFalse(link.is_symlink(), end)
+
+    def test_a_link_of_another_program_stays(self):
+        with tempfile.TemporaryDirectory() as folder:
+            link = pathlib.Path(folder) / "board"
+            with Board("dts-firmware.elf", "--fast", "--link", str(link)) as board:
+                link.unlink()
+                link.symlink_to("/dev/null")
+                board.ask("quit")
+                board.process.wait(LIMIT_S)
+            self.assertEqual(os.readlink(link), "/dev/null")
+
     def test_reset_on_open(self):
         with Board("dts-firmware.elf", "--reset-on-open") as board:
             board.open()

@@ -92,6 +92,10 @@ void VirtualBoard::connect() {
 
 void VirtualBoard::convert(std::size_t input) {
   if (input >= kInputs) return;
+  if (input == 0) {
+    if (avr_->cycle - converted_cycles_ > kHertz / 20) began_cycles_ = avr_->cycle;
+    converted_cycles_ = avr_->cycle;
+  }
   if (inputs_ && input == 0) inputs_(time_s(), volts_);
   const std::uint32_t code = inputs_ ? code_for(volts_[input]) : wave_code(input, conversions_[input]);
   ++conversions_[input];
@@ -116,6 +120,7 @@ void VirtualBoard::reset() {
   avr_reset(avr_);
   if (avr_->cycle < passed) cycles_before_reset_ += passed - avr_->cycle;
   conversions_.fill(0);
+  converted_cycles_ = 0;
   to_board_.clear();
   run_line();  // the reset has removed it
 }

@@ -49,9 +49,10 @@ class VirtualBoard {
   /// Returns what the board has sent since the last call.
   [[nodiscard]] std::vector<std::uint8_t> take_sent();
 
-  [[nodiscard]] bool is_led_on() const noexcept { return is_led_on_; }
   [[nodiscard]] std::uint64_t led_changes() const noexcept { return led_changes_; }
   [[nodiscard]] double led_on_s() const noexcept;
+  /// Returns the cycles from the last reset to the conversion of input 0 that came first after a pause of 50 ms.
+  [[nodiscard]] std::uint64_t began_cycles() const noexcept { return began_cycles_; }
   /// Returns the most bytes of stack since the start.
   [[nodiscard]] std::size_t stack_bytes() const noexcept;
 
@@ -69,6 +70,8 @@ class VirtualBoard {
   Inputs inputs_;
   std::array<double, kInputs> volts_{};
   std::array<std::uint64_t, kInputs> conversions_{};
+  std::uint64_t converted_cycles_ = 0;  ///< Input 0, last.
+  std::uint64_t began_cycles_ = 0;
   std::deque<std::uint8_t> to_board_;
   std::vector<std::uint8_t> sent_;
   std::uint64_t cycles_before_reset_ = 0;

@@ -196,9 +196,9 @@ void print(cli::Console& console, const std::vector<Finished>& all) {
     console.out << "scatter around a smooth curve: " << cli::decimal(finished.facts.residual_mv, 2) << " mV rms";
     if (finished.facts.repeat_mv) console.out << "; between repeated gaps: " << cli::decimal(*finished.facts.repeat_mv, 2) << " mV rms";
     console.out << "\nwritten to " << cli::printable(finished.file)
-                << "\nto use it, add this line to the rig file, under [[sensor]] with label = "
+                << "\nto use it, replace the line `curve` in the rig file, under [[sensor]] with label = "
                 << cli::printable(files::toml_quoted(finished.facts.sensor))
-                << ":\n    curve = " << cli::printable(files::toml_quoted(std::filesystem::absolute(finished.file).string())) << "\n";
+                << ", by:\n    curve = " << cli::printable(files::toml_quoted(std::filesystem::absolute(finished.file).string())) << "\n";
   }
   console.out.flush();
 }

@@ -16,6 +16,8 @@ constexpr uint8_t kAdcOn = _BV(ADEN) | _BV(ADIE) | _BV(ADPS2) | _BV(ADPS1) | _BV
 constexpr uint16_t kBaudRegister = (F_CPU / 8 + DTS_BAUD / 2) / DTS_BAUD - 1;             // with U2X
 constexpr uint16_t kBeatsPerDescription = 5000000UL / 32768;                              // timer 1 overflows every 32.768 ms
 
+static_assert(DTS_RATE >= 31 && DTS_RATE <= 1000, "RATE must be 31 to 1000 Hz: the period of a scan has 16 bits of ticks of 0.5 us");
+
 uint8_t* run_cell(uint8_t cell) { return reinterpret_cast<uint8_t*>(static_cast<uint16_t>(cell)); }  // the EEPROM begins with the cells
 
 /// Keeps interrupts out while it lives.

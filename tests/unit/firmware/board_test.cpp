@@ -70,7 +70,7 @@ TEST_F(BoardTest, AfterAResetItEndsTheOldFrameAndDescribesItself) {
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_THAT(frames[0], ElementsAre(0x01, 1, 2, 10, 0x80, 0x84, 0x1E, 0, 0xD0, 0x07, 0, 0, 0x80, 0x84, 0x1E, 0, 0x03,  //
                                      6, 'u', 'n', 'i', 't', '-', '1', 4, 'f', 'a', 'k', 'e', 4, 't', 'e', 's', 't'));
-  EXPECT_THAT(frames[2], ElementsAre(0x02, 1, 0, 0, 0, 0xFF, 0x03, 0, 0, 0xA0, 0x3B, 0, 0, 0, 0, 2, 'A', '1', 1, 'V'));
+  EXPECT_THAT(frames[2], ElementsAre(0x02, 1, 0, 1, 0, 0xFE, 0x03, 0, 0, 0xA0, 0x3B, 0, 0, 0, 0, 2, 'A', '1', 1, 'V'));
 }
 
 TEST_F(BoardTest, DescribeIsAnsweredByEverythingAndTheOthersByOneDescriptor) {
@@ -211,6 +211,44 @@ TEST_F(BoardTest, ThePatternBeginsAfterTheDescriptorThatAnnouncesIt) {
   EXPECT_EQ(flags(stopped.back()), 0x03) << "the pattern is off after STOP";
 }
 
+TEST_F(BoardTest, StopEndsThePatternOfAnIdleBoard) {
+  EXPECT_EQ(flags(command({0x84, 1}).at(0)), 0x03 | kPattern);
+  const auto answer = command({0x83});
+  ASSERT_EQ(answer.size(), 1U);
+  EXPECT_EQ(flags(answer[0]), 0x03);
+  EXPECT_EQ(flags(start().at(0)), 0x03 | kStreaming);
+}
+
+TEST_F(BoardTest, EachOfSeveralCommandsIsAnswered) {
+  for (const Bytes& payload :
+       {Bytes{0x81}, Bytes{0x82, 0, 0, 0, 0, 1, 0, 0, 0}, Bytes{0x84, 1}, Bytes{0x77}, Bytes{0x77}, Bytes{0x84, 0}}) {
+    for (const uint8_t byte : encoded(payload)) board_.from_host.add(byte);
+  }
+  board_.from_host.publish();
+  std::vector<int> seen;  // types; of a descriptor, 0x100 and its flags
+  for (const Bytes& frame : polled()) seen.push_back(frame[0] == 0x01 ? 0x100 + flags(frame) : frame[0]);
+  EXPECT_THAT(seen, ElementsAre(0x103, 0x02, 0x02, 0x10B, 0x10F, 0x05, 0x05, 0x10B));
+}
+
+TEST_F(BoardTest, ARegularDescriptionDoesNotRepeatTheOneThatIsBeingSent) {
+  board_.begin();
+  board_.poll();
+  board_.describe_again();
+  const auto frames = polled();
+  EXPECT_EQ(frames.size(), 3U);
+}
+
+TEST_F(BoardTest, ADescriptionWaitsUntilTheQueueIsBelowHalf) {
+  start();
+  hardware_.stored = false;  // scans stay in the queue
+  sample(32);
+  EXPECT_TRUE(command({0x81}).empty());
+  hardware_.stored = true;
+  const auto frames = polled();
+  ASSERT_EQ(frames.size(), 4U);
+  EXPECT_EQ(frames[0][0], 0x03);
+}
+
 TEST_F(BoardTest, TheRateIsTheOneThatTheBoardRuns) {
   const auto rates = std::to_array<std::pair<uint32_t, uint16_t>>({{1000, 2000}, {300, 6667}, {5000, 2000}, {1, 0xFFFF}, {31, 64516}});
   for (const auto& [wanted, period] : rates) {
@@ -275,6 +313,29 @@ TEST_F(BoardTest, ADescriptionDuringARunLosesNothing) {
     ASSERT_EQ(frames.size(), 4U);
     EXPECT_NE(frames[3][0], 0x03) << "scans must not wait for the whole description";
   }
+}
+
+TEST(InterruptedBoard, ScansAndALossThatHappenDuringOneLookKeepTheirOrder) {
+  InterruptedHardware hardware;
+  Board<InterruptedHardware> board(hardware);
+  for (const uint8_t byte : encoded({0x82, 0, 0, 0, 0, 1, 0, 0, 0})) board.from_host.add(byte);
+  board.from_host.publish();
+  for (int i = 0; i < 5; ++i) board.poll();
+  take_frames(board.to_host);
+  Interrupted::interrupt = [&board] {
+    Interrupted::interrupt = nullptr;
+    while (board.scans.slot() != nullptr) board.scans.commit();
+    board.scans.lose(6, Reason::kBufferFull);
+  };
+  std::vector<Bytes> frames;
+  for (int i = 0; i < 20; ++i) {
+    board.poll();
+    for (Bytes& frame : take_frames(board.to_host)) frames.push_back(std::move(frame));
+  }
+  ASSERT_EQ(frames.size(), 5U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(u32_at(frames[i], 2), static_cast<uint32_t>(0xFFFFFFF0U + 20 * i));
+  EXPECT_EQ(frames[4][0], 0x04);
+  EXPECT_EQ(u32_at(frames[4], 2), 0xFFFFFFF0U + 70);
 }
 
 TEST(Plan, FramesTakeLessThanTheLine) {

@@ -2,12 +2,27 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <string>
 
 #include "firmware/board.h"
 
 namespace firmware::test {
+
+/// Keeps the interrupt out while it lives, and lets it happen as soon as it may: before the first step and after the last one.
+struct Interrupted {
+  static inline std::function<void()> interrupt;
+  static inline int guards = 0;
+  Interrupted() {
+    happen();
+    ++guards;
+  }
+  ~Interrupted() { happen(); }
+  static void happen() {
+    if (interrupt) interrupt();
+  }
+};
 
 /// A board in which the test is the timer, the converter and the EEPROM.
 struct FakeHardware {
@@ -44,6 +59,10 @@ struct FakeHardware {
   bool is_sampling = false;
   bool converting = false;
   bool stored = true;
+};
+
+struct InterruptedHardware : FakeHardware {
+  using Guard = Interrupted;
 };
 
 }  // namespace firmware::test

@@ -78,6 +78,57 @@ TEST(ScanQueue, EveryScanIsDeliveredOrCounted) {
   }
 }
 
+class InterruptedQueue : public ::testing::Test {
+ protected:
+  using Queue = ScanQueue<1, 8, Interrupted>;
+  void TearDown() override { Interrupted::interrupt = nullptr; }
+
+  void sample(int scans) {
+    for (; scans > 0; --scans, ++code_) {
+      int16_t* const slot = queue_.slot();
+      if (slot == nullptr) {
+        queue_.lose(1, Reason::kBufferFull);
+      } else {
+        slot[0] = code_;
+        queue_.commit();
+      }
+    }
+  }
+
+  Queue queue_;
+  int16_t code_ = 0;
+};
+
+TEST_F(InterruptedQueue, ALossIsReadWithInterruptsOff) {
+  Interrupted::guards = 0;
+  EXPECT_FALSE(queue_.has_loss());
+  EXPECT_EQ(Interrupted::guards, 1) << "the number of lost scans has four bytes: an interrupt between them changes it";
+  sample(9);
+  while (queue_.size() != 0) queue_.pop();
+  Interrupted::guards = 0;
+  EXPECT_EQ(queue_.take_loss().scans, 1U);
+  EXPECT_EQ(Interrupted::guards, 1);
+}
+
+TEST_F(InterruptedQueue, EveryScanIsDeliveredOrCountedWhereverTheInterruptHappens) {
+  std::mt19937 random(5);
+  Interrupted::interrupt = [&] { sample(static_cast<int>(random() % 12)); };
+  int16_t expected = 0;
+  for (int step = 0; step < 5'000; ++step) {
+    Interrupted::happen();
+    const bool has_loss = queue_.has_loss();  // in this order, as in Board
+    const uint8_t ready = queue_.size();
+    if (ready != 0) {
+      ASSERT_EQ(queue_.front()[0], expected++);
+      queue_.pop();
+    } else if (has_loss) {
+      expected = static_cast<int16_t>(expected + static_cast<int16_t>(queue_.take_loss().scans));
+    }
+    if (expected > 20'000) break;
+  }
+  EXPECT_GT(expected, 1000);
+}
+
 TEST(RunNumber, DiffersAfterEveryReset) {
   std::vector<uint8_t> cells(RunNumber::kCells, 0xFF);
   std::vector<int> writes(RunNumber::kCells, 0);

@@ -35,12 +35,12 @@ DeviceReport BoardDevice::report() const {
   const std::lock_guard lock(report_mutex_);
   DeviceReport report = report_;
   const std::vector<DeviceCheck> findings = delivery_ ? delivery_->findings() : scan_checks_;
-  report.checks.insert(report.checks.end(), findings.begin(), findings.end());
-  add_log(report.checks);
   const bool is_told = std::ranges::any_of(findings, [](const DeviceCheck& check) { return check.name == kBreakOffCheck; });
   if (!is_told && !why_broken_before_.empty()) {
     report.checks.push_back({kBreakOffCheck, DeviceCheck::Outcome::Warning, "an earlier scan did: " + why_broken_before_});
   }
+  report.checks.insert(report.checks.end(), findings.begin(), findings.end());
+  add_log(report.checks);
   return report;
 }
 
@@ -239,13 +239,10 @@ void BoardDevice::add_log(std::vector<DeviceCheck>& checks) const {
 void BoardDevice::keep_findings(std::optional<std::uint64_t> undelivered) {
   const std::lock_guard lock(report_mutex_);
   if (!delivery_) return;
-  scan_checks_ = delivery_->findings();
   if (const char* const why = source_->why_broken()) why_broken_before_ = why;
-  if (frames_ != nullptr) {
-    const std::string log = core::printable(frames_->last_log().view());
-    if (!log.empty()) scan_checks_.push_back({"the board's newest message", DeviceCheck::Outcome::Passed, log});
-    scan_checks_.push_back(describe_end(undelivered));
-  }
+  scan_checks_ = delivery_->findings();
+  add_log(scan_checks_);
+  if (frames_ != nullptr) scan_checks_.push_back(describe_end(undelivered));
   delivery_.reset();
   source_.reset();
   frames_ = nullptr;

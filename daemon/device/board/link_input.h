@@ -54,7 +54,7 @@ class LinkInput {
     for (int i = 0; i < kMostReads && clock_->now_ns() < until_ns; ++i) {
       const bytes::BytesRead read = link_->read(buffer_, clock_->now_ns());
       if (read.end == bytes::ReadEnd::Lost) return false;
-      if (read.end == bytes::ReadEnd::Timeout) return true;
+      if (read.end == bytes::ReadEnd::Timeout) return true;  // an interrupt does not mean that nothing waits
     }
     return true;
   }

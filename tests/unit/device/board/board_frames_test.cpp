@@ -406,6 +406,19 @@ TEST(BoardFrames, AnotherDescription_BreaksTheScanAndIsAskedFor) {
   EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
 }
 
+TEST(BoardFrames, Pattern_IsNeverDelivered) {
+  BoardRig rig;
+  rig.start(100.0);
+  rig.read();
+  rig.board->receive(pattern_command(true).view(), rig.clock.now_ns());
+  const ReadResult broken = rig.read_until_trouble(10.0);
+  EXPECT_EQ(broken.outcome, ReadOutcome::Broken);
+  EXPECT_TRUE(rig.device->stop().has_value());
+  rig.start(100.0);
+  while (rig.witness->scans < 200) ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  rig.expect_nothing_hidden();
+}
+
 /// The board behind the port is another one: each start checks it as `open` does.
 TEST(BoardFrames, AnotherSerialAfterAReset_IsNotStarted) {
   BoardRig rig({}, "channels=4&serial=B0A4D001");
@@ -512,19 +525,6 @@ TEST(BoardFrames, DescriptionOfTheWrongLength_IsDroppedAndCounted) {
   while (rig.witness->scans < 200) ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
   ASSERT_NE(rig.check("arrive undamaged"), nullptr);
   EXPECT_NE(rig.check("arrive undamaged")->detail.find("3 rejected"), std::string::npos) << rig.check("arrive undamaged")->detail;
-}
-
-TEST(BoardFrames, Pattern_IsNeverDelivered) {
-  BoardRig rig;
-  rig.start(100.0);
-  rig.read();
-  rig.board->receive(pattern_command(true).view(), rig.clock.now_ns());
-  const ReadResult broken = rig.read_until_trouble(10.0);
-  EXPECT_EQ(broken.outcome, ReadOutcome::Broken);
-  EXPECT_TRUE(rig.device->stop().has_value());
-  rig.start(100.0);
-  while (rig.witness->scans < 200) ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
-  rig.expect_nothing_hidden();
 }
 
 TEST(BoardFrames, PatternBeforeTheStart_IsSwitchedOff) {
@@ -656,6 +656,21 @@ TEST(BoardFrames, ReasonOfABrokenScan_StaysInTheReport) {
   EXPECT_EQ(rig.check("break off"), nullptr);
 }
 
+/// The board continues where it was: 500 scans later by its ticks, but not by its counter.
+TEST(BoardFrames, ScansThatNobodyCounts_AreInTheReport) {
+  BoardRig rig;  // carries ticks
+  rig.start(1000.0);
+  while (rig.witness->scans < 1000) rig.read();
+  rig.clock.advance_ns(500 * kMs);
+  rig.board->skip_uncounted(500);
+  ReadResult broken;
+  for (int i = 0; i < 10 && broken.outcome != ReadOutcome::Broken; ++i) broken = rig.read();
+  EXPECT_EQ(broken.outcome, ReadOutcome::Broken);
+  ASSERT_NE(rig.check("break off"), nullptr);
+  EXPECT_NE(rig.check("break off")->detail.find("ticks"), std::string::npos) << rig.check("break off")->detail;
+  rig.expect_nothing_hidden();
+}
+
 TEST(BoardFrames, WhyGone_SaysWhatCameInstead) {
   BoardRig silent({.silent_at_s = 2.0});
   silent.start(100.0);
@@ -719,19 +734,28 @@ TEST(BoardFrames, CountedLoss_DoesNotMoveTheTime) {
   EXPECT_LE(rig.witness->block.host_time_uncertainty_ns, 5 * kMs);
 }
 
-/// The board continues where it was: 500 scans later by its ticks, but not by its counter.
 TEST(BoardFrames, ScansThatNobodyCounts_BreakTheScan) {
   BoardRig rig;  // carries ticks
   rig.start(1000.0);
   while (rig.witness->scans < 1000) rig.read();
+  const std::uint32_t counter = rig.board->counter();
+  rig.board->setup().rate = {1000, 1};
   rig.clock.advance_ns(500 * kMs);
-  rig.board->skip_uncounted(500);
+  rig.board->run_until(rig.clock.now_ns());
+  rig.board->drop_output();
+  // The board continues where it was: 500 scans later by its ticks, but not by its counter.
+  std::array<std::uint8_t, 19> scans{3, rig.board->run()};
+  for (unsigned i = 0; i < 4; ++i) scans[2 + i] = static_cast<std::uint8_t>((counter - counter % 5) >> (8 * i));
+  const std::uint32_t ticks = 1'500'000 + 1000;
+  for (unsigned i = 0; i < 4; ++i) scans[6 + i] = static_cast<std::uint8_t>(ticks >> (8 * i));
+  scans[10] = 1;
+  rig.board->send_payload(scans);
   ReadResult broken;
-  for (int i = 0; i < 10 && broken.outcome != ReadOutcome::Broken; ++i) broken = rig.read();
+  for (int i = 0; i < 5 && broken.outcome != ReadOutcome::Broken; ++i) {
+    broken = rig.device->read(rig.witness->block, rig.clock.now_ns() + 1);
+  }
   EXPECT_EQ(broken.outcome, ReadOutcome::Broken);
-  ASSERT_NE(rig.check("break off"), nullptr);
-  EXPECT_NE(rig.check("break off")->detail.find("ticks"), std::string::npos) << rig.check("break off")->detail;
-  rig.expect_nothing_hidden();
+  EXPECT_EQ(broken.gap.reason, GapReason::Integrity);
 }
 
 TEST(BoardFrames, WrongRate_BreaksTheScan) {

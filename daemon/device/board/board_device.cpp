@@ -40,6 +40,7 @@ DeviceReport BoardDevice::report() const {
     report.checks.push_back({kBreakOffCheck, DeviceCheck::Outcome::Warning, "an earlier scan did: " + why_broken_before_});
   }
   report.checks.insert(report.checks.end(), findings.begin(), findings.end());
+  add_log(report.checks);
   return report;
 }
 
@@ -240,11 +241,8 @@ void BoardDevice::keep_findings(std::optional<std::uint64_t> undelivered) {
   if (!delivery_) return;
   if (const char* const why = source_->why_broken()) why_broken_before_ = why;
   scan_checks_ = delivery_->findings();
-  if (frames_ != nullptr) {
-    const std::string log = core::printable(frames_->last_log().view());
-    if (!log.empty()) scan_checks_.push_back({"the board's newest message", DeviceCheck::Outcome::Passed, log});
-    scan_checks_.push_back(describe_end(undelivered));
-  }
+  add_log(scan_checks_);
+  if (frames_ != nullptr) scan_checks_.push_back(describe_end(undelivered));
   delivery_.reset();
   source_.reset();
   frames_ = nullptr;

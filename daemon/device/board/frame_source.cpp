@@ -13,6 +13,7 @@ using core::GapReason;
 constexpr char kAnother[] = "the board describes itself differently than before; the next start compares it with the address";
 constexpr std::uint32_t kHalfTurn = 1U << 31U;  // a larger step of the counter is one backwards
 constexpr std::int64_t kShortestStartPauseNs = core::kNanosecondsPerSecond;
+constexpr std::int64_t kSilenceOfUnknownRateNs = 3 * core::kNanosecondsPerSecond;
 
 }  // namespace
 

@@ -130,7 +130,7 @@ inline const Recordings& recordings() {
   return made;
 }
 
-/// A board that speaks over a link in memory: the device above the link is under test. `boards_in_real_time_test.cpp` has real links.
+/// A board that speaks over a link in memory: the device above the link is under test. `board_real_test.cpp` has real links.
 inline DeviceUnderTest board(const char* name, const char* uri, const char* unplugging_uri, const char* gapping_uri) {
   DeviceUnderTest tested{name, uri, unplugging_uri, gapping_uri};
   tested.make_device = dts::test::make_fake_board_device;

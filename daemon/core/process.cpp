@@ -12,6 +12,7 @@ void block_signals(std::initializer_list<int> signals) noexcept {
   for (const int signal : signals) sigaddset(&ours, signal);
   pthread_sigmask(SIG_BLOCK, &ours, nullptr);
   ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGCHLD, SIG_DFL);  // inherited if the parent ignores it: the status of a child would then be lost
 }
 
 void raise_descriptor_limit() noexcept {

@@ -115,8 +115,9 @@ struct ReadResult {
 /// | set_sync_output | WrongState | ok            | ok                | DeviceGone          |
 /// | `hear`     | no effect     | no effect       | ok                | no effect           |
 ///
-/// Thread: open, start, stop, close, has_arrived and why_gone on one owner thread; `read` and `has_more` on one thread, between start and stop;
-/// `describe`, `state`, `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.
+/// Thread: open, start, stop, close, has_arrived and why_gone on one owner thread; `read` and `has_more` on one thread, between start and
+/// stop; `describe`, `state`, `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor
+/// closes.
 class Device {
  public:
   virtual ~Device() = default;

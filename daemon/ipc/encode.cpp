@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "record/utf8_text.h"
 #include "session/session_events.h"
 
 namespace dts::ipc {
@@ -46,7 +47,7 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   *out.mutable_rig() = rig_info(state.rig);
   out.set_device(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : session::to_message(state.acquisition.device));
   const std::string_view device_message = state.acquisition.text();
-  out.set_device_message(device_message.empty() ? state.sensor_problems : std::string(device_message));
+  out.set_device_message(record::clean_text(device_message.empty() ? state.sensor_problems : device_message));
   out.set_segment(state.acquisition.segment);
   out.set_scans_total(state.acquisition.scans_total);
   out.set_lost_scans_total(state.acquisition.losses.total().scans);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/utf8.h"
+
 namespace dts::session {
 namespace {
 
@@ -30,7 +32,9 @@ std::string_view restart_message(core::GapReason reason) noexcept {
 
 void set_text(std::array<char, 512>& target, std::string_view text) noexcept {
   target.fill('\0');
-  std::copy_n(text.begin(), std::min(text.size(), target.size() - 1), target.begin());
+  std::size_t size = std::min(text.size(), target.size() - 1);
+  while (size > 0 && size < text.size() && !core::starts_character(text[size])) --size;
+  std::copy_n(text.begin(), size, target.begin());
 }
 
 }  // namespace
@@ -145,7 +149,7 @@ void Acquisition::stream() noexcept {
 
 /// The supervisor may miss the message if the device is back within its turn: the gap keeps the reason.
 void Acquisition::note_gone(const std::string& why) noexcept {
-  set_text(why_pending_gap_, why);
+  if (why_pending_gap_.front() == '\0') set_text(why_pending_gap_, why);  // several losses before a scan are one gap with the first reason
   report_.set_message("device disconnected; plug it in again: dtsd opens it by itself");
   if (!why.empty()) report_.set_message(why + "; dtsd opens it again by itself");
   publish_report();

@@ -115,6 +115,15 @@ TEST(ProgramAsDevice, ThatDies_IsReportedWithItsLastWords_AndStartedAgain) {
   })) << daemon.log();
 }
 
+TEST(ProgramAsDevice, ThatDies_IsReportedToo_IfDtsdWasStartedWithSigchldIgnored) {
+  const Scripts scripts;
+  auto* const handler = ::signal(SIGCHLD, SIG_IGN);  // dtsd inherits it
+  DaemonProcess daemon(with_program(scripts.device("sys.exit(3)")));
+  ::signal(SIGCHLD, handler);
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  EXPECT_TRUE(eventually([&] { return daemon.log().find("ended with exit status 3") != std::string::npos; })) << daemon.log();
+}
+
 TEST(ProgramAsDevice, ThatHangsAndIgnoresSigterm_IsKilledAndReported) {
   const Scripts scripts;
   const auto note = scripts.path("pid");
@@ -123,7 +132,9 @@ TEST(ProgramAsDevice, ThatHangsAndIgnoresSigterm_IsKilledAndReported) {
                                               "while True: time.sleep(1000)"),
                                "silent");
   std::ifstream pids(note);
-  for (pid_t pid = 0; pids >> pid;) EXPECT_NE(::kill(pid, 0), 0) << "it still runs";
+  int count = 0;
+  for (pid_t pid = 0; pids >> pid; ++count) EXPECT_NE(::kill(pid, 0), 0) << "it still runs";
+  EXPECT_GT(count, 0);
 }
 
 TEST(ProgramAsDevice, ThatFloodsBothStreams_HarmsNobody) {

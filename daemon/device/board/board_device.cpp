@@ -277,6 +277,10 @@ core::Status BoardDevice::close() {
   link_->close();
   conversation_.reset();
   lines_.reset();
+  {
+    const std::lock_guard lock(report_mutex_);
+    report_.nodes.clear();  // another board may get them
+  }
   move_to(DeviceState::Closed);
   return ended;
 }

@@ -36,7 +36,8 @@ class ByteLink {
   /// names the group), with WrongState if another program uses it, and with Failed otherwise. Discards what arrived before.
   /// A tty is then in raw 8N1 mode without modem control, and HUPCL is off if possible.
   [[nodiscard]] virtual core::Status open() = 0;
-  /// Disconnects. A child process has ended (asked, then killed) when this returns, within 250 ms. No effect if closed.
+  /// Disconnects; discards what was not sent yet. A child process has ended (asked, then killed) when this returns, within 500 ms, of
+  /// which 150 ms are for the text of `why_lost` if nobody has asked for it. No effect if closed.
   virtual void close() noexcept = 0;
   /// Waits for at least one byte until `deadline_ns` (now_ns clock); does not wait if it has passed. Realtime-safe: no allocation, lock,
   /// log.

@@ -157,6 +157,12 @@ core::Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& a
             {.input = input.childs.get(), .output = output.childs.get(), .errors = errors.childs.get(), .failure = failure.childs.get()});
   if (child < 0) return core::fail_errno(errno, "cannot start the program " + program);
   core::Descriptor pidfd = open_pidfd(child);
+  if (pidfd.get() < 0) {
+    const int error = errno;
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+    return core::fail_errno(error, "cannot watch the program " + program);
+  }
   { const core::Descriptor closed = std::move(failure.childs); }  // else the read below would wait for ourselves
   int child_errno = 0;
   if (::read(failure.ours.get(), &child_errno, sizeof child_errno) == sizeof child_errno) {

@@ -2,6 +2,8 @@
 #include "device/bytes/error_lines.h"
 
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,6 +21,18 @@ constexpr double kLinesPerSecond = 5.0;
 constexpr std::size_t kLongestLine = 200;
 constexpr std::size_t kKeptLines = 3;
 constexpr std::size_t kReadBytes = 16 * 1024;
+
+/// Returns where the last lines begin that are kept; 0 if all are.
+std::size_t newest_lines(std::string_view bytes) noexcept {
+  std::size_t start = bytes.size();
+  for (std::size_t found = 0; found <= kKeptLines;) {
+    const std::size_t newline = start == 0 ? std::string_view::npos : bytes.rfind('\n', start - 1);
+    if (newline == std::string_view::npos) return 0;
+    if (newline + 1 < start) ++found;  // an empty line is none
+    start = newline;
+  }
+  return start;
+}
 
 }  // namespace
 
@@ -41,6 +55,8 @@ std::string ErrorLines::last_lines(std::chrono::milliseconds limit) {
 }
 
 void ErrorLines::read_all() {
+  const sched_param ordinary{};  // a thread inherits the real-time policy of the rig's: a flood would be real-time load
+  ::pthread_setschedparam(::pthread_self(), SCHED_OTHER, &ordinary);
   static_cast<void>(core::configure_this_thread("program-errors", {.fifo_priority = 0, .cpus = {}}));
   std::array<char, kReadBytes> bytes{};
   while (true) {
@@ -63,6 +79,16 @@ void ErrorLines::read_all() {
 }
 
 void ErrorLines::add(std::string_view bytes) {
+  if (!allowance_.has_one(core::TokenBucket::Time::clock::now())) {  // only counts the lines that would be neither logged nor kept
+    const std::size_t kept = newest_lines(bytes);
+    bool has_text = !line_.empty();
+    for (const char byte : bytes.substr(0, kept == 0 ? 0 : kept + 1)) {  // with the line end at `kept`
+      if (byte == '\n' && has_text) ++unlogged_;
+      has_text = byte != '\n';
+    }
+    bytes.remove_prefix(kept);
+    if (kept > 0) line_.clear();
+  }
   while (!bytes.empty()) {
     const std::size_t end = bytes.find('\n');
     const std::string_view part = bytes.substr(0, end);
@@ -78,8 +104,9 @@ void ErrorLines::end_line() {
   line_.clear();
   const auto now = core::TokenBucket::Time::clock::now();
   if (allowance_.take(now)) {
-    if (unlogged_ > 0) log_.warning(name_ + ": " + std::to_string(std::exchange(unlogged_, 0)) + " lines of its stderr were not logged");
-    log_.info(name_ + ": " + line);
+    std::string text = name_ + ": " + line;
+    if (unlogged_ > 0) text += " (before it, " + std::to_string(std::exchange(unlogged_, 0)) + " lines of its stderr were not logged)";
+    log_.info(text);
   } else {
     ++unlogged_;
   }

@@ -36,7 +36,13 @@ class Program final : public DescriptorLink {
       end_child();
       return core::fail(core::ErrorCode::Failed, "cannot read the error lines of " + name() + ": " + error.what());
     }
-    attach({.in = child_->take_output(), .out = child_->take_input(), .end = child_->watch(), .out_is_socket = true});
+    core::Descriptor end = child_->watch();
+    if (end.get() < 0) {
+      const int error = errno;
+      end_child();
+      return core::fail_errno(error, "cannot watch the " + name());
+    }
+    attach({.in = child_->take_output(), .out = child_->take_input(), .end = std::move(end), .out_is_socket = true});
     return {};
   }
 
@@ -52,7 +58,8 @@ class Program final : public DescriptorLink {
 
   std::string why_lost() const override {
     const std::lock_guard lock(mutex_);
-    return lost() && child_ ? explain() : why_lost_;
+    if (lost() && child_ && why_lost_.empty()) why_lost_ = explain();
+    return why_lost_;
   }
 
   bool restarts_the_board() const noexcept override { return true; }
@@ -67,7 +74,7 @@ class Program final : public DescriptorLink {
 
   void keep_why_lost() noexcept {
     try {
-      if (lost() && child_) why_lost_ = explain();
+      if (lost() && child_ && why_lost_.empty()) why_lost_ = explain();
     } catch (const std::exception&) {  // no memory for a message: the link closes without one
     }
   }
@@ -82,7 +89,7 @@ class Program final : public DescriptorLink {
   mutable std::mutex mutex_;  ///< Protects what follows; `read` and `write` do not use it.
   std::optional<ChildProcess> child_;
   mutable std::optional<ErrorLines> errors_;
-  std::string why_lost_;
+  mutable std::string why_lost_;  ///< Made once: it waits for the last words.
 };
 
 }  // namespace

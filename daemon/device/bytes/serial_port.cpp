@@ -78,6 +78,13 @@ class SerialPort final : public DescriptorLink {
     if (is_open()) return {};
     const Target target = find_target();
     seen_ = identity_of(target.path);
+    if (target.path.empty() && !target.usb_serial.empty()) {
+      return core::fail(
+          ErrorCode::NotFound,
+          "cannot open " + name() + ": it has the USB serial number " + target.usb_serial + ", the address says serial=" + usb_serial_,
+          "plug in the right board, or correct serial; if this is the number that the board itself says, write the port as "
+          "its link of /dev/serial/by-id");
+    }
     if (target.path.empty()) {
       return core::fail(ErrorCode::NotFound,
                         "cannot open " + name() + ": it does not exist" +
@@ -91,7 +98,10 @@ class SerialPort final : public DescriptorLink {
       return core::fail(ErrorCode::InvalidArgument, shown + " is not a serial port", "write a port that dtsctl device list shows");
     if (::flock(tty.get(), LOCK_EX | LOCK_NB) != 0) return tl::make_unexpected(open_error(errno == EWOULDBLOCK ? EBUSY : errno, shown));
     if (::ioctl(tty.get(), TIOCEXCL) != 0) return tl::make_unexpected(open_error(errno, shown));
-    DTS_TRY(set_up(tty.get(), shown));
+    if (auto ready = set_up(tty.get(), shown); !ready) {
+      static_cast<void>(::ioctl(tty.get(), TIOCNXCL));
+      return ready;
+    }
     {
       const std::lock_guard lock(facts_mutex_);
       facts_ = {.nodes = {real_path(target.path)}, .serial = target.usb_serial};
@@ -102,6 +112,7 @@ class SerialPort final : public DescriptorLink {
 
   void close() noexcept override {
     if (!is_open()) return;
+    discard_waiting_bytes(in());  // else the system waits up to 30 s for a board that takes no bytes
     // The kernel keeps the flag as long as a pseudo-terminal exists: the next program could not open it.
     static_cast<void>(::ioctl(in(), TIOCNXCL));
     detach();
@@ -112,7 +123,7 @@ class SerialPort final : public DescriptorLink {
   bool has_arrived() noexcept override {
     std::optional<NodeIdentity> found;
     try {
-      found = identity_of(find_target().path);
+      found = identity_of(usb_serial_.empty() ? path_ : find_target().path);
     } catch (const std::exception&) {  // no memory: the next call looks again
       return false;
     }
@@ -137,8 +148,8 @@ class SerialPort final : public DescriptorLink {
 
  private:
   struct Target {
-    std::string path;  ///< Empty: there is none.
-    std::string usb_serial;
+    std::string path;        ///< Empty: there is none.
+    std::string usb_serial;  ///< With an empty path: the number of the other unit that is at `path_`.
   };
 
   static std::string real_path(const std::string& path) {
@@ -147,7 +158,8 @@ class SerialPort final : public DescriptorLink {
     return error ? path : real.string();
   }
 
-  /// Finds the port to open: `path_`, unless another port has the wanted USB serial number and `path_` has not.
+  /// Finds the port to open: one with the wanted USB serial number; else `path_`, because the number may be the board's own. But never a
+  /// kernel name (ttyACM0) whose unit has another number: after a replug it may belong to another rig, and opening it resets the board.
   Target find_target() const {
     const bool exists = identity_of(path_).has_value();
     const std::vector<UsbTty> ttys = usb_ttys(sysfs_root_);
@@ -156,7 +168,9 @@ class SerialPort final : public DescriptorLink {
     const Target at_path{.path = exists ? path_ : std::string{}, .usb_serial = exists && own != ttys.end() ? own->serial : std::string{}};
     if (usb_serial_.empty() || at_path.usb_serial == usb_serial_) return at_path;
     const auto wanted = std::ranges::find(ttys, usb_serial_, &UsbTty::serial);
-    return wanted == ttys.end() ? at_path : Target{.path = sysfs_root_ + wanted->node(), .usb_serial = wanted->serial};
+    if (wanted != ttys.end()) return {.path = sysfs_root_ + wanted->node(), .usb_serial = wanted->serial};
+    const bool is_fixed = path_.find("/dev/serial/by-id/") != std::string::npos;  // the link's name has the unit's number
+    return is_fixed || at_path.usb_serial.empty() ? at_path : Target{.path = {}, .usb_serial = at_path.usb_serial};
   }
 
   core::Status set_up(int tty, const std::string& shown) const {

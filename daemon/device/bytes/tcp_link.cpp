@@ -35,13 +35,24 @@ struct FreeAddresses {
   void operator()(addrinfo* list) const noexcept { ::freeaddrinfo(list); }
 };
 
+/// Reads an address in digits. Returns 0 or an EAI_ number. Asks no name server: the answer may take longer than a rig may be silent.
+int find_address(const std::string& host, const std::string& port, addrinfo*& list) noexcept {
+  addrinfo wanted{};
+  wanted.ai_family = AF_UNSPEC;
+  wanted.ai_socktype = SOCK_STREAM;
+  wanted.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV;
+  return ::getaddrinfo(host.c_str(), port.c_str(), &wanted, &list);
+}
+
 core::Error connect_error(int system_errno, const std::string& name) {
   const std::string what = "cannot connect to " + name + ": ";
   switch (system_errno) {
     case EAFNOSUPPORT:
     case EPERM:
     case EACCES: return {ErrorCode::NotAllowed, what + "the system forbids it (" + std::strerror(system_errno) + ")", kNetworkHint};
-    case ETIMEDOUT: return {ErrorCode::NotFound, what + "no answer within 3 s", "check that the board has power and this address"};
+    case ETIMEDOUT:
+      return {ErrorCode::NotFound, what + "no answer within 3 s",
+              std::string("check that the board has power and this address; if dtsd is a service: ") + kNetworkHint};
     case ECONNREFUSED:
       return {ErrorCode::NotFound, what + "nothing listens at this port", "check the port, and that the board's program runs"};
     default: return {ErrorCode::NotFound, what + std::strerror(system_errno), "check the address and the network"};
@@ -81,22 +92,15 @@ class TcpLink final : public DescriptorLink {
 
   core::Status open() override {
     if (is_open()) return {};
-    addrinfo wanted{};
-    wanted.ai_family = AF_UNSPEC;
-    wanted.ai_socktype = SOCK_STREAM;
-    wanted.ai_flags = AI_NUMERICSERV;
     addrinfo* list = nullptr;
-    if (const int error = ::getaddrinfo(host_.c_str(), port_.c_str(), &wanted, &list); error != 0) {
-      return core::fail(ErrorCode::NotFound, "cannot find the address of \"" + host_ + "\": " + ::gai_strerror(error),
-                        "check the name, or write the address in digits");
+    if (const int error = find_address(host_, port_, list); error != 0) {
+      return core::fail(ErrorCode::InvalidArgument, "cannot use the address \"" + host_ + "\": " + ::gai_strerror(error),
+                        "write the address of the board in digits");
     }
-    const std::unique_ptr<addrinfo, FreeAddresses> addresses(list);
-    const std::int64_t deadline_ns = clock().now_ns() + kConnectLimitNs;
-    int error = ETIMEDOUT;
-    for (const addrinfo* address = list; address != nullptr; address = address->ai_next) {
-      core::Descriptor socket(::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-      error = socket.get() < 0 ? errno : try_address(socket.get(), *address, deadline_ns);
-      if (error != 0) continue;
+    const std::unique_ptr<addrinfo, FreeAddresses> address(list);
+    core::Descriptor socket(::socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+    const int error = socket.get() < 0 ? errno : try_address(socket.get(), *address, clock().now_ns() + kConnectLimitNs);
+    if (error == 0) {
       set_up_socket(socket.get());
       attach({.in = std::move(socket), .out_is_socket = true});
       return {};
@@ -145,7 +149,11 @@ core::Result<HostPort> split_host_port(std::string_view text) {
     return refuse("an IPv6 address needs brackets");
   }
   if (host.empty()) return refuse("has no host");
-  found.host = host;
+  found.host = host == "localhost" ? "127.0.0.1" : host;
+  addrinfo* list = nullptr;
+  const int unreadable = find_address(found.host, std::string(digits), list);
+  const std::unique_ptr<addrinfo, FreeAddresses> address(list);
+  if (unreadable != 0) return refuse(("\"" + found.host + "\" is neither an address in digits nor localhost").c_str());
   return found;
 }
 

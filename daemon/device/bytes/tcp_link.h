@@ -13,14 +13,14 @@
 namespace dts::device::bytes {
 
 struct HostPort {
-  std::string host;  ///< Name or address, without brackets.
+  std::string host;  ///< Address in digits, without brackets.
   std::uint16_t port = 0;
 };
 
-/// Parses "HOST:PORT" or "[IPv6]:PORT". Fails with InvalidArgument.
+/// Parses "ADDRESS:PORT" or "[IPv6]:PORT". Fails with InvalidArgument, also for a name: finding its address may take a minute.
 [[nodiscard]] core::Result<HostPort> split_host_port(std::string_view text);
 
-/// Creates a closed link to a board that listens at a TCP port. `open` connects within 3 s; finding the address of a name may take longer.
+/// Creates a closed link to a board that listens at a TCP port. `open` connects within 3 s. `host`: address in digits.
 /// A board that vanishes without a word counts as lost after 10 s. `clock` must outlive the link.
 [[nodiscard]] std::unique_ptr<ByteLink> connect_tcp(std::string host, std::uint16_t port, core::Clock& clock);
 

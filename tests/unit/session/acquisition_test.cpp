@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/utf8.h"
 #include "scripted_device.h"
 
 namespace dts::session {
@@ -119,6 +120,20 @@ TEST(Acquisition, DeviceThatIsBackAtOnce_TheGapKeepsWhyItWasGone_TheNextGapDoesN
   EXPECT_EQ(first, "the program x ended with exit status 3");
   EXPECT_EQ(run.acquisition.report().last_gap.reason, core::GapReason::Overrun);
   EXPECT_EQ(run.acquisition.report().gap_text(), "");
+}
+
+TEST(Acquisition, DeviceGoneAgainBeforeItsFirstScan_TheGapKeepsTheFirstReason) {
+  const ScriptedDevice::Step gone{.outcome = ReadOutcome::Gone};
+  Live run({{.scans = 1}, gone, gone, gone, {.scans = 1}});  // the first retry is at once
+  run.device.reason = "the program x ended with exit status 3";
+  run.device.on_arrival_question = [&] {
+    run.device.reason = "the program x cannot start";
+    return true;
+  };
+  run.device.on_end = [&] { run.acquisition.request_stop(); };
+  run.acquisition.run();
+  EXPECT_EQ(run.acquisition.report().losses.total().gaps, 1U);
+  EXPECT_EQ(run.acquisition.report().gap_text(), "the program x ended with exit status 3");
 }
 
 TEST(Acquisition, DeviceAbsentAtStart_IsTriedAgainAndIsNoGap) {
@@ -291,6 +306,17 @@ TEST(AcquisitionReport, LongMessage_IsCutNotOverrun) {
   report.set_message(std::string(1000, 'x'));
 
   EXPECT_EQ(report.text().size(), 511U);
+}
+
+TEST(AcquisitionReport, LongMessage_IsNotCutInsideACharacter) {
+  std::string text;
+  for (int i = 0; i < 300; ++i) text += "\u00e9\u20ac\U0001F600";  // 2, 3 and 4 bytes
+  for (std::size_t before = 0; before < 9; ++before) {
+    AcquisitionReport report;
+    report.set_message(std::string(before, 'x') + text);
+    EXPECT_TRUE(core::is_utf8(report.text())) << before;
+    EXPECT_GE(report.text().size(), 508U);
+  }
 }
 
 }  // namespace

@@ -48,6 +48,13 @@ class Pty {
     }
     return text;
   }
+  /// Returns how many bytes of dtsd can be read before the end; dtsd has closed its side.
+  [[nodiscard]] std::size_t waiting() const {
+    std::array<char, 4096> part{};
+    std::size_t count = 0;
+    for (ssize_t read = 0; (read = ::read(master_->get(), part.data(), part.size())) > 0;) count += static_cast<std::size_t>(read);
+    return count;
+  }
   void unplug() { master_.reset(); }
 
  private:

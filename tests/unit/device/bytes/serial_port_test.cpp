@@ -21,6 +21,7 @@ namespace dts::device::bytes {
 namespace {
 
 using core::ErrorCode;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -222,6 +223,40 @@ TEST_F(SerialPortTest, SerialNumberFindsThePortUnderAnotherName) {
   EXPECT_TRUE(link->has_arrived());
   ASSERT_TRUE(link->open().has_value());
   EXPECT_THAT(link->facts().nodes, ElementsAre(again.path()));
+}
+
+TEST_F(SerialPortTest, OtherUnitAtTheName_IsNotOpened_ButItsByIdLinkIs) {
+  const std::string node = folder.path() + "/nodes/ttyACM0";
+  std::filesystem::create_directories(folder.path() + "/nodes");
+  std::ofstream(node) << "no tty";  // an open port is refused as no serial port
+  plug("ttyACM0", "OTHER", node);
+  auto link = create_serial_port(folder.path() + "/dev/ttyACM0", "758301", kBaud, clock, folder.path());
+  EXPECT_FALSE(link->has_arrived());
+  const auto refused = link->open();
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, ErrorCode::NotFound);
+  EXPECT_THAT(refused.error().what, AllOf(HasSubstr("has the USB serial number OTHER"), HasSubstr("serial=758301")));
+  EXPECT_THAT(refused.error().hint, HasSubstr("/dev/serial/by-id"));
+
+  const std::string by_id = folder.path() + "/dev/serial/by-id";
+  std::filesystem::create_directories(by_id);
+  std::filesystem::create_symlink("../../ttyACM0", by_id + "/usb-OTHER-if00");
+  const auto tried = create_serial_port(by_id + "/usb-OTHER-if00", "758301", kBaud, clock, folder.path())->open();
+  ASSERT_FALSE(tried.has_value());
+  EXPECT_THAT(tried.error().what, HasSubstr("is not a serial port"));
+
+  std::ofstream(folder.path() + "/sys/devices/usb/ttyACM0/serial") << '\n';
+  const auto unknown = link->open();
+  ASSERT_FALSE(unknown.has_value());
+  EXPECT_THAT(unknown.error().what, HasSubstr("is not a serial port")) << "an adapter without a number: the board says who it is";
+}
+
+TEST_F(SerialPortTest, BoardThatTakesNoBytes_CloseDiscardsThem) {
+  auto link = opened();
+  constexpr std::size_t kAll = 1'000'000;
+  ASSERT_FALSE(link->write(as_bytes(std::string(kAll, 'x'))).has_value());
+  link->close();
+  EXPECT_LT(pty.waiting(), 8192U) << "only what the other end had taken: its line discipline holds 4 KiB";
 }
 
 TEST_F(SerialPortTest, UnknownSerialNumber_UsesThePath_ForItMayBeTheBoardsOwn) {

@@ -43,7 +43,8 @@ TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Address,
-                         testing::Values("no_device", "without_usb", "mcc", "pair", "labjack", "ni", "board", "replay", "floor", "chair", "stack"),
+                         testing::Values("no_device", "without_usb", "mcc", "pair", "labjack", "ni", "board", "replay", "floor", "chair",
+                                         "stack"),
                          [](const auto& file) { return std::string(file.param); });
 
 }  // namespace

@@ -124,9 +124,11 @@ core::Result<std::unique_ptr<Store>> Store::open(const std::string& folder) {
   DTS_TRY_ASSIGN(auto database, record::Database::open(folder + "/sent.sqlite"));
   std::unique_ptr<Store> store(new Store(std::move(database)));
   // Reads the version without a transaction: `dts-forward status` must not wait for the writes of the running service.
-  DTS_TRY_ASSIGN(const bool is_made, store->guarded([&store] { return store->database_.number("PRAGMA user_version") == kVersion; }));
+  const auto has_tables = [&store] { return store->database_.number("PRAGMA user_version") == kVersion; };
+  DTS_TRY_ASSIGN(const bool is_made, store->guarded(has_tables));
   if (!is_made) {
-    DTS_TRY(store->guarded([&store] {
+    DTS_TRY(store->guarded([&] {
+      if (has_tables()) return;  // another process has just made them
       const record::Database& opened = store->database_;
       opened.execute("DROP TABLE IF EXISTS session; DROP TABLE IF EXISTS file; DROP TABLE IF EXISTS word;");
       opened.execute(kSchema);

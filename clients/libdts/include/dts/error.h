@@ -50,7 +50,7 @@ using Result = tl::expected<T, Error>;
   return tl::make_unexpected(Error{code, std::move(what), std::move(hint)});
 }
 
-/// Returns the version of this library, "0.1.0"; equal to the daemon's version if both are from the same build. Thread: any.
+/// Returns the version of this library, "0.2.0"; equal to the daemon's version if both are from the same build. Thread: any.
 [[nodiscard]] DTS_API std::string_view version() noexcept;
 
 }  // namespace dts::client

@@ -13,6 +13,7 @@
 
 #include "board/fd_board.h"
 #include "device/registry.h"
+#include "support/sanitized.h"
 #include "unit/device/board/board_rig.h"
 
 namespace dts::device::board::test {
@@ -135,6 +136,7 @@ TEST(RealBoard, AtATcpPort_Streams) {
 }
 
 TEST(RealBoard, AProgram_Streams) {
+  if (dts::test::kIsSanitized) GTEST_SKIP() << "a sanitizer needs more memory than a program of exec: may have";
   RealRig rig(std::string("exec:") + DTS_FAKE_BOARD + "?channels=4");
   rig.start(1000.0);
   rig.read_scans(300);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scans from the interrupt of the converter to the main loop, and the exact number of those that found no room.
+// Scans from the interrupt of the converter to the main loop, and the exact number of lost scans: the queue was full.
 #pragma once
 
 #include <stdint.h>

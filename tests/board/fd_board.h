@@ -12,8 +12,8 @@
 
 namespace dts::test {
 
-/// Runs a fake board in real time on a descriptor, until it is told to stop or the other end closes.
-/// Returns when `must_stop` is set, or when the descriptor cannot be read. `board` and `damage` are used under `mutex`.
+/// Runs a fake board in real time on a descriptor. Returns when `must_stop` is set, or when the descriptor cannot be read.
+/// `board` and `damage` are used under `mutex`.
 void run_board(FakeBoard& board, int read_fd, int write_fd, Damage& damage, std::mutex& mutex, const std::atomic<bool>& must_stop);
 
 /// A fake board at a pseudo-terminal, which can be unplugged.

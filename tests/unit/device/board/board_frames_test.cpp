@@ -611,7 +611,7 @@ TEST(BoardFrames, TailBeforeAButton_IsToldByItsLostFrameOnce) {
   ASSERT_EQ(pause.outcome, ReadOutcome::Gap);
   EXPECT_FALSE(pause.gap.is_exact);
   const double pause_ms = static_cast<double>(rig.board->run_start_ns() - stop_ns) * 1e-6;
-  EXPECT_NEAR(static_cast<double>(pause.gap.missing_scans), pause_ms, 7.0) << "the tail is not told again";
+  EXPECT_NEAR(static_cast<double>(pause.gap.missing_scans), pause_ms, 7.0) << "the tail is not reported twice";
   EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
   rig.expect_nothing_hidden();
 }

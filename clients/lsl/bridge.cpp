@@ -7,6 +7,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <variant>
@@ -47,7 +48,8 @@ class Bridge {
         clock_(clock),
         log_(log),
         outlets_(
-            settings, lsl, [this] { return control_.devices(); }, clock, log) {
+            settings, lsl, [this] { return control_.devices(); }, clock, log),
+        sessions_(settings.rigs) {
     if (settings.lab_recorder) lab_recorder_ = std::make_unique<LabRecorder>(*settings.lab_recorder, log);
   }
 
@@ -117,7 +119,7 @@ core::Status open_inbound(const Settings& settings, const client::Endpoints& end
                           Inbound& inbound) {
   if (settings.markers_from.empty()) return {};
   DTS_TRY_ASSIGN(inbound.marks, SessionMarks::open(endpoints.control, settings.markers_rig, log));
-  const auto handle = [&inbound](const ReceivedMarker& marker) { inbound.marks->set(marker); };
+  const auto handle = [&inbound](const ReceivedMarker& marker, const std::stop_token& stop) { inbound.marks->set(marker, stop); };
   DTS_TRY_ASSIGN(inbound.inlets, MarkerInlets::start(lsl, settings.markers_from, handle, log));
   return {};
 }

@@ -15,6 +15,7 @@ using Json = nlohmann::ordered_json;
 std::string event_text(const v1::Event& event) {
   v1::Event offered = event;
   offered.clear_instance_id();
+  if (offered.has_device()) offered.mutable_device()->clear_uri();  // may be a command line
   if (offered.has_session()) {
     offered.mutable_session()->clear_subject();
     offered.mutable_session()->clear_label();

@@ -13,7 +13,6 @@
 #include <chrono>
 #include <memory>
 #include <utility>
-#include <vector>
 
 #include "core/descriptor.h"
 #include "core/thread.h"
@@ -24,7 +23,9 @@ namespace {
 using core::ErrorCode;
 using std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kAnswerLimit{1000};  // for the connection and for each answer
+constexpr std::chrono::milliseconds kConnectionLimit{1000};
+constexpr std::chrono::seconds kAnswerLimit{10};  // LabRecorder looks for streams for more than 1 s before it confirms "update" and "start"
+constexpr std::chrono::milliseconds kStopCheck{100};
 constexpr std::chrono::seconds kRetry{5};
 constexpr const char* kHint = "start LabRecorder, and tick RCS in its window (the port is beside it)";
 
@@ -49,7 +50,7 @@ core::Descriptor connect_to(const addrinfo& address, int& error) {
   error = errno;
   if (error != EINPROGRESS) return core::Descriptor(-1);
   error = ETIMEDOUT;
-  if (!wait_until(socket.get(), POLLOUT, steady_clock::now() + kAnswerLimit)) return core::Descriptor(-1);
+  if (!wait_until(socket.get(), POLLOUT, steady_clock::now() + kConnectionLimit)) return core::Descriptor(-1);
   socklen_t size = sizeof error;
   if (::getsockopt(socket.get(), SOL_SOCKET, SO_ERROR, &error, &size) != 0 || error != 0) return core::Descriptor(-1);
   return socket;
@@ -73,8 +74,16 @@ core::Result<core::Descriptor> connect_to(const std::string& host, std::uint16_t
   return core::fail_errno(error, "LabRecorder does not answer at " + place, kHint);
 }
 
+/// Waits for input until the deadline or the stop.
+bool wait_for_input(int descriptor, steady_clock::time_point deadline, const std::stop_token& stop) {
+  while (!stop.stop_requested() && steady_clock::now() < deadline) {
+    if (wait_until(descriptor, POLLIN, std::min(deadline, steady_clock::now() + kStopCheck))) return true;
+  }
+  return false;
+}
+
 /// Sends one command and waits for its "OK": old versions read only one line at a time.
-core::Status command(const core::Descriptor& socket, const std::string& line) {
+core::Status command(const core::Descriptor& socket, const std::string& line, const std::stop_token& stop) {
   const std::string bytes = line + "\n";
   if (::send(socket.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(bytes.size())) {
     return core::fail_errno(errno, "LabRecorder did not accept the command '" + line + "'", kHint);
@@ -83,7 +92,7 @@ core::Status command(const core::Descriptor& socket, const std::string& line) {
   std::array<char, 64> received{};
   const auto deadline = steady_clock::now() + kAnswerLimit;
   while (answer.find("OK") == std::string::npos) {
-    if (!wait_until(socket.get(), POLLIN, deadline)) {
+    if (!wait_for_input(socket.get(), deadline, stop)) {
       return core::fail(ErrorCode::Timeout, "LabRecorder did not confirm the command '" + line + "'", "look at LabRecorder's window");
     }
     const ssize_t count = ::recv(socket.get(), received.data(), received.size(), 0);
@@ -92,12 +101,6 @@ core::Status command(const core::Descriptor& socket, const std::string& line) {
     }
     answer.append(received.data(), static_cast<std::size_t>(count));
   }
-  return {};
-}
-
-core::Status commands(const LabRecorderSettings& settings, const std::vector<std::string>& lines) {
-  DTS_TRY_ASSIGN(const core::Descriptor socket, connect_to(settings.host, settings.port));
-  for (const std::string& line : lines) DTS_TRY(command(socket, line));
   return {};
 }
 
@@ -124,39 +127,48 @@ void LabRecorder::run(const std::stop_token& stop) {
     std::string wanted;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, stop, [this] { return wanted_ != recorded_; });
+      changed_.wait(lock, stop, [this] { return !is_settled(); });
       wanted = wanted_;
     }
     if (stop.stop_requested()) break;
-    switch_to(wanted);
+    switch_to(wanted, stop);
     std::unique_lock lock(mutex_);
-    if (wanted != recorded_) changed_.wait_for(lock, stop, kRetry, [this, &wanted] { return wanted_ != wanted; });
+    if (!is_settled()) changed_.wait_for(lock, stop, kRetry, [this, &wanted] { return wanted_ != wanted; });
   }
-  if (!recorded_.empty()) switch_to({});
+  if (!asked_.empty()) switch_to({}, {});
 }
 
-/// Brings LabRecorder from the recorded session to the wanted one. After a failure, `recorded_` shows how far it has come.
-void LabRecorder::switch_to(const std::string& wanted) {
-  if (!recorded_.empty()) {
-    if (const auto stopped = stop_file(); !stopped) return report(stopped.error());
-    log_.info("LabRecorder has stopped its file of session " + recorded_);
+/// Brings LabRecorder from the recorded session to the wanted one. After a failure, `asked_` and `recorded_` show how far it
+/// has come.
+void LabRecorder::switch_to(const std::string& wanted, const std::stop_token& stop) {
+  if (!asked_.empty()) {
+    if (const auto stopped = stop_file(stop); !stopped) return report(stopped.error());
+    log_.info("LabRecorder has stopped its file of session " + asked_);
+    asked_.clear();
     recorded_.clear();
   }
   if (!wanted.empty()) {
-    if (const auto started = start_file(wanted); !started) return report(started.error());
+    if (const auto started = start_file(wanted, stop); !started) return report(started.error());
     log_.info("LabRecorder records session " + wanted);
     recorded_ = wanted;
   }
   is_failure_logged_ = false;
 }
 
-core::Status LabRecorder::start_file(const std::string& session_id) {
+core::Status LabRecorder::start_file(const std::string& session_id, const std::stop_token& stop) {
   const std::string root = settings_.folder.empty() ? "" : "{root:" + settings_.folder + "} ";
+  DTS_TRY_ASSIGN(const core::Descriptor socket, connect_to(settings_.host, settings_.port));
   // "start" selects all streams that LabRecorder has found, so it must look for new ones first.
-  return commands(settings_, {"update", "filename " + root + "{template:dtsd_" + session_id + ".xdf}", "start"});
+  DTS_TRY(command(socket, "update", stop));
+  DTS_TRY(command(socket, "filename " + root + "{template:dtsd_" + session_id + ".xdf}", stop));
+  asked_ = session_id;  // before "start": without its confirmation, LabRecorder may record nevertheless
+  return command(socket, "start", stop);
 }
 
-core::Status LabRecorder::stop_file() { return commands(settings_, {"stop"}); }
+core::Status LabRecorder::stop_file(const std::stop_token& stop) {
+  DTS_TRY_ASSIGN(const core::Descriptor socket, connect_to(settings_.host, settings_.port));
+  return command(socket, "stop", stop);
+}
 
 void LabRecorder::report(const core::Error& error) {
   if (!std::exchange(is_failure_logged_, true)) log_.warning(core::to_string(error) + "; dts-lsl retries every 5 s");

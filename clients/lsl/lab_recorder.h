@@ -29,9 +29,10 @@ class LabRecorder {
 
  private:
   void run(const std::stop_token& stop);
-  [[nodiscard]] core::Status start_file(const std::string& session_id);
-  [[nodiscard]] core::Status stop_file();
-  void switch_to(const std::string& wanted);
+  [[nodiscard]] bool is_settled() const { return wanted_ == recorded_ && wanted_ == asked_; }
+  [[nodiscard]] core::Status start_file(const std::string& session_id, const std::stop_token& stop);
+  [[nodiscard]] core::Status stop_file(const std::stop_token& stop);
+  void switch_to(const std::string& wanted, const std::stop_token& stop);
   void report(const core::Error& error);
 
   LabRecorderSettings settings_;
@@ -39,7 +40,8 @@ class LabRecorder {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::string wanted_;    ///< Guarded by `mutex_`.
-  std::string recorded_;  ///< Thread: its own, as the next.
+  std::string asked_;     ///< Session of the last "start" without a confirmed "stop". Thread: its own, as the next.
+  std::string recorded_;  ///< The same, after "start" was confirmed.
   bool is_failure_logged_ = false;
   std::jthread thread_;
 };

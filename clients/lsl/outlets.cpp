@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "lsl/event_text.h"
+#include "lsl/hash_text.h"
 
 namespace dts::lsl {
 namespace {
@@ -45,10 +46,12 @@ bool Outlets::is_wanted(const client::Block& block) const {
 }
 
 /// The serial number makes the ID the same after a restart and on another machine. A device without one is known by machine and address;
-/// so is a simulated one, because every machine has the same.
+/// so is a simulated one, because every machine has the same. A command line or a file name is private: its hash stands for it.
 std::string Outlets::source_id(const std::string& name, const Device& device) const {
   const bool has_own_number = !device.serial.empty() && !device.uri.starts_with("sim:") && !device.uri.starts_with("replay:");
-  const std::string origin = has_own_number ? device.serial : host_ + "/" + device.uri;
+  const bool is_private = device.uri.starts_with("exec:") || device.uri.starts_with("replay:");
+  const std::string address = is_private ? device.uri.substr(0, device.uri.find(':') + 1) + hash_text(device.uri) : device.uri;
+  const std::string origin = has_own_number ? device.serial : host_ + "/" + address;
   return kSourceIdPrefix + name + "/" + origin;
 }
 

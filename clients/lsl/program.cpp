@@ -20,6 +20,12 @@ int offer_streams(const std::string& file, cli::Console& console) {
   if (!problems.empty()) return cli::kUsage;
   const auto endpoints = client::find_endpoints(settings.daemon);
   if (!endpoints) return cli::fail_with(console, endpoints.error());
+  if (!endpoints->control.starts_with("ipc://") || !endpoints->data.starts_with("ipc://")) {
+    return cli::fail_with(console, core::Error{core::ErrorCode::InvalidArgument,
+                                               "dts-lsl runs on the daemon's machine, and the addresses of " + endpoints->origin +
+                                                   " are not both local sockets",
+                                               "set addresses that begin with ipc://, or none"});
+  }
   core::block_signals({SIGTERM, SIGINT});
   core::raise_descriptor_limit();
   const auto lsl = Liblsl::load(settings.library);

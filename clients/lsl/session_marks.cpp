@@ -14,15 +14,15 @@ core::Result<SessionMarks> SessionMarks::open(const std::string& control_endpoin
   return SessionMarks(std::move(*control), std::move(rig), std::move(log));
 }
 
-void SessionMarks::set(const ReceivedMarker& marker) {
+void SessionMarks::set(const ReceivedMarker& marker, const std::stop_token& stop) {
   v1::Request request;
   request.set_request_id(request_id(marker));
   request.set_on_behalf_of("lsl");  // the audit trail then has "local:lsl"
   request.mutable_mark()->set_text(marker.text);
   request.mutable_mark()->set_rig(rig_);
   request.mutable_mark()->set_host_time_ns(marker.host_time_ns);
-  const auto answer = control_.forward(request);
-  if (answer || !reports_.take(std::chrono::steady_clock::now())) return;
+  const auto answer = control_.forward(request, stop);
+  if (answer || stop.stop_requested() || !reports_.take(std::chrono::steady_clock::now())) return;
   const client::Error& error = answer.error();
   log_.warning("a marker of the LSL stream " + marker.stream_name + " is not in the session: " + error.what +
                (error.hint.empty() ? "" : " (" + error.hint + ")"));

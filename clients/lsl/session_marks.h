@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <stop_token>
 #include <string>
 
 #include "core/log.h"
@@ -17,8 +18,8 @@ class SessionMarks {
   /// `rig`: gets the markers; empty: every rig.
   [[nodiscard]] static core::Result<SessionMarks> open(const std::string& control_endpoint, std::string rig, core::Log log);
 
-  /// Waits for dtsd's answer, at most 3 s. Tries several times; dtsd executes one of the tries.
-  void set(const ReceivedMarker& marker);
+  /// Waits for dtsd's answer, at most 3 s, or 0.1 s after a stop. Tries several times; dtsd executes one of the tries.
+  void set(const ReceivedMarker& marker, const std::stop_token& stop);
 
  private:
   SessionMarks(client::ControlClient control, std::string rig, core::Log log)

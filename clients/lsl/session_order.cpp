@@ -14,6 +14,7 @@ bool is_under_way(v1::SessionState state) {
 }  // namespace
 
 void SessionOrder::take(std::string_view rig, const v1::SessionChange& change) {
+  if (!rigs_.empty() && std::ranges::find(rigs_, rig) == rigs_.end()) return;
   if (is_under_way(change.state())) {
     of_rig_.insert_or_assign(std::string(rig), change.session_id());
     if (std::ranges::find(order_, change.session_id()) == order_.end()) order_.push_back(change.session_id());

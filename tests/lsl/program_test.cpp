@@ -31,6 +31,12 @@ TEST(LslProgram, WithoutLiblsl_SaysHowToGetIt) {
   EXPECT_THAT(other.err, HasSubstr("libm.so.6 has no function lsl_library_version"));
 }
 
+TEST(LslProgram, DaemonOnAnotherMachine_IsRejected) {
+  const Finished other = run_lsl({}, {"DTSD_CONTROL=tcp://192.168.1.2:5555", "DTSD_DATA=tcp://192.168.1.2:5556"});
+  EXPECT_EQ(other.status, 2);
+  EXPECT_THAT(other.err, AllOf(HasSubstr("DTSD_CONTROL"), HasSubstr("ipc://")));
+}
+
 TEST(LslProgram, WrongFile_IsNamedWithLineAndColumn) {
   const Finished wrong = run_with("[lsl]\nbuffer_s = 0\nmarker_from = \"name='x'\"\n[daemon]\ndata = \"tcp://192.168.1.2:5555\"\n");
   EXPECT_EQ(wrong.status, 2);

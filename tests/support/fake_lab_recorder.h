@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <stop_token>
 #include <string>
@@ -18,7 +19,8 @@
 
 namespace dts::test {
 
-/// Accepts connections as LabRecorder's remote control, answers each line with OK, and keeps the lines.
+/// Accepts connections as LabRecorder's remote control, answers each line with OK, and keeps the lines. Like LabRecorder, it looks for
+/// streams for more than a second before it answers "update" and "start".
 class FakeLabRecorder {
  public:
   FakeLabRecorder() : listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
@@ -50,6 +52,10 @@ class FakeLabRecorder {
     pollfd item{.fd = descriptor, .events = POLLIN, .revents = 0};
     return ::poll(&item, 1, 50) > 0;
   }
+  void keep(std::string line) {
+    const std::lock_guard lock(mutex_);
+    lines_.push_back(std::move(line));
+  }
   void serve(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
       if (!has_input(listener_)) continue;
@@ -63,8 +69,9 @@ class FakeLabRecorder {
           line += letter;
           continue;
         }
-        const std::lock_guard lock(mutex_);
-        lines_.push_back(std::exchange(line, {}));
+        const bool is_slow = line == "update" || line == "start";
+        keep(std::exchange(line, {}));
+        if (is_slow) std::this_thread::sleep_for(std::chrono::milliseconds(1200));
         if (answers_) static_cast<void>(::send(peer, "OK", 2, MSG_NOSIGNAL));
       }
       ::close(peer);

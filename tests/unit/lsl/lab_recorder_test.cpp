@@ -67,6 +67,16 @@ TEST_F(LabRecorderTest, Destructor_StopsTheFileUnderWay) {
   EXPECT_EQ(fake_.lines().back(), "stop");
 }
 
+TEST_F(LabRecorderTest, SessionThatEndsBeforeStartIsConfirmed_IsStopped) {
+  LabRecorder recorder(settings(), log_);
+  recorder.follow("a");
+  ASSERT_TRUE(has_lines(3));
+  fake_.fall_silent();
+  recorder.follow("");
+  ASSERT_TRUE(has_lines(4));
+  EXPECT_THAT(fake_.lines(), ElementsAre("update", "filename {template:dtsd_a.xdf}", "start", "stop"));
+}
+
 TEST_F(LabRecorderTest, WithoutASession_SaysNothing) {
   { LabRecorder recorder(settings(), log_); }
   EXPECT_THAT(fake_.lines(), IsEmpty());

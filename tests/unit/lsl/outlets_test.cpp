@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 
-/// What a library of LSL has been told.
+/// What dts-lsl has passed to the library.
 struct FakeStream {
   std::string name;
   std::string source_id;
@@ -205,6 +205,25 @@ TEST_F(OutletsTest, DeviceWithoutSerialNumber_IsKnownByMachineAndAddress) {
   outlets.take(client::Restart{});
   outlets.take(block());
   EXPECT_THAT(fake_library.of("floor/raw").source_id, testing::MatchesRegex("dtsd/floor/raw/.+/sim:floor.seed=7"));
+}
+
+TEST_F(OutletsTest, CommandLineOfADevice_IsNotShown) {
+  auto& device = *devices_.mutable_devices(0);
+  device.clear_serial();
+  device.set_uri("exec:/opt/daq --subject P017");
+  Outlets outlets = make();
+  outlets.take(status_);
+  outlets.take(block());
+  const std::string first = fake_library.of("floor/raw").source_id;
+  EXPECT_THAT(first, testing::MatchesRegex("dtsd/floor/raw/.+/exec:[0-9a-f]{8}"));
+  device.set_uri("exec:/opt/daq --subject P018");
+  v1::Event change;
+  change.mutable_device()->set_state(v1::DEVICE_STATE_STREAMING);
+  change.mutable_device()->set_uri(device.uri());
+  give(outlets, event_of(change, clock_.now_ns()), "device");
+  EXPECT_THAT(fake_library.of("floor/events").texts, ElementsAre(Not(HasSubstr("/opt/daq"))));
+  outlets.take(block());
+  EXPECT_NE(fake_library.of("floor/raw").source_id, first);
 }
 
 TEST_F(OutletsTest, StreamsAndRigsThatAreNotWanted_AreNotOffered) {

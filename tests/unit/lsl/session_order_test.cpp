@@ -38,6 +38,14 @@ TEST(SessionOrder, SessionOverTwoRigs_EndsWithTheLastOfThem) {
   EXPECT_EQ(order.first(), "");
 }
 
+TEST(SessionOrder, RigsThatAreNotWanted_DoNotCount) {
+  SessionOrder order({"chair"});
+  order.take("floor", change("a", v1::SESSION_STATE_RUNNING));
+  EXPECT_EQ(order.first(), "");
+  order.take("chair", change("b", v1::SESSION_STATE_RUNNING));
+  EXPECT_EQ(order.first(), "b");
+}
+
 TEST(SessionOrder, NextSessionOfARig_ReplacesAnEarlierOneWhoseEndWasMissed) {
   SessionOrder order;
   order.take("floor", change("a", v1::SESSION_STATE_RUNNING));

@@ -2,6 +2,7 @@
 #include "files/protocol_file.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -25,7 +26,8 @@ constexpr std::size_t kLongestWord = 32;
 constexpr std::size_t kLongestSentence = 200;
 constexpr std::size_t kLongestTitle = 64;  // of a protocol, a condition, the label of a field
 constexpr std::size_t kLongestUnit = 16;
-constexpr std::size_t kMostEntries = 32;  // fields, choices, conditions
+constexpr std::array<std::string_view, 1> kLanguages = {"de"};  // besides English
+constexpr std::size_t kMostEntries = 32;                        // fields, choices, conditions
 constexpr std::size_t kMostLabels = 8;
 constexpr std::int64_t kMostTrialsPerBlock = 200;
 constexpr std::int64_t kMostBlocks = 50;
@@ -81,6 +83,32 @@ std::vector<std::string> choices(TomlReader& reader) {
   return given;
 }
 
+/// Returns the texts in the languages besides English; `read` reads those of one language.
+template <class Read>
+std::vector<session::Translation> translations(TomlReader& reader, Read read) {
+  std::vector<session::Translation> all;
+  for (const std::string_view language : kLanguages) {
+    if (reader.node(language) == nullptr) continue;
+    TomlReader table = reader.table(language);
+    session::Translation translation{.language = std::string(language)};
+    read(table, translation);
+    table.finish();
+    all.push_back(std::move(translation));
+  }
+  return all;
+}
+
+void read_field_words(const ProtocolField& field, TomlReader& table, session::Translation& translation) {
+  translation.label = line(table, "label", kLongestTitle);
+  translation.unit = line(table, "unit", kLongestUnit);
+  translation.help = line(table, "help", kLongestSentence);
+  translation.choices = table.texts("choices", {});
+  const bool is_short = std::ranges::all_of(translation.choices, [](const std::string& one) { return one.size() <= kLongestTitle; });
+  if (!is_short || (!translation.choices.empty() && translation.choices.size() != field.choices.size())) {
+    table.report("choices", "choices must be as many as the field has, in the same order");
+  }
+}
+
 ProtocolField read_field(TomlReader& reader) {
   ProtocolField field;
   field.name = word(reader, "name", kFieldLetters);
@@ -104,6 +132,8 @@ ProtocolField read_field(TomlReader& reader) {
     field.maximum = reader.number("maximum", field.minimum, -kLargestNumber, kLargestNumber);
     if (field.maximum < field.minimum) reader.report("maximum", "maximum is less than minimum");
   }
+  field.translations =
+      translations(reader, [&field](TomlReader& table, session::Translation& translation) { read_field_words(field, table, translation); });
   reader.finish();
   return field;
 }
@@ -129,6 +159,8 @@ Condition read_condition(TomlReader& reader) {
   if (condition.is_maximum_reach && condition.target_percent) {
     reader.report("maximum_reach", "a target has maximum_reach or target_percent, not both");
   }
+  condition.translations = translations(
+      reader, [](TomlReader& table, session::Translation& translation) { translation.title = line(table, "title", kLongestTitle); });
   if (reader.node("labels") != nullptr) condition.labels = read_labels(reader.table("labels"));
   reader.finish();
   return condition;
@@ -233,6 +265,10 @@ Protocol read_protocol_text(const std::string& text, const std::string& name, Pr
   protocol.name = word(reader, "name", kNameLetters);
   protocol.title = line(reader, "title", kLongestTitle, protocol.name);
   protocol.sentence = line(reader, "sentence", kLongestSentence);
+  protocol.translations = translations(reader, [](TomlReader& table, session::Translation& translation) {
+    translation.title = line(table, "title", kLongestTitle);
+    translation.sentence = line(table, "sentence", kLongestSentence);
+  });
   if (reader.has("rig_kind")) protocol.rig_kind = reader.choice("rig_kind", {"floor", "chair"});
   read_fields(reader, protocol);
   if (reader.node("trials") != nullptr) {

@@ -101,6 +101,19 @@ void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<d
   }
 }
 
+static void add_translations(const std::vector<session::Translation>& all, google::protobuf::RepeatedPtrField<dts::v1::Translation>& out) {
+  for (const session::Translation& one : all) {
+    auto& translation = *out.Add();
+    translation.set_language(one.language);
+    translation.set_title(one.title);
+    translation.set_sentence(one.sentence);
+    translation.set_label(one.label);
+    translation.set_unit(one.unit);
+    translation.set_help(one.help);
+    for (const std::string& choice : one.choices) translation.add_choices(choice);
+  }
+}
+
 static void add_plan(const session::TrialPlan& plan, dts::v1::ProtocolInfo& out) {
   out.set_trials(session::planned_trials(plan));
   out.set_starts_by_itself(plan.starts_by_itself);
@@ -113,6 +126,7 @@ static void add_plan(const session::TrialPlan& plan, dts::v1::ProtocolInfo& out)
     if (plan.duration_s > 0.0) described.set_duration_s(plan.duration_s);
     if (condition.target_percent) described.set_target_percent(*condition.target_percent);
     described.set_is_maximum_reach(condition.is_maximum_reach);
+    add_translations(condition.translations, *described.mutable_translations());
   }
 }
 
@@ -121,6 +135,7 @@ dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
   out.set_name(protocol.name);
   out.set_title(protocol.title);
   out.set_sentence(protocol.sentence);
+  add_translations(protocol.translations, *out.mutable_translations());
   out.set_rig_kind(protocol.rig_kind);
   out.set_settle_s(protocol.settle_s);
   if (protocol.duration_s > 0.0) out.set_duration_s(protocol.duration_s);
@@ -141,6 +156,7 @@ dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
       described.set_maximum(field.maximum);
     }
     for (const std::string& choice : field.choices) described.add_choices(choice);
+    add_translations(field.translations, *described.mutable_translations());
   }
   return out;
 }

@@ -124,7 +124,11 @@ Protocol free_protocol() {
   Protocol protocol;
   protocol.title = "Free recording";
   protocol.sentence = "Records until it is stopped";
-  protocol.definition = "name = \"" + protocol.name + "\"\ntitle = \"" + protocol.title + "\"\nsentence = \"" + protocol.sentence + "\"\n";
+  protocol.translations = {
+      {.language = "de", .title = "Freie Aufzeichnung", .sentence = "Zeichnet auf, bis die Untersuchung beendet wird"}};
+  protocol.definition = "name = \"" + protocol.name + "\"\ntitle = \"" + protocol.title + "\"\nsentence = \"" + protocol.sentence + "\"\n" +
+                        "de = { title = \"" + protocol.translations.front().title + "\", sentence = \"" +
+                        protocol.translations.front().sentence + "\" }\n";
   return protocol;
 }
 

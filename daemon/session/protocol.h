@@ -11,6 +11,20 @@
 
 namespace dts::session {
 
+/// The texts of a protocol, condition or field in another language than English; what is empty has no translation.
+struct Translation {
+  std::string language;  ///< "de"
+  std::string title{};
+  std::string sentence{};
+  std::string label{};
+  std::string unit{};  ///< Only for a unit that is a word: "years".
+  std::string help{};
+  std::vector<std::string>
+      choices{};  ///< As many as the field has, in its order: what a form shows. The recorded value stays the English word.
+
+  friend bool operator==(const Translation&, const Translation&) = default;
+};
+
 /// A value that a protocol requests about the subject before the session starts (thesis Table 6.1): body measures, never names.
 struct ProtocolField {
   std::string name;     ///< "arm_length_cm": includes the unit.
@@ -21,6 +35,7 @@ struct ProtocolField {
   double minimum = 0.0;  ///< For a number.
   double maximum = 0.0;
   std::vector<std::string> choices{};  ///< If not empty, the value is one of these words and not a number.
+  std::vector<Translation> translations{};
 
   friend bool operator==(const ProtocolField&, const ProtocolField&) = default;
 };
@@ -32,6 +47,7 @@ struct Condition {
   std::vector<std::pair<std::string, std::string>> labels{};  ///< {"eyes", "open"}: part of every event of the trial.
   std::optional<double> target_percent;                       ///< In percent of the arm length.
   bool is_maximum_reach = false;                              ///< The target is at the subject's own maximum reach.
+  std::vector<Translation> translations{};
 
   friend bool operator==(const Condition&, const Condition&) = default;
 };
@@ -68,6 +84,7 @@ struct Protocol {
   double duration_s = 0.0;    ///< 0: until stopped.
   std::vector<ProtocolField> fields{};
   std::optional<TrialPlan> trials;
+  std::vector<Translation> translations{};
   std::string definition;  ///< The file's text, recorded with every session.
 
   friend bool operator==(const Protocol&, const Protocol&) = default;

@@ -32,6 +32,50 @@ TEST_F(ProtocolFiles, Shipped_AreAllGood) {
   EXPECT_EQ(told(), "");
 }
 
+/// Returns what a shipped protocol has in English but not in German: "romberg: title".
+std::vector<std::string> without_german(const session::Protocol& protocol) {
+  std::vector<std::string> missing;
+  const auto compare = [&](const std::string& where, const std::vector<session::Translation>& all, const session::Translation& english) {
+    const session::Translation german = all.size() == 1 ? all.front() : session::Translation{};
+    const auto check = [&](std::string_view key, bool is_missing) {
+      if (is_missing) missing.push_back(where + ": " + std::string(key));
+    };
+    check("language", german.language != "de");
+    check("title", german.title.empty() != english.title.empty());
+    check("sentence", german.sentence.empty() != english.sentence.empty());
+    check("label", german.label.empty() != english.label.empty());
+    check("unit", german.unit.empty() != (english.unit != "years"));  // the only unit that is a word
+    check("help", german.help.empty() != english.help.empty());
+    check("choices", german.choices.size() != english.choices.size());
+  };
+  compare(protocol.name, protocol.translations, {.language = "en", .title = protocol.title, .sentence = protocol.sentence});
+  for (const session::ProtocolField& field : protocol.fields) {
+    compare(protocol.name + ", " + field.name, field.translations,
+            {.language = "en", .label = field.label, .unit = field.unit, .help = field.help, .choices = field.choices});
+  }
+  if (!protocol.trials) return missing;
+  for (const session::Condition& condition : protocol.trials->conditions) {
+    compare(protocol.name + ", " + condition.name, condition.translations, {.language = "en", .title = condition.title});
+  }
+  return missing;
+}
+
+TEST_F(ProtocolFiles, Shipped_HaveEveryTextInGerman) {
+  for (const session::Protocol& protocol : read_protocols(kShipped, problems_)) EXPECT_THAT(without_german(protocol), ElementsAre());
+  EXPECT_THAT(without_german(session::free_protocol()), ElementsAre());
+  Problems problems;
+  EXPECT_EQ(read_protocol_text(session::free_protocol().definition, "free", problems).translations, session::free_protocol().translations);
+  EXPECT_EQ(text_of(problems), "");
+}
+
+TEST_F(ProtocolFiles, German_OfAnotherNumberOfChoicesOrUnknownKeysIsReported) {
+  read(
+      "name = \"p\"\nde = { label = \"x\" }\n[[field]]\nname = \"side\"\nlabel = \"Side\"\nchoices = [\"left\", \"right\"]\n"
+      "de = { choices = [\"links\"] }\n",
+      problems_);
+  EXPECT_THAT(told(), testing::AllOf(testing::HasSubstr("label"), testing::HasSubstr("choices must be as many as the field has")));
+}
+
 TEST_F(ProtocolFiles, QuietStanding_IsTheOneOfTheThesis) {
   const auto protocol = shipped("quiet-standing");
   ASSERT_TRUE(protocol.trials.has_value());

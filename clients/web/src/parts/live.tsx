@@ -7,6 +7,7 @@ import { useEffect } from 'preact/hooks';
 
 import type { Link } from '../link/types';
 import { strings } from '../strings';
+import { asSentence } from './names';
 import { clockTime, fixed, whole } from './numbers';
 
 /** Old data must be reported within 2 s. With four checks a second the report comes after at most 1.75 s; the rest is spare for a busy computer. */
@@ -35,7 +36,7 @@ const reasonOf = (link: Link, rig: string): string => {
   if (link.state.value === 'no-gateway' || link.state.value === 'connecting') return noGatewayHint;
   if (link.state.value === 'no-daemon') return noDaemonHint;
   const status = link.status.value?.rigs.find((one) => one.rig?.name === rig);
-  return status?.deviceMessage || strings.common.data.reasonRig;
+  return asSentence(status?.deviceMessage ?? '') || strings.common.data.reasonRig;
 };
 
 const ageText = (ageMs: number): string =>

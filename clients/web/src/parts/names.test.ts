@@ -3,7 +3,7 @@ import { create } from '@bufbuild/protobuf';
 import { beforeEach, expect, test, vi } from 'vitest';
 
 import { ProtocolInfoSchema, SessionRecordSchema } from '../generated/dts/v1/sessions_pb';
-import { asSentence, conditionName, isLabel, labelRule, protocolName, protocols, sessionTitle, targetName } from './names';
+import { choiceName, inLanguage, asSentence, conditionName, isLabel, labelRule, protocolName, protocols, sessionTitle, targetName } from './names';
 
 beforeEach(() => {
   protocols.value = [create(ProtocolInfoSchema, { name: 'romberg', title: "Romberg's test", conditions: [{ name: 'eyes-open', title: 'Eyes open, two feet' }, { name: '150', title: '150 % of arm length', targetPercent: 150 }] })];
@@ -67,4 +67,19 @@ test.each([
   labelRule.value = { hint: '', pattern };
 
   expect(isLabel(text)).toBe(expected);
+});
+
+test('names.A protocol is shown in the language of the reader, and what its file does not translate in English', () => {
+  const german = { language: 'de' };
+  const protocol = create(ProtocolInfoSchema, {
+    title: 'Reaching task',
+    sentence: 'Reaches to targets',
+    translations: [{ ...german, title: 'Reichaufgabe' }],
+    conditions: [{ name: 'max', title: 'Maximum reach', translations: [{ ...german, title: 'Größte Reichweite' }] }],
+    fields: [{ name: 'side', label: 'Reaching arm', choices: ['left', 'right'], translations: [{ ...german, label: 'Reicharm', choices: ['links', 'rechts'] }] }],
+  });
+  const { title, sentence, conditions, fields } = inLanguage(protocol, 'de');
+  expect([title, sentence, conditions[0]?.title, fields[0]?.label, fields[0]?.choices]).toEqual(['Reichaufgabe', 'Reaches to targets', 'Größte Reichweite', 'Reicharm', ['left', 'right']]);
+  expect([choiceName(fields[0]!, 'right', 'de'), choiceName(fields[0]!, 'right', 'en')]).toEqual(['rechts', 'right']);
+  expect(inLanguage(protocol, 'en').title).toBe('Reaching task');
 });

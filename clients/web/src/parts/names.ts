@@ -3,12 +3,36 @@
 import { signal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 
-import type { ProtocolInfo, SessionRecord } from '../generated/dts/v1/sessions_pb';
+import type { ProtocolField, ProtocolInfo, SessionRecord, Translation } from '../generated/dts/v1/sessions_pb';
 import type { Link } from '../link/types';
 import { strings } from '../strings';
+import { language } from '../strings/language';
+import { inReadersLanguage } from '../strings/messages';
 import { day, whole } from './numbers';
 
-/** The daemon's protocols; empty until it has answered. */
+type Translated = { readonly translations: readonly Translation[] };
+const translationOf = ({ translations }: Translated, wanted: string): Partial<Translation> => translations.find((one) => one.language === wanted) ?? {};
+
+/** Returns a protocol with its texts in a language; a text that its file does not translate stays English. Choices of fields stay: they are values. */
+export const inLanguage = (protocol: ProtocolInfo, wanted: string): ProtocolInfo => {
+  const { title, sentence } = translationOf(protocol, wanted);
+  return {
+    ...protocol,
+    title: title || protocol.title,
+    sentence: sentence || protocol.sentence,
+    conditions: protocol.conditions.map((condition) => ({ ...condition, title: translationOf(condition, wanted).title || condition.title })),
+    fields: protocol.fields.map((field) => {
+      const { label, unit, help } = translationOf(field, wanted);
+      return { ...field, label: label || field.label, unit: unit || field.unit, help: help || field.help };
+    }),
+  };
+};
+
+/** Returns what a form shows for a choice of a field, in the reader's language. */
+export const choiceName = (field: ProtocolField, choice: string, wanted: string = language): string =>
+  translationOf(field, wanted).choices?.[field.choices.indexOf(choice)] || choice;
+
+/** The daemon's protocols in the reader's language; empty until it has answered. */
 export const protocols = signal<readonly ProtocolInfo[]>([]);
 
 /** The clinic's rule for labels and markers; empty until the daemon has answered. */
@@ -32,7 +56,7 @@ export const useProtocols = (link: Link): void => {
     link.send({ case: 'listProtocols', value: {} }).then(
       (answer) => {
         if (answer.case !== 'protocols') return;
-        protocols.value = answer.value.protocols;
+        protocols.value = answer.value.protocols.map((one) => inLanguage(one, language));
         labelRule.value = { hint: answer.value.labelHint, pattern: answer.value.labelPattern };
       },
       () => undefined, // the next connection asks again
@@ -47,8 +71,8 @@ export const capitalised = (text: string): string => text.charAt(0).toUpperCase(
 
 const programs = /^(dts|sudo|systemctl|journalctl|chmod|chown)/;
 
-/** Writes a message of daemon or gateway as a sentence on the screen: with a capital, unless it begins with a command to type. */
-export const asSentence = (message: string): string => (programs.test(message) ? message : capitalised(message));
+/** Writes a message of daemon or gateway as a sentence on the screen: in the reader's language, and with a capital, unless it begins with a command to type. */
+export const asSentence = (message: string): string => (programs.test(message) ? message : capitalised(inReadersLanguage(message)));
 
 const protocolOf = (name: string): ProtocolInfo | undefined => protocols.value.find((one) => one.name === name);
 

@@ -9,7 +9,7 @@ import type { Link } from '../link/types';
 import { strings } from '../strings';
 import { CommandNotice, Field, Notice, Panel, useCommands } from './controls';
 import { useKeys } from './keys';
-import { isLabel, labelRule, protocolName, protocols } from './names';
+import { choiceName, isLabel, labelRule, protocolName, protocols } from './names';
 import { duration, fixed, whole } from './numbers';
 import type { StartForm } from './start_form';
 import { askSubjects, similarSubject } from './subject_ids';
@@ -51,7 +51,7 @@ const FieldInput = ({ field, value, error, onInput }: FieldProps): JSX.Element =
             <option value="">{words.choose}</option>
             {choices.map((choice) => (
               <option key={choice} value={choice}>
-                {choice}
+                {choiceName(field, choice)}
               </option>
             ))}
           </select>

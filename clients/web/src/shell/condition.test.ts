@@ -21,7 +21,7 @@ test.each<[string, Parameters<typeof conditionOf>, object]>([
   ['AllWell is quiet', ['up', 1, status(well), nothingDropped], { kind: 'good' }],
   ['LostDevice is louder than a disk that fills, with what to do',
     ['up', 1, status([rig('chair', DeviceState.OPEN), rig('floor', DeviceState.GONE, 'plug it in again')], DiskState.LOW), nothingDropped],
-    { kind: 'error', hint: 'plug it in again', text: expect.stringContaining('floor') }],
+    { kind: 'error', hint: 'Plug it in again', text: expect.stringContaining('floor') }],
   ['DiskThatFills', ['up', 1, status(well, DiskState.LOW), nothingDropped], { kind: 'warning' }],
   ['FullDisk', ['up', 1, status(well, DiskState.FULL), nothingDropped], { kind: 'error' }],
   ['UnusableDisk', ['up', 1, status(well, DiskState.UNUSABLE), nothingDropped], { kind: 'error' }],

@@ -5,6 +5,7 @@ import { DiskState, TrialPhase } from '../generated/dts/v1/sessions_pb';
 import { DeviceState } from '../generated/dts/v1/stream_pb';
 import type { Dropped, LinkState } from '../link/types';
 import { isActive } from '../parts/active';
+import { asSentence } from '../parts/names';
 import { clockTime, fixed, whole } from '../parts/numbers';
 import { lastOutcome } from '../parts/outcomes';
 import { strings } from '../strings';
@@ -19,7 +20,7 @@ const words = strings.common.link;
 
 const ofRig = (status: RigStatus): Condition | undefined => {
   const rig = status.rig?.name ?? '';
-  const hint = status.deviceMessage;
+  const hint = asSentence(status.deviceMessage);
   if (status.device === DeviceState.GONE) return { kind: 'error', text: words.deviceLost(rig), hint };
   if (status.device === DeviceState.WAITING) return { kind: 'warning', text: words.deviceWaiting(rig), hint };
   if (status.device !== DeviceState.STREAMING) return { kind: 'warning', text: words.deviceStopped(rig), hint };

@@ -7,6 +7,7 @@ import { PassingNotice } from '../../parts/controls';
 import { asSentence } from '../../parts/names';
 import { clockTime, duration } from '../../parts/numbers';
 import { strings } from '../../strings';
+import { inReadersLanguage } from '../../strings/messages';
 import type { LiveFloor } from './live_floor';
 
 const words = strings.floor;
@@ -21,13 +22,13 @@ export const Remarks = ({ floor, status, canRedo }: { floor: LiveFloor; status: 
   return (
     <>
       {status.session?.message !== undefined && status.session.message !== '' && (
-        <PassingNotice kind="error" what={status.session.message} testId="session-message" />
+        <PassingNotice kind="error" what={asSentence(status.session.message)} testId="session-message" />
       )}
       {status.device === DeviceState.STREAMING && status.deviceMessage !== '' && (
         <PassingNotice kind="warning" what={words.doubtful} hint={asSentence(status.deviceMessage)} testId="device-message" />
       )}
       {sway !== undefined && sway.problem !== '' && (
-        <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={canRedo ? words.noResultHint : ''} testId="no-result" />
+        <PassingNotice kind="warning" what={words.noResult(inReadersLanguage(sway.problem))} hint={canRedo ? words.noResultHint : ''} testId="no-result" />
       )}
       {isFresh && (
         <PassingNotice

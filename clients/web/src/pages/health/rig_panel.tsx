@@ -7,6 +7,7 @@ import { DeviceState, GapReason } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
 import { Notice, Panel } from '../../parts/controls';
 import { Live } from '../../parts/live';
+import { asSentence } from '../../parts/names';
 import { clockTime, fixed, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { DeviceTest } from './device_test';
@@ -84,7 +85,7 @@ export const RigPanel = ({ link, status, device }: { link: Link; status: RigStat
   const rows = sensorRows(sensors, seconds.value.raw, seconds.value.deflection);
   return (
     <Panel title={rigTitle(rig, status.rig?.kind ?? '')} testId={`rig-${rig}`}>
-      {status.deviceMessage !== '' && <Notice kind="warning" what={status.deviceMessage} testId={`device-message-${rig}`} />}
+      {status.deviceMessage !== '' && <Notice kind="warning" what={asSentence(status.deviceMessage)} testId={`device-message-${rig}`} />}
       <Facts facts={deviceFacts(status, device)} />
       <Facts facts={flowFacts(status)} />
       <Gaps gaps={gaps.value} />

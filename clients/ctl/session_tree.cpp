@@ -256,6 +256,9 @@ void add_report(CommandTree& tree) {
   report->add_option("--format", wishes.format, "Format: html, svg or all. Default: all")
       ->option_text("NAME")
       ->check(CLI::IsMember({"html", "svg", "all"}));
+  report->add_option("--language", wishes.language, "Language of the pages: en or de. Default: en")
+      ->option_text("NAME")
+      ->check(CLI::IsMember({"en", "de"}));
   report->add_option("--out", wishes.out, "Folder to write to; report pages in it are replaced. Default: ID-report")->option_text("DIR");
 }
 

@@ -27,7 +27,15 @@ void set(pugi::xml_node node, const Stroke& stroke) {
 Canvas Canvas::group(double x, double y) {
   pugi::xml_node group = node_.append_child("g");
   set(group, "transform", "translate(" + fixed(x, kDecimals) + " " + fixed(y, kDecimals) + ")");
-  return Canvas(group);
+  Canvas canvas(group);
+  canvas.translate_ = translate_;
+  return canvas;
+}
+
+Canvas Canvas::translated(Translate translate) const {
+  Canvas canvas(node_);
+  canvas.translate_ = std::move(translate);
+  return canvas;
 }
 
 void Canvas::line(double x1, double y1, double x2, double y2, const Stroke& stroke) {
@@ -86,7 +94,7 @@ void Canvas::text(double x, double y, std::string_view text, const TextStyle& st
   if (style.is_bold) set(node, "font-weight", "bold");
   if (style.colour != colour::kBlack) set(node, "fill", style.colour);
   if (style.is_upward) set(node, "transform", "rotate(-90 " + fixed(x, kDecimals) + " " + fixed(y, kDecimals) + ")");
-  node.append_child(pugi::node_pcdata).set_value(record::clean_text(text).c_str());
+  node.append_child(pugi::node_pcdata).set_value(record::clean_text(translate_ ? translate_(text) : std::string(text)).c_str());
 }
 
 Canvas new_picture(pugi::xml_document& document, double width, double height, const std::string& title) {

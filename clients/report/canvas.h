@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
@@ -54,8 +55,13 @@ class Canvas {
   void path(const std::string& data, const Stroke& stroke);
   void text(double x, double y, std::string_view text, const TextStyle& style = {});
 
+  using Translate = std::function<std::string(std::string_view)>;
+  /// Returns a canvas at the same place that translates each text.
+  [[nodiscard]] Canvas translated(Translate translate) const;
+
  private:
   pugi::xml_node node_;
+  Translate translate_{};
 };
 
 /// Adds an empty <svg> of `width` by `height` mm to the document; a screen reader reads `title`.

@@ -114,9 +114,13 @@ List sections(const std::vector<Section>& all) {
 
 std::string html_of(const PageContent& content) {
   kainjow::mustache::mustache page(kPageTemplate);
-  object values{{"mark", std::string(kPageMark)},        {"title", record::clean_text(content.title)},
-                {"subtitle", no_or_yes(false)},          {"facts", data(facts(content.facts))},
-                {"alerts", data(texts(content.alerts))}, {"sections", data(sections(content.sections))}};
+  object values{{"language", std::string(code(content.language))},
+                {"mark", std::string(kPageMark)},
+                {"title", record::clean_text(content.title)},
+                {"subtitle", no_or_yes(false)},
+                {"facts", data(facts(content.facts))},
+                {"alerts", data(texts(content.alerts))},
+                {"sections", data(sections(content.sections))}};
   if (!content.subtitle.empty()) values["subtitle"] = record::clean_text(content.subtitle);
   return page.render(data(values));
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "report/canvas.h"
+#include "report/language.h"
 
 namespace dts::report {
 
@@ -56,6 +57,7 @@ struct PageContent {
   std::vector<Fact> facts;
   std::vector<std::string> alerts;  ///< Warnings that the reader must not miss.
   std::vector<Section> sections;
+  Language language = Language::English;
 };
 
 inline constexpr double kPageWidthMm = 210.0;  ///< A4

@@ -6,7 +6,7 @@ namespace dts::report {
 /// A page in Mustache: {{...}} is escaped, {{{...}}} is a picture of this program and is not escaped. Elements are closed as XML requires,
 /// so that any XML tool can check and parse the page. Sizes are in rem, so that the whole page shrinks to one A4 page on paper.
 inline constexpr const char* kPageTemplate = R"html(<!DOCTYPE html>
-<html xmlns="http://www.w3.org/1999/xhtml" lang="en" xml:lang="en">
+<html xmlns="http://www.w3.org/1999/xhtml" lang="{{language}}" xml:lang="{{language}}">
 <head>
 <meta charset="utf-8" />
 <meta name="generator" content="{{mark}}" />

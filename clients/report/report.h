@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "report/language.h"
 
 namespace dts::report {
 
@@ -22,6 +23,7 @@ struct ReportSource {
   std::string software;            ///< "dtsctl 0.1.0": the program that computed the values.
   bool with_html = true;
   bool with_svg = true;
+  Language language = Language::English;  ///< Of all pages; the figures are the same.
 };
 
 /// Receives the progress, 0..1. Returns false to stop the report.

@@ -5,6 +5,7 @@
 #include "core/utf8.h"
 #include "report/page_parts.h"
 #include "report/report.h"
+#include "report/translation.h"
 
 namespace dts::report {
 namespace {
@@ -210,7 +211,8 @@ std::string svg_of(const PageContent& content) {
     y = bottom;
   }
   if (is_full) {
-    canvas.text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5, "This page is full; the HTML page shows everything.",
+    canvas.text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5,
+                Translation(content.language, {})("This page is full; the HTML page shows everything."),
                 {.size = 2.4, .anchor = Anchor::End, .colour = colour::kVermillion, .is_bold = true});
   }
   return text_of(document, true);

@@ -70,6 +70,7 @@ int run_report(const Arguments& arguments, cli::Console& console) {
   const std::string& format = arguments.session.format;
   report::ReportSource source{
       .files = {}, .software = "dtsctl " + std::string(client::version()), .with_html = format != "svg", .with_svg = format != "html"};
+  source.language = report::language_of(arguments.session.language).value_or(report::Language::English);
   for (const RecordedFile& file : *files) source.files.push_back(file.path);
   WorkBar work(console, "reporting");
   const auto progress = work.progress();

@@ -63,9 +63,9 @@ HttpResponse show_page(const report::Report& made, const std::string& name) {
               {"Content-Security-Policy", std::string(kPagePolicy)}, {"X-Content-Type-Options", "nosniff"}, {"Cache-Control", "no-store"}}};
 }
 
-core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, const std::stop_token& stop) {
+core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, report::Language language, const std::stop_token& stop) {
   // The pages show the program's name, and must have the same bytes as those of `dtsctl report`.
-  const report::ReportSource source{.files = files, .software = "dtsctl " + std::string(client::version())};
+  const report::ReportSource source{.files = files, .software = "dtsctl " + std::string(client::version()), .language = language};
   auto made = report::make_report(source, [&stop](double) { return !stop.stop_requested(); });
   if (made) return std::make_shared<const report::Report>(std::move(*made));
   if (made.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(made.error());
@@ -131,7 +131,7 @@ class ArchiveImpl final : public Archive {
       case ArchivePath::Kind::Csv: return send_export(session, ExportFormat::Csv, std::move(*files), respond);
       case ArchivePath::Kind::Bids: return send_export(session, ExportFormat::Bids, std::move(*files), respond);
       case ArchivePath::Kind::C3d: return send_export(session, ExportFormat::C3d, std::move(*files), respond);
-      default: return send_report(session, path.page, std::move(*files), respond);
+      default: return send_report(session, path, std::move(*files), respond);
     }
   }
 
@@ -142,13 +142,13 @@ class ArchiveImpl final : public Archive {
     respond(download({.path = path}, path.filename().string(), "application/octet-stream"));
   }
 
-  /// An empty `page` means the list of pages.
-  void send_report(const v1::SessionRecord& session, const std::string& page, std::vector<std::string> files, const Respond& respond) {
-    const auto show = [page](const report::Report& made) { return page.empty() ? list_pages(made) : show_page(made, page); };
-    const std::string key = key_of("report", session);
+  /// A path without a page means the list of pages.
+  void send_report(const v1::SessionRecord& session, const ArchivePath& path, std::vector<std::string> files, const Respond& respond) {
+    const auto show = [page = path.page](const report::Report& made) { return page.empty() ? list_pages(made) : show_page(made, page); };
+    const std::string key = key_of("report-" + std::string(report::code(path.language)), session);
     if (const ReportPointer made = shelf_.find(key)) return respond(show(*made));
     const bool is_accepted = reports_.ask(
-        key, [files = std::move(files)](const std::stop_token& stop) { return make_pages(files, stop); },
+        key, [files = std::move(files), language = path.language](const std::stop_token& stop) { return make_pages(files, language, stop); },
         [show, respond](const core::Result<ReportPointer>& made) { respond(made ? show(**made) : not_made(made.error())); });
     if (!is_accepted) respond(busy());
   }

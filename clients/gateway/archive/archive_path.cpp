@@ -43,7 +43,8 @@ std::optional<ArchivePath> read_archive_path(std::string_view path) {
   const auto steps = steps_of(path.substr(kBegin.size()));
   if (steps.size() < 2 || !std::ranges::all_of(steps, is_name)) return std::nullopt;
   ArchivePath asked{.session_id = std::string(steps[0])};
-  if (steps[1] == "report") {
+  if (steps[1] == "report" || steps[1] == "report-de") {
+    if (steps[1] == "report-de") asked.language = report::Language::German;
     if (steps.size() == 2) return asked;
     asked.kind = ArchivePath::Kind::Page;
     asked.page = steps[2];

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "report/language.h"
+
 namespace dts::gateway {
 
 /// The parsed path below /api/sessions/.
@@ -16,6 +18,7 @@ struct ArchivePath {
   Kind kind = Kind::Report;
   std::string page{};      ///< For Page: "trial-01.html"
   std::uint32_t part = 0;  ///< For Recording.
+  report::Language language = report::Language::English;  ///< For Report and Page: "report-de" in the path is German.
 };
 
 /// Returns nothing for a path that no session can have. Ids and pages consist of letters, digits, '.', '_' and '-' and do not begin with a

@@ -6,6 +6,7 @@ import { useEffect, useRef } from 'preact/hooks';
 
 import { Notice } from '../../parts/controls';
 import { strings } from '../../strings';
+import { language } from '../../strings/language';
 import { archiveUrl, responseError, useAsked } from './asking';
 
 interface ReportIndex {
@@ -13,10 +14,13 @@ interface ReportIndex {
   readonly damage: readonly string[];
 }
 
+/** The report in the reader's language. */
+const folder = language === 'en' ? 'report' : `report-${language}`;
+
 const words = (value: unknown): string[] => (Array.isArray(value) ? value.filter((one): one is string => typeof one === 'string') : []);
 
 const askReport = async (sessionId: string, signal: AbortSignal): Promise<ReportIndex> => {
-  const response = await fetch(archiveUrl(sessionId, 'report'), { signal });
+  const response = await fetch(archiveUrl(sessionId, folder), { signal });
   if (!response.ok) throw await responseError(response);
   const index = (await response.json()) as { pages?: unknown; damage?: unknown };
   return { pages: words(index.pages).filter((page) => page.endsWith('.html')), damage: words(index.damage) };
@@ -64,7 +68,7 @@ export const Report = ({ sessionId, testId }: { sessionId: string; testId: strin
   const { pages, damage } = asked.answer;
   const page = chosen.value ?? pages[0];
   if (page === undefined) return <p>{report.none}</p>;
-  const url = archiveUrl(sessionId, `report/${encodeURIComponent(page)}`);
+  const url = archiveUrl(sessionId, `${folder}/${encodeURIComponent(page)}`);
   return (
     <div class="column" data-testid={testId}>
       {damage.map((sentence) => (

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <pugixml.hpp>
+#include <regex>
+
+#include "made_standing.h"
+#include "report/report.h"
+#include "report/translation.h"
+#include "unit/record/xdf_fixture.h"
+
+namespace dts::report {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::vector<std::pair<std::string, std::string>> kGermanOpen{{"eyes", "open"}, {"feet", "two"}, {"surface", "firm"}};
+const std::vector<std::pair<std::string, std::string>> kGermanClosed{{"eyes", "closed"}, {"feet", "two"}, {"surface", "firm"}};
+
+struct EveryText : pugi::xml_tree_walker {
+  std::vector<std::string> texts;
+  bool for_each(pugi::xml_node& node) override {
+    if (node.type() == pugi::node_pcdata && std::string_view(node.parent().name()) != "style") texts.emplace_back(node.value());
+    return true;
+  }
+};
+
+std::vector<std::string> texts_of(const Page& page) {
+  pugi::xml_document document;
+  EXPECT_TRUE(document.load_string(page.text.c_str(), pugi::parse_default | pugi::parse_doctype)) << page.file;
+  EveryText walker;
+  document.traverse(walker);
+  return walker.texts;
+}
+
+/// What is the same in both languages: values, keys and names of measures, devices and programs, references to literature.
+bool is_of_both_languages(const std::string& text) {
+  static const std::regex kWord("[A-Za-z]{3}");
+  static const std::regex kShared(
+      "P017|romberg|deg|deg/s|Filter|PF(50|95) .*|.*Gait Posture.*|.*IEEE Trans.*|.*Exp Brain Res.*|2026.* UTC|20261121T144525Z-floor-1|"
+      "floor|COP");
+  return !std::regex_search(text, kWord) || std::regex_match(text, kShared);
+}
+
+class GermanReport : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::vector<Page> pages(const MadeStanding& made, Language language) {
+    const std::string file = write_standing(directory_ / "a.xdf", made);
+    auto report = make_report({.files = {file}, .software = "test 1.2.3", .language = language}, [](double) { return true; });
+    EXPECT_TRUE(report.has_value()) << (report ? "" : core::to_string(report.error()));
+    return report ? report->pages : std::vector<Page>{};
+  }
+  /// Returns the texts that the German pages have in English.
+  [[nodiscard]] std::vector<std::string> english_texts(const MadeStanding& made) {
+    const std::vector<Page> english = pages(made, Language::English);
+    const std::vector<Page> german = pages(made, Language::German);
+    std::vector<std::string> same;
+    EXPECT_EQ(english.size(), german.size());
+    for (std::size_t index = 0; index < std::min(english.size(), german.size()); ++index) {
+      if (!english[index].file.ends_with(".html")) continue;  // the SVG page has the same content, broken into lines
+      const auto before = texts_of(english[index]);
+      const auto after = texts_of(german[index]);
+      EXPECT_EQ(before.size(), after.size()) << english[index].file;
+      for (std::size_t text = 0; text < std::min(before.size(), after.size()); ++text) {
+        if (before[text] == after[text] && !is_of_both_languages(before[text])) same.push_back(before[text]);
+      }
+    }
+    return same;
+  }
+  static MadeStanding romberg() {
+    MadeStanding made{.length_s = 120.0};
+    made.facts.protocol = "romberg";
+    made.facts.fields = {{"weight_kg", "71.5"}};
+    made.facts.label = "none";
+    made.facts.protocol_definition =
+        "name = \"romberg\"\ntitle = \"Romberg's test\"\nde = { title = \"Romberg-Test\" }\n[[field]]\nname = \"weight_kg\"\n"
+        "label = \"Body weight\"\nde = { label = \"Gewicht\" }\nunit = \"kg\"\nminimum = 10\nmaximum = 250\n[trials]\nblocks = 3\n"
+        "[[trials.condition]]\nname = \"eyes-open\"\ntitle = \"Eyes open\"\nde = { title = \"Augen offen\" }\n"
+        "[[trials.condition]]\nname = \"eyes-closed\"\ntitle = \"Eyes closed\"\nde = { title = \"Augen geschlossen\" }\n";
+    add_trial(made, 1, 2.0, 20.0, "eyes-open", kGermanOpen);
+    add_trial(made, 2, 25.0, 20.0, "eyes-closed", kGermanClosed);
+    add_trial(made, 3, 50.0, 8.0, "eyes-open", kGermanOpen);
+    add_trial(made, 4, 60.0, 35.0, "eyes-closed", kGermanClosed, "redone");
+    add_trial(made, 4, 97.0, 20.0, "eyes-closed", kGermanClosed, "done", 2);
+    return made;
+  }
+
+  record::xdf_test::Folder directory_;
+};
+
+TEST_F(GermanReport, Pages_HaveNoEnglishText) {
+  EXPECT_THAT(english_texts(romberg()), ElementsAre());
+  MadeStanding simulated = romberg();
+  simulated.facts.device_uri = "sim:floor?noise=0.5";
+  simulated.facts.firmware = "7";
+  EXPECT_THAT(english_texts(simulated), ElementsAre());
+}
+
+TEST_F(GermanReport, WithoutAProtocol_HasNoEnglishText) { EXPECT_THAT(english_texts(MadeStanding{}), ElementsAre()); }
+
+TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
+  const std::string session = pages(romberg(), Language::German).front().text;
+  for (const char* part : {"lang=\"de\"", "Romberg-Test (romberg)", "Gewicht", "71,5 kg", "Augen offen (n = ", "21. November 2026"}) {
+    EXPECT_THAT(session, HasSubstr(part));
+  }
+  EXPECT_THAT(session, HasSubstr("test 1.2.3"));  // a version is no number
+}
+
+TEST_F(GermanReport, WhatAPersonTyped_IsNotTranslated) {
+  const std::string session = pages(romberg(), Language::German).front().text;
+  EXPECT_THAT(session, HasSubstr("Stichwort"));
+  EXPECT_THAT(session, HasSubstr("none"));  // the label of this session
+}
+
+TEST(ReportTranslation, FindsTheClosestTextAndTranslatesItsParts) {
+  const Translation german(Language::German, {});
+  EXPECT_EQ(german("done, not valid: feet moved"), "fertig, nicht gültig: Füße bewegt");
+  EXPECT_EQ(german("No Romberg quotient for feet two: no trial with eyes closed counts."),
+            "Kein Romberg-Quotient für zwei Füße: kein Durchgang mit Augen geschlossen zählt.");
+  EXPECT_EQ(german("subject ID: none -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None."),
+            "Personen-ID: none -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None.");
+  EXPECT_EQ(german("1.11 (0.80-1.32)"), "1,11 (0,80-1,32)");
+  EXPECT_EQ(german("a text that nobody has translated 0.2.0 sim:a?b=0.5"), "a text that nobody has translated 0.2.0 sim:a?b=0.5");
+  EXPECT_EQ(Translation(Language::English, {})("1.5 done"), "1.5 done");
+}
+
+TEST(ReportTranslation, EveryGermanTextHasThePlacesOfTheEnglishOne) {
+  const auto places = [](std::string_view text) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find('{'); at != std::string_view::npos; at = text.find('{', at + 1)) ++count;
+    return count;
+  };
+  for (const auto& [english, german] : german_texts()) EXPECT_EQ(places(english), places(german)) << english;
+}
+
+}  // namespace
+}  // namespace dts::report

@@ -23,13 +23,13 @@ std::string day_text(std::int64_t utc_ns) {
          std::to_string(static_cast<int>(date.year()));
 }
 
-std::string protocol_title(const SessionData& session) {
+std::string protocol_title(const SessionInfo& session) {
   return session.protocol.title.empty() ? session.facts->protocol : session.protocol.title;
 }
 
 }  // namespace
 
-std::string session_title(const SessionData& session) {
+std::string session_title(const SessionInfo& session) {
   if (!session.facts) return "Quiet standing";
   std::vector<std::string> parts{session.facts->subject, protocol_title(session)};
   if (session.facts->started_utc_ns > 0) parts.push_back(day_text(session.facts->started_utc_ns));
@@ -37,13 +37,13 @@ std::string session_title(const SessionData& session) {
   return core::join(parts);
 }
 
-std::string protocol_text(const SessionData& session) {
+std::string protocol_text(const SessionInfo& session) {
   if (!session.facts || session.facts->protocol.empty()) return "-";
   const std::string title = protocol_title(session);
   return title == session.facts->protocol ? title : title + " (" + session.facts->protocol + ")";
 }
 
-std::string condition_text(const SessionData& session, const std::string& condition) {
+std::string condition_text(const SessionInfo& session, const std::string& condition) {
   if (condition.empty()) return "-";
   if (!session.protocol.trials) return condition;
   const auto& conditions = session.protocol.trials->conditions;
@@ -51,7 +51,7 @@ std::string condition_text(const SessionData& session, const std::string& condit
   return known == conditions.end() || known->title.empty() ? condition : known->title;
 }
 
-Fact field_fact(const SessionData& session, const std::string& name, const std::string& value) {
+Fact field_fact(const SessionInfo& session, const std::string& name, const std::string& value) {
   const auto known = std::ranges::find(session.protocol.fields, name, &session::ProtocolField::name);
   if (known == session.protocol.fields.end() || known->label.empty()) return {.name = name, .value = value};
   return {.name = known->label, .value = value + (known->unit.empty() ? "" : " " + known->unit)};

@@ -12,13 +12,13 @@
 namespace dts::report {
 
 /// Returns "P017, Romberg's test, 26 Nov 2026" (UTC), as far as it is known; "Quiet standing" for a file of another program.
-[[nodiscard]] std::string session_title(const SessionData& session);
+[[nodiscard]] std::string session_title(const SessionInfo& session);
 /// Returns the protocol's name for people, and its key: "Romberg's test (romberg)".
-[[nodiscard]] std::string protocol_text(const SessionData& session);
+[[nodiscard]] std::string protocol_text(const SessionInfo& session);
 /// Returns the condition's name for people; the key without one; "-" for no condition.
-[[nodiscard]] std::string condition_text(const SessionData& session, const std::string& condition);
+[[nodiscard]] std::string condition_text(const SessionInfo& session, const std::string& condition);
 /// Returns a field about the subject with its name and unit: "Body weight", "71.5 kg".
-[[nodiscard]] Fact field_fact(const SessionData& session, const std::string& name, const std::string& value);
+[[nodiscard]] Fact field_fact(const SessionInfo& session, const std::string& name, const std::string& value);
 /// "eyes open, feet two".
 [[nodiscard]] std::string labels_text(const TrialData& trial);
 /// Returns "done", or what is wrong: "redone: does not count", "done, not valid: stepped off".
@@ -49,5 +49,8 @@ struct SessionPageLimits {
 [[nodiscard]] std::string html_of(const PageContent& content);
 /// Returns the page as an SVG of A4 size.
 [[nodiscard]] std::string svg_of(const PageContent& content);
+/// Returns the pages of one document as SVGs of A4 size, for a PDF. Content that does not fit continues on a further page, so that nothing
+/// is left out. Every page has `footer` and its number.
+[[nodiscard]] std::vector<std::string> svg_document_of(std::span<const PageContent> contents, const std::string& footer);
 
 }  // namespace dts::report

@@ -2,6 +2,7 @@
 #include "report/chair_data.h"
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -96,6 +97,10 @@ void summarise_chair(ChairData& chair, const std::vector<session::SessionFigure>
     if (trial.recorded.differs) ++chair.differing;
   }
   chair.targets = session::summarize_targets(results);
+  // The protocol may ask for the targets in any order; the nearest is first, a trial without a target last.
+  std::ranges::stable_sort(chair.targets, {}, [](const session::TargetSummary& target) {
+    return target.target_cm.value_or(std::numeric_limits<double>::infinity());
+  });
   chair.summary = session::summarize(results, chair.person);
   const auto is_corrected = [](const ChairTrial& trial) { return !trial.recorded_outcome.empty(); };
   // A resumed session has results for its parts; only results for the whole session are comparable with those computed here.

@@ -270,9 +270,11 @@ void draw_angles(Canvas& canvas, double width, double height, const ChairData& c
                   .x_low = 0.0,
                   .x_high = 1.0,
                   .y_low = -2.0,
-                  .y_high = std::max(highest + 4.0, physics::kMaximumFromDeg + 8.0)};
+                  .y_high = std::max(highest + 8.0, physics::kMaximumFromDeg + 10.0)};
   draw_class_bands(canvas, axes);
   draw_y_axis(canvas, axes, "trunk angle at P3, \u00B0");
+  canvas.text(axes.left + 1.0, axes.top + 2.6, "line: 90 % interval; black: mean and SD; open: rejected",
+              {.size = kSmallText, .colour = colour::kDarkGrey});
   canvas.rect(axes.left, axes.top, axes.width, axes.height, colour::kNone, kFrameStroke);
   const std::size_t targets = std::min(chair.targets.size(), kMostTargetsDrawn);
   const double pitch = (axes.width - 10.0) / static_cast<double>(std::max<std::size_t>(targets, 1));

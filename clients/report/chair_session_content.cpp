@@ -65,19 +65,19 @@ PageContent session_content(const ChairData& chair, const SessionPageLimits& lim
                    .alerts = session_alerts(chair),
                    .sections = {}};
   if (!chair.targets.empty()) {
+    page.sections.push_back({.columns = {{result_table(chair)}}});
     page.sections.push_back(
         {.columns = {{Figure{.title = "Reaches by target: change of the seat's deflection; red: rejected",
                              .width_mm = kFullWidthMm,
                              .height_mm = kReachesMm,
                              .draw = [&chair](Canvas& canvas) { draw_reaches(canvas, kFullWidthMm, kReachesMm, chair); }}}}});
     page.sections.push_back(
-        {.columns = {{Figure{.title = "Trunk angle of each reach with its 90 % interval; black: mean and SD; open: rejected",
+        {.columns = {{Figure{.title = "Trunk angle of each reach",
                              .width_mm = kHalfWidthMm,
                              .height_mm = kAnglesMm,
                              .draw = [&chair](Canvas& canvas) { draw_angles(canvas, kHalfWidthMm, kAnglesMm, chair); }}},
                      {class_table(chair), consistency_table(chair)}}});
   }
-  page.sections.push_back({.columns = {{result_table(chair)}, {scale_table(chair)}}});
   page.sections.push_back({.columns = {{reach_table(chair, limits.trials)}}});
   if (auto rejected = rejected_table(chair, std::min(limits.trials, kMostRejected)))
     page.sections.push_back({.columns = {{std::move(*rejected)}}});
@@ -85,7 +85,7 @@ PageContent session_content(const ChairData& chair, const SessionPageLimits& lim
     page.alerts.push_back("The pictures show the first " + std::to_string(kMostTargetsDrawn) + " of " +
                           std::to_string(chair.targets.size()) + " targets. The tables show all.");
   }
-  Section rest{.columns = {{methods_of_chair(chair)}, {excluded_reaches(chair), notes_of(chair)}}};
+  Section rest{.columns = {{scale_table(chair), methods_of_chair(chair)}, {excluded_reaches(chair), notes_of(chair)}}};
   if (auto corrections = corrections_of(chair); !corrections.items.empty()) rest.columns[1].push_back(std::move(corrections));
   rest.columns[0].push_back(provenance_of_chair(chair, 0, chair.parts.size()));
   page.sections.push_back(std::move(rest));

@@ -104,24 +104,22 @@ Table reach_table(const ChairData& chair, std::size_t most_rows) {
 
 Table class_table(const ChairData& chair) {
   Table table{.title = "Trunk class by target, valid trials",
-              .columns = {{.head = "Target", .share = 2.4},
-                          {.head = "Distance, cm", .share = 1.0, .is_number = true},
+              .columns = {{.head = "Target", .share = 2.5},
+                          {.head = "Distance, cm", .share = 1.1, .is_number = true},
                           {.head = "Trials", .share = 0.8, .is_number = true},
-                          {.head = "Reach found", .share = 0.9, .is_number = true},
-                          {.head = "none", .share = 0.8, .is_number = true},
-                          {.head = "minor", .share = 0.8, .is_number = true},
-                          {.head = "mode- rate", .share = 0.8, .is_number = true},
-                          {.head = "maxi- mum", .share = 0.8, .is_number = true},
-                          {.head = "re- jected", .share = 0.8, .is_number = true},
-                          {.head = "Class as expected", .share = 1.3, .is_number = true}},
+                          {.head = "Trunk classes", .share = 2.6},
+                          {.head = "Class as expected", .share = 1.2, .is_number = true}},
               .rows = {}};
   for (const session::TargetSummary& target : chair.targets) {
-    Row row{.cells = {target_text(chair, target.condition), number_or_dash(target.target_cm, 1), std::to_string(target.trials),
-                      std::to_string(target.found)}};
-    for (const TrunkClass each : {TrunkClass::None, TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum, TrunkClass::Rejected})
-      row.cells.push_back(target.of(each) == 0 ? "" : std::to_string(target.of(each)));
-    row.cells.push_back(share_text(target.agreed, target.compared));
-    table.rows.push_back(std::move(row));
+    std::vector<std::string> classes;
+    for (const TrunkClass each : {TrunkClass::None, TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum, TrunkClass::Rejected}) {
+      if (target.of(each) > 0) classes.push_back(class_word(each) + " " + std::to_string(target.of(each)));
+    }
+    if (target.found + target.gaps < target.trials)
+      classes.push_back("no reach " + std::to_string(target.trials - target.gaps - target.found));
+    if (target.gaps > 0) classes.push_back("scans missing " + std::to_string(target.gaps));
+    table.rows.push_back({.cells = {target_text(chair, target.condition), number_or_dash(target.target_cm, 1),
+                                    std::to_string(target.trials), core::join(classes), share_text(target.agreed, target.compared)}});
   }
   table.footnotes.emplace_back(
       "Expected class: from target distance and body measures. A reach with the arm alone and a very small trunk movement are hard to "
@@ -147,9 +145,10 @@ Table consistency_table(const ChairData& chair) {
 }
 
 Table result_table(const ChairData& chair) {
-  Table table{.title = "Results of the session",
-              .columns = {{.head = "Result", .share = 3.0}, {.head = "Value", .share = 0.9, .is_number = true}},
-              .rows = {}};
+  Table table{
+      .title = "Results of the session",
+      .columns = {{.head = "Result", .share = 2.4}, {.head = "Value", .share = 0.6, .is_number = true}, {.head = "Meaning", .share = 4.5}},
+      .rows = {}};
   for (const session::SessionFigure& result : chair.summary) {
     const auto meaning = std::ranges::find(kMeanings, result.name, &std::pair<std::string_view, std::string_view>::first);
     if (meaning == kMeanings.end()) continue;  // the number of targets is in the other tables
@@ -160,8 +159,7 @@ Table result_table(const ChairData& chair) {
                                                         : fixed(result.value, 2) + unit;
     std::string name = plain_name(result.name);
     if (const std::size_t cut = name.find(", share of 1"); is_share && cut != std::string::npos) name.resize(cut);
-    table.rows.push_back({.cells = {name, value}});
-    table.footnotes.push_back(name + ": " + std::string(meaning->second) + ".");
+    table.rows.push_back({.cells = {name, value, std::string(meaning->second)}});
   }
   return table;
 }
@@ -212,7 +210,7 @@ std::optional<Table> rejected_table(const ChairData& chair, std::size_t most_row
 }
 
 Table movement_table(const ChairData& chair, const ChairTrial& trial) {
-  Table table{.title = "Trunk movement", .columns = {{.head = "", .share = 1.3}, {.head = "", .share = 1.7}}, .rows = {}};
+  Table table{.title = "Trunk movement", .columns = {{.head = "Quantity", .share = 1.3}, {.head = "Value", .share = 1.7}}, .rows = {}};
   const auto& result = trial.recorded.result;
   const auto add = [&table](const std::string& name, const std::string& value) { table.rows.push_back({.cells = {name, value}}); };
   add("Trunk class", class_of(trial));
@@ -238,7 +236,7 @@ Table movement_table(const ChairData& chair, const ChairTrial& trial) {
 
 Table feature_table(const ChairTrial& trial) {
   Table table{.title = "Points and features of the reach",
-              .columns = {{.head = "", .share = 2.6},
+              .columns = {{.head = "Quantity", .share = 2.6},
                           {.head = "Value", .share = 1.0, .is_number = true},
                           {.head = "Unit", .share = 0.5},
                           {.head = "After the cue, s", .share = 1.0, .is_number = true}},
@@ -263,8 +261,8 @@ Table feature_table(const ChairTrial& trial) {
   if (of.p1_mm > 0.0) add("Rise relative to the sitting load, d2 / P1", 100.0 * of.d2_mm() / of.p1_mm, 1, "%");
   add("Hold: mean near the maximum, above P1", of.hold_mm, 2, "mm");
   add("P2 to P3", of.rise_s, 2, "s");
-  add("Shift of the load to the front (ratio change)", of.ratio_change, 3, "1");
-  add("Smoothness (spectral arc length)", of.smoothness, 2, "1");
+  add("Shift of the load to the front (ratio change)", of.ratio_change, 3, "");
+  add("Smoothness (spectral arc length)", of.smoothness, 2, "");
   return table;
 }
 

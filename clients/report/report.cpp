@@ -18,7 +18,6 @@ constexpr SessionPageLimits kHtmlLimits{.trials = 10'000, .pictures = 60};
 constexpr SessionPageLimits kSvgLimits{.trials = 24, .pictures = 14};      // limits of an A4 page
 constexpr SessionPageLimits kPdfLimits{.trials = 10'000, .pictures = 49};  // one picture of all trials must fit on an A4 page
 constexpr std::size_t kMostPdfTrials = 150;
-constexpr std::string_view kPdfName = "report.pdf";
 
 /// Renders pages; the document ends with the mark of our pages, as a comment.
 template <class Data>

@@ -73,7 +73,7 @@ void copy_samples(const record::RecordedScans& scans, const TransientColumn& col
 
 std::vector<double> TransientTrace::smoothed() const {
   std::vector<double> smooth(mm.size(), kUnknownMm);
-  const auto half = static_cast<std::size_t>(std::max(0.0, std::round(kSmoothingS * rate_hz / 2.0)));
+  const auto half = static_cast<std::size_t>(std::max(0.0, std::floor(kSmoothingS * rate_hz / 2.0)));
   const std::size_t width = 2 * half + 1;
   double sum = 0.0;
   std::size_t known = 0;

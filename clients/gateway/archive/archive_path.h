@@ -16,8 +16,8 @@ struct ArchivePath {
 
   std::string session_id;
   Kind kind = Kind::Report;
-  std::string page{};      ///< For Page: "trial-01.html"
-  std::uint32_t part = 0;  ///< For Recording.
+  std::string page{};                                     ///< For Page: "trial-01.html"
+  std::uint32_t part = 0;                                 ///< For Recording.
   report::Language language = report::Language::English;  ///< For Report and Page: "report-de" in the path is German.
 };
 

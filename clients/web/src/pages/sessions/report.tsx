@@ -8,6 +8,7 @@ import { Notice } from '../../parts/controls';
 import { strings } from '../../strings';
 import { language } from '../../strings/language';
 import { archiveUrl, responseError, useAsked } from './asking';
+import { Download } from './exports';
 
 interface ReportIndex {
   readonly pages: readonly string[]; // HTML only; the pictures are inside
@@ -83,6 +84,7 @@ export const Report = ({ sessionId, testId }: { sessionId: string; testId: strin
         <a class="button" href={url} target="_blank" rel="noopener" data-testid={`${testId}-print`}>
           {report.print}
         </a>
+        <Download label={strings.report.pdf} url={archiveUrl(sessionId, `${folder}/report.pdf`)} isPrepared={false} testId={`${testId}-pdf`} />
       </div>
       <ReportFrame title={report.title(sessionId)} url={url} testId={`${testId}-frame`} />
     </div>

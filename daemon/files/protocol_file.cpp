@@ -265,9 +265,9 @@ Protocol read_protocol_text(const std::string& text, const std::string& name, Pr
   protocol.name = word(reader, "name", kNameLetters);
   protocol.title = line(reader, "title", kLongestTitle, protocol.name);
   protocol.sentence = line(reader, "sentence", kLongestSentence);
-  protocol.translations = translations(reader, [](TomlReader& table, session::Translation& translation) {
-    translation.title = line(table, "title", kLongestTitle);
-    translation.sentence = line(table, "sentence", kLongestSentence);
+  protocol.translations = translations(reader, [](TomlReader& words, session::Translation& translation) {
+    translation.title = line(words, "title", kLongestTitle);
+    translation.sentence = line(words, "sentence", kLongestSentence);
   });
   if (reader.has("rig_kind")) protocol.rig_kind = reader.choice("rig_kind", {"floor", "chair"});
   read_fields(reader, protocol);

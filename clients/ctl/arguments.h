@@ -38,6 +38,7 @@ struct Arguments {
   KeyArguments key;
   SessionArguments session;
   EditArguments edit;
+  SubjectArguments subject{};
   CalibrateArguments calibrate;
 };
 

@@ -10,6 +10,7 @@
 #include "ctl/ask.h"
 #include "ctl/recording_view.h"
 #include "ctl/session_view.h"
+#include "ctl/subject_commands.h"
 
 namespace dts::ctl {
 namespace {
@@ -51,6 +52,10 @@ void print_subject(cli::Console& console, const v1::SubjectRecord& subject) {
     console.out << '\n';
     print_sessions(console, list);
   }
+  if (subject.plan_size() > 0) console.out << '\n';
+  print_plan(console, subject);
+  if (subject.notes_size() > 0) console.out << '\n';
+  print_notes(console, subject);
   if (subject.mentioning_sessions_size() > 0) {
     console.out << "\nthe subject ID also occurs in:";
     for (const std::string& id : subject.mentioning_sessions()) console.out << "\n  " << cli::printable(id);

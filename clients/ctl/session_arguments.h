@@ -43,4 +43,13 @@ struct EditArguments {
   bool is_confirmed = false;        ///< `--yes`
 };
 
+/// Options of the commands about the visits of a subject.
+struct SubjectArguments {
+  std::string measure;  ///< "MVELO"; empty: the usual ones.
+  std::string language = "en";
+  std::string added;          ///< Text of a note, or protocol of a planned session; empty: nothing is added.
+  std::string due_date;       ///< Of the planned session; empty: none.
+  std::uint32_t removed = 0;  ///< Number of a note or a planned session; 0: nothing is removed.
+};
+
 }  // namespace dts::ctl

@@ -11,6 +11,7 @@
 #include "ctl/sessions/recover_command.h"
 #include "ctl/sessions/report_command.h"
 #include "ctl/sessions/verify_command.h"
+#include "ctl/subject_commands.h"
 
 namespace dts::ctl {
 namespace {
@@ -202,12 +203,49 @@ void add_corrections(CommandTree& tree, CLI::App& session) {
 }
 
 void add_subjects(CommandTree& tree) {
-  CLI::App* subject = cli::add_group(tree.line.app, "subject", "List, show and erase the subjects",
-                                     "dtsctl subject list | all subject IDs\ndtsctl subject show P017 | what an erasure would remove\n");
+  CLI::App* subject = cli::add_group(tree.line.app, "subject", "List, show, follow and erase the subjects",
+                                     "dtsctl subject list | all subject IDs\ndtsctl subject trend P017 | results over the visits\n"
+                                     "dtsctl subject show P017 | what an erasure would remove\n");
   add(tree, *subject, "list", "List the subject IDs and their sessions", "dtsctl subject list | with deleted sessions\n", run_subject_list);
   CLI::App* show = add(tree, *subject, "show", "Show everything that has this subject ID", "dtsctl subject show P017 | before an erasure\n",
                        run_subject_show);
   add_id(*show, tree, "ID", "Subject ID");
+  SubjectArguments& wishes = tree.arguments.subject;
+  CLI::App* trend = add(tree, *subject, "trend", "Show how results change from visit to visit, also in plain words",
+                        "dtsctl subject trend P017 | sway, or trunk angle and class\n"
+                        "dtsctl subject trend P017 --measure MVELO_ML | one measure\n"
+                        "dtsctl subject trend P017 --json | all measures, for programs\n",
+                        run_subject_trend);
+  add_id(*trend, tree, "ID", "Subject ID");
+  trend->add_option("--measure", wishes.measure, "Measure, as in dtsctl session show")->option_text("MEASURE");
+  trend->add_option("--language", wishes.language, "Language of the sentences: en or de. Default: en")
+      ->option_text("LANGUAGE")
+      ->check(CLI::IsMember({"en", "de"}));
+  CLI::App* plan = add(tree, *subject, "plan", "Show and change the sessions that are planned for a subject",
+                       "dtsctl subject plan P017 | what is due\n"
+                       "dtsctl subject plan P017 --add romberg --due 2026-12-31 | plan a session\n"
+                       "dtsctl subject plan P017 --remove 3 | remove planned session 3\n",
+                       run_subject_plan);
+  add_id(*plan, tree, "ID", "Subject ID");
+  CLI::Option* planned =
+      plan->add_option("--add", wishes.added, "Protocol of a session to plan")->option_text("PROTOCOL")->check(text_of(1, 200));
+  plan->add_option("--due", wishes.due_date, "Date of this session")->option_text("YYYY-MM-DD")->needs(planned);
+  plan->add_option("--remove", wishes.removed, "Number of the planned session to remove")
+      ->option_text("N")
+      ->check(whole_number_between(1, 1'000'000))
+      ->excludes(planned);
+  CLI::App* notes = add(tree, *subject, "notes", "Show and change the notes about a subject",
+                        "dtsctl subject notes P017 | all notes\n"
+                        "dtsctl subject notes P017 --add \"walks with a stick\" | add a note, never a name\n"
+                        "dtsctl subject notes P017 --remove 2 | remove note 2 for ever\n",
+                        run_subject_notes);
+  add_id(*notes, tree, "ID", "Subject ID");
+  CLI::Option* added =
+      notes->add_option("--add", wishes.added, "Text of a new note, never a name")->option_text("TEXT")->check(text_of(1, 1000));
+  notes->add_option("--remove", wishes.removed, "Number of the note to remove")
+      ->option_text("N")
+      ->check(whole_number_between(1, 1'000'000))
+      ->excludes(added);
   CLI::App* erase = add(tree, *subject, "erase", "Erase a subject for ever: recordings, catalogue, corrections and mentions",
                         "dtsctl subject erase P017 | shows everything and asks first\n"
                         "dtsctl subject erase P017 --yes | for programs: does not ask\n",

@@ -110,6 +110,7 @@ class Gateway {
   StaticFiles files_;
   std::unique_ptr<AccessControl> access_;
   std::unique_ptr<Archive> archive_;
+  std::unique_ptr<Subjects> subjects_;
   ErasureWatch erasures_;
   std::unique_ptr<Routes> routes_;
   std::counting_semaphore<kMostItemsUnderWay> free_places_{kMostItemsUnderWay};
@@ -197,7 +198,10 @@ client::Result<void> Gateway::open_parts() {
   DTS_TRY_ASSIGN(archive_, Archive::open(io_, {.cache_directory = cache}, find_session_through(commands_)));
   std::function<std::string()> metrics;
   if (options_.has_metrics) metrics = [this] { return metrics_text(hub_.status(), counts()); };
-  routes_ = std::make_unique<Routes>(*access_, *archive_, files_, std::move(metrics));
+  subjects_ = std::make_unique<Subjects>(io_, [this](v1::Request request, std::function<void(client::Result<v1::Response>)> answered) {
+    commands_.submit(std::move(request), std::move(answered));
+  });
+  routes_ = std::make_unique<Routes>(*access_, *archive_, *subjects_, files_, std::move(metrics));
   return {};
 }
 

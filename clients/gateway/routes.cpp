@@ -21,6 +21,7 @@ void Routes::handle(HttpRequest request, Respond respond) const {
   if (request.path == "/api/me") return access_.describe_user(request, respond);
   if (request.path == "/metrics" && metrics_) return serve_metrics(request, respond);
   if (!request.path.starts_with("/api/")) return files_.serve(request, respond);
+  if (request.path.starts_with("/api/subjects/")) return serve_subject(request, respond);
   if (!request.path.starts_with("/api/sessions/")) return respond(error_answer(404, "nothing at this path"));
   if (!may_view(request)) return respond(error_answer(401, "not logged in", "log in first"));
   archive_.handle(std::move(request), std::move(respond));
@@ -29,6 +30,13 @@ void Routes::handle(HttpRequest request, Respond respond) const {
 bool Routes::may_view(const HttpRequest& request) const {
   const auto identity = access_.identify(request);
   return identity && may(*identity, v1::ROLE_VIEWER);
+}
+
+void Routes::serve_subject(const HttpRequest& request, const Respond& respond) const {
+  const auto identity = access_.identify(request);
+  if (!identity) return respond(error_answer(401, "not logged in", "log in first"));
+  if (!may(*identity, v1::ROLE_OPERATOR)) return respond(error_answer(403, "subjects need the role operator", "log in as an operator"));
+  subjects_.handle(request, respond);
 }
 
 void Routes::serve_metrics(const HttpRequest& request, const Respond& respond) const {

@@ -86,12 +86,12 @@ class [[gnu::visibility("hidden")]] ControlClient::Implementation {
 
   /// Sets a request id if there is none, sends the request and waits for the answer. Fails unless the answer belongs to the command and
   /// passes its checks.
-  Result<v1::Response> answer(v1::Request&& request, const std::stop_token& stop);
+  Result<v1::Response> answer(v1::Request && request, const std::stop_token& stop);
 
   [[nodiscard]] std::uint64_t ignored_replies() const noexcept { return ignored_replies_; }
 
  private:
-  Result<v1::Response> exchange(v1::Request&& request, const std::stop_token& stop);
+  Result<v1::Response> exchange(v1::Request && request, const std::stop_token& stop);
   [[nodiscard]] milliseconds timeout_of(const v1::Request& request) const;
   void reopen();
   void send(const std::string& request);
@@ -310,6 +310,15 @@ Result<v1::SubjectRecord> ControlClient::show_subject(const std::string& subject
   command.set_subject(subject);
   return call<v1::SubjectRecord>(command);
 }
+
+Result<v1::SubjectRecord> ControlClient::show_subject_results(const std::string& subject) {
+  v1::ShowSubjectRequest command;
+  command.set_subject(subject);
+  command.set_with_results(true);
+  return call<v1::SubjectRecord>(command);
+}
+
+Result<v1::SubjectRecord> ControlClient::edit_subject(const v1::EditSubjectRequest& edit) { return call<v1::SubjectRecord>(edit); }
 
 Result<v1::EraseSubjectResponse> ControlClient::erase_subject(const std::string& subject) {
   v1::EraseSubjectRequest command;

@@ -202,7 +202,9 @@ Result<void> check(const v1::ListSubjectsResponse& subjects) { return check_coun
 
 Result<void> check(const v1::SubjectRecord& subject) {
   auto valid = first_failure(check_count(subject.sessions_size(), kMaxSessions, "sessions"),
-                             check_count(subject.mentioning_sessions_size(), kMaxSessions, "sessions"));
+                             check_count(subject.mentioning_sessions_size(), kMaxSessions, "sessions"),
+                             check_count(subject.notes_size(), kMaxSessions, "notes"),
+                             check_count(subject.plan_size(), kMaxSessions, "planned sessions"));
   for (const v1::SessionRecord& session : subject.sessions()) {
     if (valid) valid = check(session);
   }

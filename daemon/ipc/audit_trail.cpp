@@ -64,11 +64,24 @@ std::string login_text(const dts::v1::NoteLoginRequest& login) {
   return (login.user().empty() ? "unknown name" : login.user()) + " from " + login.address() + more;
 }
 
+/// Returns what was changed, without the subject ID and the text.
+std::string edit_text(const dts::v1::EditSubjectRequest& edit) {
+  switch (edit.change_case()) {
+    case dts::v1::EditSubjectRequest::kAddNote: return "note added";
+    case dts::v1::EditSubjectRequest::kRemoveNote: return "note removed";
+    case dts::v1::EditSubjectRequest::kAddPlan: return "session planned";
+    case dts::v1::EditSubjectRequest::kRemovePlan: return "planned session removed";
+    case dts::v1::EditSubjectRequest::CHANGE_NOT_SET: break;
+  }
+  return "";
+}
+
 std::string target_of(session::Supervisor& supervisor, const dts::v1::Request& request, const dts::v1::Response& response) {
   if (response.has_note_login()) return login_text(request.note_login());
   if (response.has_session()) return response.session().session_id();
   if (const auto key = key_of(request)) return *key;
   if (request.has_erase_subject()) return "";  // never the subject ID
+  if (request.has_edit_subject()) return edit_text(request.edit_subject());
   if (request.has_correct_session() || request.has_delete_session()) return known_session(supervisor, asked_target(request));
   return known_target(supervisor, asked_target(request));
 }

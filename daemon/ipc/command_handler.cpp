@@ -53,6 +53,7 @@ CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request, cons
     case dts::v1::Request::kDeleteSession: return {delete_session(request.delete_session(), author)};
     case dts::v1::Request::kListSubjects: return {list_subjects()};
     case dts::v1::Request::kShowSubject: return {show_subject(request.show_subject())};
+    case dts::v1::Request::kEditSubject: return {edit_subject(request.edit_subject(), author)};
     case dts::v1::Request::kEraseSubject: return erase_subject(request.erase_subject(), author);
     case dts::v1::Request::COMMAND_NOT_SET: break;
   }

@@ -82,6 +82,7 @@ class CommandHandler {
   dts::v1::Response delete_session(const dts::v1::DeleteSessionRequest& request, const std::string& author);
   dts::v1::Response list_subjects();
   dts::v1::Response show_subject(const dts::v1::ShowSubjectRequest& request);
+  dts::v1::Response edit_subject(const dts::v1::EditSubjectRequest& request, const std::string& author);
   Answer erase_subject(const dts::v1::EraseSubjectRequest& request, const std::string& author);
   [[nodiscard]] std::optional<dts::v1::Response> finish_erasure();
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/encode_session.h"
 
+#include <set>
+
 #include "record/old_event.h"
 #include "record/utf8_text.h"
 
@@ -273,7 +275,37 @@ dts::v1::SubjectInfo subject_info(const record::SubjectRow& row) {
   out.set_first_utc_ns(row.first_utc_ns);
   out.set_last_utc_ns(row.last_utc_ns);
   out.set_bytes(row.bytes);
+  for (const std::string& rig : row.rigs) out.add_rigs(clean_text(rig));
   return out;
+}
+
+void add_notes(const record::SubjectNotes& notes, const std::vector<record::SessionRow>& sessions, dts::v1::SubjectRecord& out) {
+  for (const record::SubjectNote& note : notes.notes) {
+    auto& added = *out.add_notes();
+    added.set_number(note.number);
+    added.set_utc_ns(note.utc_ns);
+    added.set_who(clean_text(note.who));
+    added.set_text(clean_text(note.text));
+  }
+  std::set<std::string> taken;
+  for (const record::PlannedSession& planned : notes.plan) {
+    auto& added = *out.add_plan();
+    added.set_number(planned.number);
+    added.set_protocol(clean_text(planned.protocol));
+    added.set_due_date(clean_text(planned.due_date));
+    added.set_planned_utc_ns(planned.utc_ns);
+    added.set_who(clean_text(planned.who));
+    const record::SessionRow* done = nullptr;
+    for (const record::SessionRow& session : sessions) {
+      const std::string state = record::state_of(session);
+      const bool fits = session.protocol == planned.protocol && session.started_utc_ns >= planned.utc_ns && !session.is_deleted &&
+                        (state == "complete" || state == "recovered") && !taken.contains(session.id);
+      if (fits && (done == nullptr || session.started_utc_ns < done->started_utc_ns)) done = &session;
+    }
+    if (done == nullptr) continue;
+    taken.insert(done->id);
+    added.set_session_id(done->id);
+  }
 }
 
 dts::v1::SessionResult session_result(const record::ResultRow& row) {

@@ -22,6 +22,9 @@ void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<d
 /// Returns the session for a list: without the texts of its corrections, so that an answer stays small.
 [[nodiscard]] dts::v1::SessionRecord listed_session(const record::SessionRow& row, std::uint32_t planned_trials);
 [[nodiscard]] dts::v1::SubjectInfo subject_info(const record::SubjectRow& row);
+/// Adds notes and plan of a subject. Each complete session of the subject does the oldest planned session of its protocol that was planned
+/// before it started.
+void add_notes(const record::SubjectNotes& notes, const std::vector<record::SessionRow>& sessions, dts::v1::SubjectRecord& out);
 [[nodiscard]] dts::v1::SessionResult session_result(const record::ResultRow& row);
 [[nodiscard]] dts::v1::AuditEntry audit_entry(const record::AuditEntry& entry);
 [[nodiscard]] dts::v1::DiskStatus disk_status(const session::DiskView& view);

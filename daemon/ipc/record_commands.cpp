@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The commands of CommandHandler that correct, delete and erase what was recorded.
+#include <algorithm>
+
 #include "ipc/command_handler.h"
 #include "ipc/encode_session.h"
 #include "record/utf8_text.h"
@@ -12,6 +14,7 @@ using core::ErrorCode;
 // These keep an answer below a few MB. Its time on the control thread grows with the number of sessions, because the catalogue must look at
 // all of them. The catalogue reads details only for what is listed.
 constexpr std::size_t kMostSessions = 1000;
+constexpr std::size_t kMostWithResults = 200;
 constexpr std::size_t kMostSubjects = 10'000;
 constexpr const char* kBackups =
     "Backups and copies still have this subject. Replace each backup by a new one, or note the subject ID in the list of erasures that "
@@ -48,9 +51,17 @@ dts::v1::Response CommandHandler::list_subjects() {
   if (!subjects) return error_response(subjects.error());
   const auto all = subjects->size() < kMostSubjects ? subjects->size() : catalogue.count_subjects();
   if (!all) return error_response(all.error());
+  const auto noted = supervisor_.recordings().subjects_with_notes();
+  if (!noted) return error_response(noted.error());
   dts::v1::Response response;
   auto& out = *response.mutable_subjects();
-  for (const record::SubjectRow& subject : *subjects) *out.add_subjects() = subject_info(subject);
+  auto listed = *subjects;
+  for (const std::string& id : *noted) {  // a planned subject whose sessions were given another ID is not lost
+    const bool is_listed = std::ranges::find(*subjects, id, &record::SubjectRow::subject) != subjects->end();
+    if (!is_listed && listed.size() < kMostSubjects && *all == subjects->size()) listed.push_back({.subject = id});
+  }
+  std::ranges::sort(listed, {}, &record::SubjectRow::subject);
+  for (const record::SubjectRow& subject : listed) *out.add_subjects() = subject_info(subject);
   out.set_more_subjects(static_cast<std::uint32_t>(*all - subjects->size()));
   return response;
 }
@@ -61,7 +72,9 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
   if (!found) return error_response(found.error());
   const auto mentioning = recordings.sessions_mentioning(request.subject(), kMostSessions);
   if (!mentioning) return error_response(mentioning.error());
-  if (request.subject().empty() || (found->empty() && mentioning->sessions.empty())) {
+  const auto notes = recordings.subject_notes(request.subject());
+  if (!notes) return error_response(notes.error());
+  if (request.subject().empty() || (found->empty() && mentioning->sessions.empty() && notes->is_empty())) {
     return error_response({ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list"});
   }
   const auto rows = recordings.catalogue().sessions({.subject = request.subject(), .limit = kMostSessions, .shown = record::Shown::Both});
@@ -69,11 +82,42 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
   dts::v1::Response response;
   auto& out = *response.mutable_subject();
   *out.mutable_about() = subject_info(found->empty() ? record::SubjectRow{.subject = request.subject()} : found->front());
-  for (const record::SessionRow& row : *rows) {
-    *out.add_sessions() = listed_session(recordings.corrected(row), supervisor_.planned_trials(row));
+  std::vector<record::SessionRow> present;
+  for (const record::SessionRow& row : *rows) present.push_back(recordings.corrected(row));
+  add_notes(*notes, present, out);
+  if (request.with_results() && present.size() > kMostWithResults) present.resize(kMostWithResults);
+  for (const record::SessionRow& row : present) {
+    auto& session = *out.add_sessions();
+    session = listed_session(row, supervisor_.planned_trials(row));
+    if (!request.with_results()) continue;
+    const auto results = recordings.catalogue().results(row.id);
+    if (!results) return error_response(results.error());
+    for (const record::ResultRow& result : *results) *session.add_results() = session_result(result);
   }
   for (const std::string& id : mentioning->sessions) out.add_mentioning_sessions(id);
   out.set_unsearched_sessions(static_cast<std::uint32_t>(mentioning->unsearched));
+  return response;
+}
+
+dts::v1::Response CommandHandler::edit_subject(const dts::v1::EditSubjectRequest& request, const std::string& author) {
+  session::SubjectEdit edit{.subject = request.subject()};
+  switch (request.change_case()) {
+    case dts::v1::EditSubjectRequest::kAddNote: edit.change = session::AddNote{request.add_note()}; break;
+    case dts::v1::EditSubjectRequest::kRemoveNote: edit.change = session::RemoveNote{request.remove_note()}; break;
+    case dts::v1::EditSubjectRequest::kAddPlan:
+      edit.change = session::AddPlan{.protocol = request.add_plan().protocol(), .due_date = request.add_plan().due_date()};
+      break;
+    case dts::v1::EditSubjectRequest::kRemovePlan: edit.change = session::RemovePlan{request.remove_plan()}; break;
+    case dts::v1::EditSubjectRequest::CHANGE_NOT_SET: break;
+  }
+  if (auto changed = supervisor_.edit_subject(edit, author); !changed) return error_response(changed.error());
+  dts::v1::ShowSubjectRequest shown;
+  shown.set_subject(request.subject());
+  dts::v1::Response response = show_subject(shown);
+  // The last entry of a subject without sessions was removed: nothing has its ID any more.
+  if (response.has_error() && response.error().code() == dts::v1::ERROR_CODE_NOT_FOUND) {
+    response.mutable_subject()->mutable_about()->set_subject(request.subject());
+  }
   return response;
 }
 

@@ -20,6 +20,7 @@
 #include "core/log.h"
 #include "record/catalogue/catalogue.h"
 #include "record/catalogue/erasure.h"
+#include "record/catalogue/subject_notes.h"
 #include "session/record_thread.h"
 #include "session/rig.h"
 #include "session/storage.h"
@@ -116,6 +117,12 @@ class Recordings {
   /// `most_searched` of the sessions that have its text somewhere.
   [[nodiscard]] core::Result<Mentions> sessions_mentioning(const std::string& subject,
                                                            std::size_t most_searched = std::numeric_limits<std::size_t>::max()) const;
+  /// Returns what people wrote about a subject. Fails with DataDamaged, naming the file.
+  [[nodiscard]] core::Result<record::SubjectNotes> subject_notes(const std::string& subject) const;
+  /// Returns the IDs of all subjects that have notes or a plan, sorted.
+  [[nodiscard]] core::Result<std::vector<std::string>> subjects_with_notes() const;
+  /// Replaces what people wrote about a subject. Fails with WrongState while the subject is erased.
+  [[nodiscard]] core::Status keep_notes(const record::SubjectNotes& notes);
   /// Begins to erase a subject: its sessions are in no list any more when this returns; a thread removes the files. Fails with NotFound if
   /// no session has or had this subject ID, with WrongState while one of its sessions runs or a file of its recordings is missing, while
   /// repaired copies are made or during another erasure, and with NotAllowed if a recording is a link or outside the folder of the

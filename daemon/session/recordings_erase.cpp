@@ -160,8 +160,23 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
   return {};
 }
 
+core::Result<record::SubjectNotes> Recordings::subject_notes(const std::string& subject) const {
+  return record::read_subject_notes(config_.directory, subject);
+}
+
+core::Result<std::vector<std::string>> Recordings::subjects_with_notes() const { return record::subjects_with_notes(config_.directory); }
+
+core::Status Recordings::keep_notes(const record::SubjectNotes& notes) {
+  if (erasure_ && erasure_->subject == notes.subject) {
+    return core::fail(ErrorCode::WrongState, "this subject is being erased", "wait a minute, then see dtsctl subject list");
+  }
+  return record::write_subject_notes(config_.directory, notes);
+}
+
 core::Status Recordings::erase_rows(record::Erasure& erasure) {
   DTS_TRY(catalogue_->erase(erasure.sessions));
+  DTS_TRY(record::remove_subject_notes(config_.directory, erasure.subject));
+  DTS_TRY(record::remove_mentions_in_notes(config_.directory, erasure.subject));
   return remove_mentions(erasure);
 }
 
@@ -183,7 +198,8 @@ core::Status Recordings::begin_erasure(const std::string& subject, const std::st
   }
   DTS_TRY_ASSIGN(const auto sessions, catalogue_->sessions({.subject = subject, .limit = kMostSessions, .shown = record::Shown::Both}));
   DTS_TRY_ASSIGN(const auto mentioning, sessions_mentioning(subject));
-  bool is_known = erasure_ || !sessions.empty();
+  DTS_TRY_ASSIGN(const auto noted, subjects_with_notes());
+  bool is_known = erasure_ || !sessions.empty() || std::ranges::binary_search(noted, subject);
   for (const std::string& id : mentioning.sessions) {
     DTS_TRY_ASSIGN(const auto session, catalogue_->session_texts(id));
     is_known = is_known || had_subject(session, subject);

@@ -14,6 +14,7 @@
 #include "session/correction_request.h"
 #include "session/rig.h"
 #include "session/rig_session.h"
+#include "session/subject_edit.h"
 
 namespace dts::session {
 
@@ -95,6 +96,8 @@ class Supervisor {
   /// not.
   [[nodiscard]] core::Result<record::SessionRow> delete_session(const std::string& id, const std::string& reason, bool is_restore,
                                                                 const std::string& who);
+  /// Adds or removes a note or a planned session of a subject. Fails like `edited`, and with NotFound if nothing has this subject ID.
+  [[nodiscard]] core::Status edit_subject(const SubjectEdit& edit, const std::string& who);
   /// Begins to erase a subject: see `Recordings::begin_erasure`.
   [[nodiscard]] core::Status erase_subject(const std::string& subject, const std::string& who);
 

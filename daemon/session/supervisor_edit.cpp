@@ -45,6 +45,18 @@ core::Result<record::SessionRow> Supervisor::corrected_session(const record::Ses
   return changed;
 }
 
+core::Status Supervisor::edit_subject(const SubjectEdit& edit, const std::string& who) {
+  Recordings& recordings = services_.recordings;
+  DTS_TRY_ASSIGN(auto notes, recordings.subject_notes(edit.subject));
+  DTS_TRY_ASSIGN(const auto found, recordings.catalogue().subjects({.subject = edit.subject, .limit = 1}));
+  if (edit.subject.empty() || (found.empty() && notes.is_empty())) {
+    return core::fail(core::ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list");
+  }
+  const EditAuthor author{.who = who, .utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns()};
+  DTS_TRY_ASSIGN(const auto changed, edited(std::move(notes), edit, author, services_.protocols, services_.label_rule));
+  return recordings.keep_notes(changed);
+}
+
 core::Status Supervisor::erase_subject(const std::string& subject, const std::string& who) {
   for (auto& [rig_name, entry] : entries_) {
     if (!entry.session.is_under_way() || entry.session.view(clock_.now_ns()).request.subject != subject) continue;

@@ -547,7 +547,8 @@ core::Result<std::vector<SubjectRow>> Catalogue::subjects(const SubjectFilter& f
   return rows_of(implementation_->database.query(
                      "SELECT COALESCE(sessions.corrected_subject, subjects.pseudonym, '') AS subject, count(*), sum(sessions.is_deleted),"
                      " min(sessions.started_utc_ns), max(sessions.started_utc_ns),"
-                     " COALESCE(sum((SELECT sum(bytes) FROM parts WHERE parts.session_id = sessions.id)), 0)"
+                     " COALESCE(sum((SELECT sum(bytes) FROM parts WHERE parts.session_id = sessions.id)), 0),"
+                     " group_concat(DISTINCT sessions.rig)"
                      " FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id"
                      " WHERE subject <> '' AND (?1 = '' OR subject = ?1) GROUP BY subject ORDER BY subject LIMIT ?2",
                      filter.subject, filter.limit),

@@ -177,6 +177,7 @@ struct SubjectRow {
   std::int64_t first_utc_ns = 0;  ///< Starts of the oldest and the newest session.
   std::int64_t last_utc_ns = 0;
   std::uint64_t bytes = 0;
+  std::vector<std::string> rigs{};  ///< Leading rigs of its sessions, sorted.
 
   friend bool operator==(const SubjectRow&, const SubjectRow&) = default;
 };

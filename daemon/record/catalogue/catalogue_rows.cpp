@@ -2,6 +2,7 @@
 #include "record/catalogue/catalogue_rows.h"
 
 #include <algorithm>
+#include <sstream>
 #include <string_view>
 
 #include "record/losses.h"
@@ -162,6 +163,9 @@ SubjectRow read_subject(Statement& row) {
   subject.first_utc_ns = row.integer(3);
   subject.last_utc_ns = row.integer(4);
   subject.bytes = row.count(5);
+  std::istringstream rigs(row.text(6));  // names of rigs have no comma
+  for (std::string rig; std::getline(rigs, rig, ',');) subject.rigs.push_back(rig);
+  std::ranges::sort(subject.rigs);
   return subject;
 }
 

@@ -19,9 +19,12 @@ class RoutesTest : public AccessControlTest {
     archive_ = Archive::open(io_, {.cache_directory = directory_.path() / "cache"}, [](const std::string&, const auto& found) {
                  found(client::fail(client::ErrorCode::NotFound, "no such session"));
                }).value();
+    subjects_ = std::make_unique<Subjects>(io_, [](const v1::Request& /*request*/, const auto& answered) {
+      answered(client::fail(client::ErrorCode::NotFound, "no session has this subject ID"));
+    });
   }
   HttpResponse answer(const HttpRequest& asked, bool has_metrics = true) {
-    const Routes routes(*access_, *archive_, *files_,
+    const Routes routes(*access_, *archive_, *subjects_, *files_,
                         has_metrics ? [] { return std::string("dts_up 1"); } : std::function<std::string()>());
     routes.handle(asked, keep());
     return wait_for(1).front();
@@ -29,6 +32,7 @@ class RoutesTest : public AccessControlTest {
 
   std::optional<StaticFiles> files_;
   std::unique_ptr<Archive> archive_;
+  std::unique_ptr<Subjects> subjects_;
 };
 
 TEST_F(RoutesTest, EveryPath_IsForItsPartAndForWhoMay) {
@@ -46,6 +50,7 @@ TEST_F(RoutesTest, EveryPath_IsForItsPartAndForWhoMay) {
     EXPECT_EQ(status("POST", "/api/me", is_anna), 405U);
     EXPECT_EQ(status("DELETE", "/api/sessions/s1/report", is_anna), 405U);
     EXPECT_EQ(status("GET", "/api/sessions/s1/report/", is_anna), is_anna ? 404U : 401U);
+    EXPECT_EQ(status("GET", "/api/subjects/P017", is_anna), is_anna ? 404U : 401U);
     EXPECT_EQ(status("GET", "/metrics", is_anna), is_anna ? 200U : 401U);
   }
   EXPECT_EQ(header_of(answer(request("POST", "/")), "Allow"), "GET, HEAD");

@@ -115,6 +115,31 @@ TEST_F(CommandsTest, AbortWithAReasonAgainstTheRule_EndsTheSessionWithoutTheReas
   EXPECT_NE(ask("show_session { session_id: 'ID' }").find("message: \"Subject fell. Stopped at once\""), std::string::npos);
 }
 
+TEST_F(CommandsTest, APlannedSessionIsDoneByASessionAndAnErasureRemovesNotesAndPlan) {
+  start();
+  make_handler();
+  static_cast<void>(record(10, {.subject = "P1"}));
+  ASSERT_TRUE(stop());
+  static_cast<void>(record(10, {.subject = "P2"}));
+  ASSERT_TRUE(stop());
+  for (const char* edit : {"subject: 'P1' add_plan { protocol: 'free' }", "subject: 'P1' add_plan { protocol: 'free' }",
+                           "subject: 'P1' add_note: 'New shoes'", "subject: 'P2' add_note: 'Like P1'"}) {
+    ASSERT_NE(ask("edit_subject { " + std::string(edit) + " }").find("subject {"), std::string::npos) << edit;
+  }
+  static_cast<void>(record(10, {.subject = "P1"}));
+  ASSERT_TRUE(stop());
+  const auto subject = message_of<v1::Response>(ask("show_subject { subject: 'P1' }")).subject();
+  ASSERT_EQ(subject.plan_size(), 2);
+  EXPECT_NE(subject.plan(0).session_id(), "") << "the session after it";
+  EXPECT_EQ(subject.plan(1).session_id(), "") << "one session does one planned session";
+  EXPECT_EQ(subject.notes_size(), 1);
+
+  ASSERT_NE(ask("erase_subject { subject: 'P1' }").find("erased { sessions: 2 "), std::string::npos);
+  EXPECT_NE(ask("show_subject { subject: 'P1' }").find("NOT_FOUND"), std::string::npos);
+  EXPECT_EQ(ask("list_subjects {}").find("P1"), std::string::npos);
+  EXPECT_EQ(message_of<v1::Response>(ask("show_subject { subject: 'P2' }")).subject().notes(0).text(), "Like [erased]");
+}
+
 TEST_F(CommandsTest, OnARigThatStreams) {
   session::Protocol stand{.name = "stand"};
   stand.fields = {{.name = "age", .minimum = 1, .maximum = 100}};
@@ -203,6 +228,18 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"show_subject { subject: 'P9' }", "subject { about { subject: \"P9\" sessions: 1 "},
       {"show_subject { subject: 'Jane Doe' }", error("NOT_FOUND")},
       {"show_subject {}", error("NOT_FOUND")},
+      {"edit_subject { subject: 'P9' }", error("INVALID_ARGUMENT"), "local edit_subject invalid_argument"},
+      {"edit_subject { subject: 'Jane Doe' add_note: 'tired' }", error("NOT_FOUND"), "local edit_subject [note added] not_found"},
+      {"edit_subject { subject: 'P9' add_note: 'two\\nlines' }", error("INVALID_ARGUMENT"),
+       "local edit_subject [note added] invalid_argument"},
+      {"edit_subject { subject: 'P9' add_note: 'Walks with a stick' } on_behalf_of: 'anna'",
+       "subject { about { subject: \"P9\" sessions: 1 ", "local:anna edit_subject [note added] ok"},
+      {"edit_subject { subject: 'P9' add_plan { protocol: 'stand' due_date: '2026-02-30' } }", error("INVALID_ARGUMENT"),
+       "local edit_subject [session planned] invalid_argument"},
+      {"edit_subject { subject: 'P9' add_plan { protocol: 'hop' } }", error("NOT_FOUND"), "local edit_subject [session planned] not_found"},
+      {"edit_subject { subject: 'P9' add_plan { protocol: 'free' due_date: '2026-12-31' } }", "subject { about { subject: \"P9\" ",
+       "local edit_subject [session planned] ok"},
+      {"edit_subject { subject: 'P9' remove_note: 7 }", error("NOT_FOUND"), "local edit_subject [note removed] not_found"},
       {"erase_subject { subject: 'Jane Doe' }", error("NOT_FOUND"), "local erase_subject not_found"},
       {"erase_subject {}", error("NOT_FOUND"), "local erase_subject not_found"},
   });
@@ -212,6 +249,15 @@ TEST_F(CommandsTest, OnARigThatStreams) {
   const auto in_list = message_of<v1::Response>(ask("list_sessions { subject: 'P9' }")).sessions().sessions(0);
   ASSERT_EQ(in_list.corrections_size(), 3);
   EXPECT_EQ(in_list.corrections(0).new_value() + in_list.corrections(0).reason(), "") << "lists have no texts";
+  const auto noted = message_of<v1::Response>(ask("show_subject { subject: 'P9' with_results: true }")).subject();
+  ASSERT_EQ(noted.notes_size(), 1);
+  EXPECT_EQ(noted.notes(0).who() + " " + noted.notes(0).text(), "local:anna Walks with a stick");
+  ASSERT_EQ(noted.plan_size(), 1);
+  EXPECT_EQ(noted.plan(0).protocol() + " " + noted.plan(0).due_date() + " " + noted.plan(0).session_id(), "free 2026-12-31 ")
+      << "the session is older than the plan";
+  EXPECT_EQ(noted.about().rigs(0), "floor");
+  const auto unplanned = message_of<v1::Response>(ask("edit_subject { subject: 'P9' remove_plan: 2 }")).subject();
+  EXPECT_EQ(unplanned.plan_size(), 0);
   static_cast<void>(record(10, {.subject = "P55"}));
   ASSERT_TRUE(stop());
   static_cast<void>(new_entries());

@@ -104,6 +104,11 @@ class DTS_API ControlClient {
   [[nodiscard]] Result<v1::ListSubjectsResponse> list_subjects();
   /// Returns everything that has this subject ID. Fails with NotFound if nothing has it.
   [[nodiscard]] Result<v1::SubjectRecord> show_subject(const std::string& subject);
+  /// The same with the results of its newest 200 sessions.
+  [[nodiscard]] Result<v1::SubjectRecord> show_subject_results(const std::string& subject);
+  /// Adds or removes a note or a planned session of a subject and returns the subject. Needs the role operator. Fails with NotFound if
+  /// nothing has this subject ID, and with InvalidArgument for a text that is not allowed.
+  [[nodiscard]] Result<v1::SubjectRecord> edit_subject(const v1::EditSubjectRequest& edit);
   /// Erases a subject for ever and waits until its files are removed. Needs the role engineer. Fails with NotFound if nothing has this
   /// subject ID, with WrongState while a session of the subject runs, with NotAllowed if a recording is a link or outside the daemon's
   /// folder, and with Timeout if removing takes long: the daemon continues.

@@ -300,6 +300,11 @@ class Daemon:
         wanted = sessions_pb2.ShowSubjectRequest(subject=subject)
         return self._control.call(control_pb2.Request(show_subject=wanted)).subject
 
+    def subject_results(self, subject: str) -> sessions_pb2.SubjectRecord:
+        """The same with the results of its newest 200 sessions."""
+        wanted = sessions_pb2.ShowSubjectRequest(subject=subject, with_results=True)
+        return self._control.call(control_pb2.Request(show_subject=wanted)).subject
+
     def erase_subject(self, subject: str) -> sessions_pb2.EraseSubjectResponse:
         """Erases a subject for ever: recordings, catalogue, corrections. Waits until the files are removed.
 

@@ -215,7 +215,7 @@ TEST_F(CorrectionsTest, SubjectsAreCountedWithTheirCorrectedIds) {
   ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Deleted, "no", "yes")}, "s2")));
   const auto subjects = catalogue().subjects().value();
   ASSERT_EQ(subjects.size(), 2U);
-  EXPECT_EQ(subjects[0], (SubjectRow{.subject = "A1", .sessions = 1, .first_utc_ns = 1000, .last_utc_ns = 1000}));
+  EXPECT_EQ(subjects[0], (SubjectRow{.subject = "A1", .sessions = 1, .first_utc_ns = 1000, .last_utc_ns = 1000, .rigs = {"floor"}}));
   EXPECT_EQ(subjects[1].sessions, 2U);
   EXPECT_EQ(subjects[1].deleted_sessions, 1U);
   EXPECT_EQ(catalogue().count_subjects().value(), 2U);

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "visits/series.h"
+
+namespace dts::visits {
+
+/// How much a measure differs between two days although nothing has changed.
+struct Retest {
+  double percent = 0.0;  ///< Of the earlier value: 95 % of the differences between two days are smaller.
+  const char* source = "";
+};
+
+/// Returns the published variation of a measure between two days; nullptr if none is known. Nothing is estimated here: see the README.
+[[nodiscard]] const Retest* retest_of(const Series& series) noexcept;
+
+}  // namespace dts::visits

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "visits/series.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tuple>
+#include <utility>
+
+#include "session/figure.h"
+#include "visits/details.h"
+
+namespace dts::visits {
+namespace {
+
+using Json = nlohmann::json;
+using Key = std::tuple<std::string, std::string, std::string, std::string>;
+
+constexpr std::size_t kMostTargets = 100;
+constexpr double kSameDurationS = 0.1;
+constexpr double kSameTargetCm = 1.0;
+
+/// How a result was computed, as far as its details say.
+struct Analysis {
+  std::string profile;
+  std::optional<double> rate_hz{};
+  std::optional<double> duration_s{};
+  std::optional<double> target_cm{};
+};
+
+struct Found {
+  Point point;
+  std::string unit;
+  Analysis analysis;
+};
+
+bool is_near(const std::optional<double>& one, const std::optional<double>& other, double tolerance) {
+  return one.has_value() == other.has_value() && (!one || std::abs(*one - *other) <= tolerance);
+}
+
+bool is_same(const Analysis& one, const Analysis& other) {
+  return one.profile == other.profile && is_near(one.rate_hz, other.rate_hz, 1e-6) &&
+         is_near(one.duration_s, other.duration_s, kSameDurationS) && is_near(one.target_cm, other.target_cm, kSameTargetCm);
+}
+
+/// Returns the median class of the classified reaches; nothing without one.
+std::optional<double> median_class(const Json& target) {
+  const auto classes = target.find("classes");
+  if (classes == target.end() || !classes->is_object()) return std::nullopt;
+  constexpr std::array kNames{"none", "minor", "moderate", "maximum"};
+  std::array<std::uint32_t, kNames.size()> counts{};
+  std::uint32_t all = 0;
+  for (std::size_t index = 0; index < kNames.size(); ++index) all += counts[index] = count_in(*classes, kNames[index]).value_or(0);
+  if (all == 0) return std::nullopt;
+  const auto class_at = [&counts](std::uint32_t rank) {
+    std::size_t found = 0;
+    for (std::uint32_t sum = counts[0]; sum <= rank; sum += counts[found]) ++found;
+    return static_cast<double>(found);
+  };
+  return (class_at((all - 1) / 2) + class_at(all / 2)) / 2.0;
+}
+
+class Collector {
+ public:
+  void add(const v1::SessionRecord& session) {
+    if (session.is_deleted() || session.state() == "running") return;
+    for (const v1::SessionResult& result : session.results()) {
+      const auto [name, part] = session::without_part_suffix(result.name());
+      if (part > 1 || !std::isfinite(result.value())) continue;
+      const Json details = details_of(result);
+      if (name == "targets") {
+        add_targets(session, details);
+        continue;
+      }
+      const std::size_t slash = name.rfind('/');
+      const bool has_condition = slash != std::string::npos;
+      add_point(session, has_condition ? name.substr(0, slash) : "", has_condition ? name.substr(slash + 1) : name, result.unit(),
+                result.value(), details, {});
+    }
+  }
+
+  [[nodiscard]] std::vector<Series> take() {
+    std::vector<Series> all;
+    for (auto& [key, found] : found_) {
+      std::ranges::sort(found, {}, [](const Found& one) { return std::pair(one.point.utc_ns, one.point.session_id); });
+      const Found& newest = found.back();
+      Series series{.rig = std::get<0>(key),
+                    .protocol = std::get<1>(key),
+                    .condition = std::get<2>(key),
+                    .measure = std::get<3>(key),
+                    .unit = newest.unit};
+      for (const Found& one : found) {
+        series.points.push_back(one.point);
+        series.points.back().is_comparable = one.unit == newest.unit && is_same(one.analysis, newest.analysis);
+      }
+      all.push_back(std::move(series));
+    }
+    return all;
+  }
+
+ private:
+  void add_targets(const v1::SessionRecord& session, const Json& details) {
+    const auto targets = details.find("targets");
+    if (targets == details.end() || !targets->is_array()) return;
+    for (std::size_t index = 0; index < std::min(targets->size(), kMostTargets); ++index) {
+      const Json& target = (*targets)[index];
+      const auto condition = target.is_object() ? target.find("condition") : target.end();
+      if (!target.is_object() || condition == target.end() || !condition->is_string()) continue;
+      const auto name = condition->get<std::string>();
+      const auto add = [&](const char* measure, const char* unit, std::optional<double> value, const char* spread) {
+        if (value) add_point(session, name, measure, unit, *value, target, spread);
+      };
+      add("trunk_mean_deg", "deg", number_in(target, "trunk_mean_deg"), "trunk_sd_deg");
+      add("trunk_sd_deg", "deg", number_in(target, "trunk_sd_deg"), "");
+      add("d2_mean_mm", "mm", number_in(target, "d2_mean_mm"), "d2_sd_mm");
+      add("trunk_class", "1", median_class(target), "");
+    }
+  }
+
+  /// `spread`: member of the details; empty: "sd".
+  void add_point(const v1::SessionRecord& session, const std::string& condition, const std::string& measure, const std::string& unit,
+                 double value, const Json& details, const std::string& spread) {
+    Analysis analysis{.rate_hz = number_in(details, "rate_hz"),
+                      .duration_s = number_in(details, "duration_s"),
+                      .target_cm = number_in(details, "target_cm")};
+    const auto profile = details.find("profile");
+    if (profile != details.end() && profile->is_string()) analysis.profile = profile->get<std::string>();
+    const bool has_reaches = details.contains("reaches_detected");
+    Point point{.session_id = session.session_id(),
+                .utc_ns = session.started_utc_ns(),
+                .value = value,
+                .spread = number_in(details, spread.empty() ? "sd" : spread.c_str()),
+                .trials = count_in(details, has_reaches ? "reaches_detected" : "trials").value_or(0)};
+    found_[{session.rig(), session.protocol(), condition, measure}].push_back(
+        {.point = std::move(point), .unit = unit, .analysis = std::move(analysis)});
+  }
+
+  std::map<Key, std::vector<Found>> found_;
+};
+
+}  // namespace
+
+std::vector<Series> series_of(const v1::SubjectRecord& subject) {
+  Collector collector;
+  for (const v1::SessionRecord& session : subject.sessions()) collector.add(session);
+  return collector.take();
+}
+
+std::vector<Point> comparable_points(const Series& series) {
+  std::vector<Point> points;
+  std::ranges::copy_if(series.points, std::back_inserter(points), &Point::is_comparable);
+  return points;
+}
+
+}  // namespace dts::visits

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "visits/document.h"
+#include "visits/plain_words.h"
+#include "visits/retest.h"
+#include "visits/series.h"
+
+namespace dts::visits {
+namespace {
+
+constexpr std::int64_t kDayNs = 86'400'000'000'000;
+constexpr std::int64_t kFirstNs = 1'795'000'000'000'000'000;  // 2026-11-18 UTC
+
+v1::SessionRecord session_on(int day, const std::string& rig, const std::string& protocol) {
+  v1::SessionRecord session;
+  session.set_session_id(rig + "-" + std::to_string(day));
+  session.set_rig(rig);
+  session.set_protocol(protocol);
+  session.set_state("complete");
+  session.set_started_utc_ns(kFirstNs + day * kDayNs);
+  return session;
+}
+
+void add_result(v1::SessionRecord& session, const std::string& name, double value, const std::string& unit, const std::string& details) {
+  auto& result = *session.add_results();
+  result.set_name(name);
+  result.set_value(value);
+  result.set_unit(unit);
+  result.set_details(details);
+}
+
+constexpr const char* kAnalysis = R"({"trials":2,"sd":1.5,"profile":"lp10","rate_hz":100,"duration_s":30})";
+
+v1::SessionRecord standing_on(int day, double ellipse_mm2, double velocity_ml) {
+  v1::SessionRecord session = session_on(day, "floor", "romberg");
+  add_result(session, "eyes-open/PEA95_F", ellipse_mm2, "mm2", kAnalysis);
+  add_result(session, "eyes-open/MVELO_ML", velocity_ml, "mm/s", kAnalysis);
+  add_result(session, "romberg/feet=two/PEA95_F", 1.23, "1", R"({"open":200,"closed":246})");
+  return session;
+}
+
+std::string targets_of(double trunk_deg, const std::string& classes, double target_cm = 85.0) {
+  return R"({"targets":[{"condition":"120","target_cm":)" + std::to_string(target_cm) + R"(,"reaches_detected":3,"trunk_mean_deg":)" +
+         std::to_string(trunk_deg) + R"(,"trunk_sd_deg":2.04,"d2_mean_mm":1.5,"classes":)" + classes + "}]}";
+}
+
+v1::SessionRecord reaching_on(int day, double trunk_deg) {
+  v1::SessionRecord session = session_on(day, "chair", "reaching-short");
+  add_result(session, "targets", 1, "1", targets_of(trunk_deg, R"({"none":0,"minor":2,"moderate":1,"maximum":0,"rejected":4})"));
+  add_result(session, "class_agreement_share", 0.75, "1", R"({"agreed":6,"compared":8})");
+  add_result(session, "rejected_share", 0.1, "1", R"({"rejected":1,"classified":9})");
+  add_result(session, "trunk_sd_deg", 2.04, "deg", "");
+  return session;
+}
+
+v1::SubjectRecord subject_with(const std::vector<v1::SessionRecord>& sessions) {
+  v1::SubjectRecord subject;
+  subject.mutable_about()->set_subject("P017");
+  for (const v1::SessionRecord& session : sessions) *subject.add_sessions() = session;
+  return subject;
+}
+
+const Series* find(const std::vector<Series>& all, const std::string& condition, const std::string& measure) {
+  const auto found = std::ranges::find_if(all, [&](const Series& one) { return one.condition == condition && one.measure == measure; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+TEST(Series, AreSortedByTimeWhateverTheOrderOfTheSessions) {
+  const auto all = series_of(subject_with({standing_on(7, 190, 4.0), standing_on(0, 240, 5.0)}));
+  const Series* const ellipse = find(all, "eyes-open", "PEA95_F");
+  ASSERT_NE(ellipse, nullptr);
+  ASSERT_EQ(ellipse->points.size(), 2U);
+  EXPECT_EQ(ellipse->points.front().session_id, "floor-0");
+  EXPECT_EQ(ellipse->points.back().value, 190);
+  EXPECT_EQ(ellipse->points.back().spread, 1.5);
+  EXPECT_EQ(ellipse->points.back().trials, 2U);
+  EXPECT_EQ(ellipse->rig + " " + ellipse->protocol + " " + ellipse->unit, "floor romberg mm2");
+  EXPECT_NE(find(all, "romberg/feet=two", "PEA95_F"), nullptr) << "a quotient is no result of one condition";
+}
+
+TEST(Series, LeaveOutWhatIsDeletedOrRunningOrOfAnotherPart) {
+  auto deleted = standing_on(1, 1, 1);
+  deleted.set_is_deleted(true);
+  auto running = standing_on(2, 2, 2);
+  running.set_state("running");
+  auto resumed = standing_on(3, 3, 3);
+  add_result(resumed, "eyes-open/PEA95_F_part_2", 99, "mm2", kAnalysis);
+  const auto all = series_of(subject_with({deleted, running, resumed}));
+  ASSERT_NE(find(all, "eyes-open", "PEA95_F"), nullptr);
+  EXPECT_EQ(find(all, "eyes-open", "PEA95_F")->points.size(), 1U);
+  EXPECT_EQ(find(all, "eyes-open", "PEA95_F_part_2"), nullptr);
+}
+
+TEST(Series, NeverMixRigsOrProtocols) {
+  auto other = standing_on(1, 200, 4);
+  other.set_protocol("quiet-standing");
+  auto plate = standing_on(2, 200, 4);
+  plate.set_rig("plate");
+  const auto all = series_of(subject_with({standing_on(0, 200, 4), other, plate}));
+  EXPECT_EQ(std::ranges::count(all, "MVELO_ML", &Series::measure), 3);
+}
+
+TEST(Series, PointsOfAnotherAnalysisAreNotCompared) {
+  auto longer = session_on(0, "floor", "romberg");
+  add_result(longer, "eyes-open/PEA95_F", 240, "mm2", R"({"trials":2,"profile":"lp10","rate_hz":100,"duration_s":60})");
+  auto nearly = session_on(1, "floor", "romberg");
+  add_result(nearly, "eyes-open/PEA95_F", 230, "mm2", R"({"trials":2,"profile":"lp10","rate_hz":100,"duration_s":30.02})");
+  const auto all = series_of(subject_with({longer, nearly, standing_on(2, 200, 4)}));
+  const auto points = comparable_points(*find(all, "eyes-open", "PEA95_F"));
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points.front().value, 230);
+  EXPECT_EQ(find(all, "eyes-open", "PEA95_F")->points.size(), 3U) << "it is shown nevertheless";
+}
+
+TEST(Series, TargetsOfTheChairHaveAngleSpreadAndMedianClass) {
+  const auto all = series_of(subject_with({reaching_on(0, 12.1)}));
+  ASSERT_NE(find(all, "120", "trunk_mean_deg"), nullptr);
+  EXPECT_EQ(find(all, "120", "trunk_mean_deg")->points.front().spread, 2.04);
+  EXPECT_EQ(find(all, "120", "trunk_mean_deg")->points.front().trials, 3U);
+  EXPECT_EQ(find(all, "120", "trunk_class")->points.front().value, 1.0) << "rejected reaches have no class";
+  const auto median_of = [](const std::string& classes) {
+    auto session = session_on(0, "chair", "reaching-short");
+    add_result(session, "targets", 1, "1", targets_of(1, classes));
+    const auto series = series_of(subject_with({session}));
+    const Series* const found = find(series, "120", "trunk_class");
+    return found == nullptr ? -1.0 : found->points.front().value;
+  };
+  EXPECT_EQ(median_of(R"({"none":1,"maximum":1})"), 1.5);
+  EXPECT_EQ(median_of(R"({"none":0,"moderate":1,"maximum":2})"), 3.0);
+  EXPECT_EQ(median_of(R"({"rejected":3})"), -1.0);
+}
+
+TEST(Series, BadDetailsOfAPeerAreIgnored) {
+  for (const char* details : {"", "[]", "{", "null", R"({"targets":5})", R"({"targets":[5,{},{"condition":3}]})",
+                              R"({"targets":[{"condition":"120","trunk_mean_deg":"x","classes":[1]}]})",
+                              R"({"targets":[{"condition":"120","trunk_mean_deg":1e999,"classes":{"none":-5,"minor":1e300}}]})"}) {
+    auto session = session_on(0, "chair", "reaching-short");
+    add_result(session, "targets", 1, "1", details);
+    add_result(session, "eyes-open/MVELO", std::numeric_limits<double>::quiet_NaN(), "mm/s", details);
+    EXPECT_TRUE(series_of(subject_with({session})).empty()) << details;
+    EXPECT_TRUE(words_of_session(session, english()).empty()) << details;
+  }
+}
+
+TEST(PlainWords, SayHowEyesClosedDiffers) {
+  const auto words = words_of_session(standing_on(0, 200, 4), english());
+  EXPECT_EQ(words, std::vector<std::string>{"With eyes closed the ellipse is 23 % larger than with eyes open (246 against 200 mm²)."});
+  EXPECT_EQ(words_of_session(standing_on(0, 200, 4), german()),
+            std::vector<std::string>{"Mit geschlossenen Augen ist die Ellipse 23 % größer als mit offenen (246 gegenüber 200 mm²)."});
+  EXPECT_EQ(english().ellipse_eyes_closed({.from = 200, .to = 100}),
+            "With eyes closed the ellipse is 50 % smaller than with eyes open (100 against 200 mm²).");
+  EXPECT_EQ(english().velocity_eyes_closed({.from = 8.0, .to = 8.02}),
+            "With eyes closed the mean velocity is the same as with eyes open (8.0 against 8.0 mm/s).");
+}
+
+TEST(PlainWords, SayWhatTheTrunkDid) {
+  v1::ListProtocolsResponse protocols;
+  auto& protocol = *protocols.add_protocols();
+  protocol.set_name("reaching-short");
+  auto& condition = *protocol.add_conditions();
+  condition.set_name("120");
+  condition.set_title("120 % of arm length");
+  EXPECT_EQ(
+      words_of_session(reaching_on(0, 12.14), english(), titles_of(protocols)),
+      (std::vector<std::string>{"120 % of arm length: the trunk bent 12.1° on average, in 3 reaches.",
+                                "The trunk class was as expected for the target in 6 of 8 trials.", "1 of 9 reaches have no trunk class.",
+                                "At the same target the trunk angle varied by 2.0° from reach to reach (standard deviation)."}));
+  EXPECT_EQ(words_of_session(reaching_on(0, 12.14), german()).front(),
+            "120: Der Rumpf beugte sich im Mittel um 12,1°, bei 3 Reichbewegungen.");
+}
+
+TEST(PlainWords, CompareWithTheVisitBeforeAndTheFirst) {
+  const auto series = series_of(subject_with({standing_on(0, 240, 5.0), standing_on(7, 200, 4.0), standing_on(14, 210, 9.0)}));
+  const auto words = words_of_changes(series, english());
+  EXPECT_EQ(words, (std::vector<std::string>{
+                       "Eyes open: the mean velocity to the sides is 125 % higher than on 2026-11-25 (9.0 against 4.0 mm/s). This is more "
+                       "than the known variation between two days (65 %).",
+                       "Eyes open: the mean velocity to the sides is 80 % higher than on 2026-11-18 (9.0 against 5.0 mm/s). This is more "
+                       "than the known variation between two days (65 %).",
+                       "Eyes open: the ellipse is 5 % larger than on 2026-11-25 (210 against 200 mm²).",
+                       "Eyes open: the ellipse is 13 % smaller than on 2026-11-18 (210 against 240 mm²).",
+                       "For measures without this remark no published variation is known here: the difference may be chance."}));
+}
+
+TEST(PlainWords, ADifferenceWithinTheKnownVariationSaysSo) {
+  const auto series = series_of(subject_with({standing_on(0, 240, 5.0), standing_on(7, 200, 4.0)}));
+  const auto words = words_of_changes(series, german());
+  ASSERT_FALSE(words.empty());
+  EXPECT_EQ(words.front(),
+            "Augen offen: Die mittlere Geschwindigkeit zur Seite ist 20 % niedriger als am 18.11.2026 (4,0 gegenüber 5,0 mm/s). Das liegt "
+            "innerhalb der bekannten Schwankung zwischen zwei Tagen (65 %).");
+}
+
+TEST(PlainWords, OneVisitHasNoChange) {
+  EXPECT_TRUE(words_of_changes(series_of(subject_with({standing_on(0, 240, 5.0)})), english()).empty());
+  EXPECT_TRUE(words_of_changes(series_of(subject_with({standing_on(0, 0.0, 0.0), standing_on(1, 1.0, 1.0)})), english()).empty())
+      << "no share of nothing";
+}
+
+TEST(PlainWords, TheTrunkIsComparedInDegrees) {
+  const auto words = words_of_changes(series_of(subject_with({reaching_on(0, 15.0), reaching_on(7, 12.0)})), english());
+  ASSERT_GE(words.size(), 2U);
+  EXPECT_EQ(words[0], "120: the trunk bent 3.0° less than on 2026-11-18 (12.0° against 15.0°).");
+  EXPECT_EQ(words[1], "120: the trunk angle varied as much as on 2026-11-18 (standard deviation 2.0° against 2.0°).");
+}
+
+TEST(Retest, IsKnownOnlyWithASource) {
+  Series series{.condition = "eyes-open", .measure = "MVELO_ML"};
+  ASSERT_NE(retest_of(series), nullptr);
+  EXPECT_NE(std::string(retest_of(series)->source).find("doi:"), std::string::npos);
+  series.condition = "foam-eyes-open";
+  EXPECT_EQ(retest_of(series), nullptr) << "people on foam were not measured there";
+  series = {.condition = "eyes-open", .measure = "MVELO"};
+  EXPECT_EQ(retest_of(series), nullptr);
+}
+
+TEST(Sentences, TheLanguageIsTheFirstPartOfItsTag) {
+  EXPECT_EQ(&sentences_in("de"), &german());
+  EXPECT_EQ(&sentences_in("de-AT"), &german());
+  for (const char* other : {"en", "", "den", "fr"}) EXPECT_EQ(&sentences_in(other), &english()) << other;
+  EXPECT_EQ(figure(-0.04, 1, ','), "0,0");
+  EXPECT_EQ(figure(1234.5, 1, ','), "1234,5");
+  EXPECT_EQ(figure(1e300, 1, '.'), "-");
+}
+
+TEST(Document, HasSeriesAndWords) {
+  const auto subject = subject_with({standing_on(7, 200, 4.0), standing_on(0, 240, 5.0), reaching_on(3, 12)});
+  const auto document = document_of(subject, {}, english());
+  EXPECT_EQ(document["subject"], "P017");
+  EXPECT_EQ(document["words"]["sessions"].size(), 3U);
+  EXPECT_EQ(document["words"]["sessions"][0]["session"], "floor-7");
+  EXPECT_FALSE(document["words"]["changes"].empty());
+  const auto only = document_of(subject, {}, german(), "MVELO_ML");
+  ASSERT_EQ(only["series"].size(), 1U);
+  EXPECT_EQ(only["series"][0]["retest"]["percent"], 65.0);
+  EXPECT_EQ(only["series"][0]["points"][1]["utc_ns"], std::to_string(kFirstNs + 7 * kDayNs));
+  EXPECT_EQ(only["language"], "de");
+}
+
+}  // namespace
+}  // namespace dts::visits

@@ -37,10 +37,7 @@ write_basic_package_version_file(dtsConfigVersion.cmake COMPATIBILITY SameMinorV
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/dtsConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/dtsConfigVersion.cmake DESTINATION ${package}
   COMPONENT libdts)
 
-# Written when it is installed: "cmake --install --prefix" decides where that is.
-install(CODE "
-  set(PROJECT_VERSION ${PROJECT_VERSION})
-  set(CMAKE_INSTALL_INCLUDEDIR ${CMAKE_INSTALL_INCLUDEDIR})
-  set(CMAKE_INSTALL_LIBDIR ${CMAKE_INSTALL_LIBDIR})
-  configure_file(\"${CMAKE_CURRENT_SOURCE_DIR}/dts.pc.in\" \"${CMAKE_CURRENT_BINARY_DIR}/dts.pc\" @ONLY)" COMPONENT libdts)
+# dts.pc finds its folder by its own place: "cmake --install --prefix" may put it anywhere, even under a relative path.
+file(RELATIVE_PATH prefix_from_pc ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+configure_file(dts.pc.in dts.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/dts.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT libdts)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lsl/session_marks.h"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -22,7 +23,12 @@ void SessionMarks::set(const ReceivedMarker& marker, const std::stop_token& stop
   request.mutable_mark()->set_rig(rig_);
   request.mutable_mark()->set_host_time_ns(marker.host_time_ns);
   const auto answer = control_.forward(request, stop);
-  if (answer || stop.stop_requested() || !reports_.take(std::chrono::steady_clock::now())) return;
+  const bool is_early = answer && std::ranges::any_of(answer->mark().marks(), &v1::MarkResponse::At::is_before_session);
+  if ((answer && !is_early) || stop.stop_requested() || !reports_.take(std::chrono::steady_clock::now())) return;
+  if (is_early) {
+    log_.warning("a marker of the LSL stream " + marker.stream_name + " is not recorded: its time is before the session began");
+    return;
+  }
   const client::Error& error = answer.error();
   log_.warning("a marker of the LSL stream " + marker.stream_name + " is not in the session: " + error.what +
                (error.hint.empty() ? "" : " (" + error.hint + ")"));

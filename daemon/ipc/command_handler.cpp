@@ -133,11 +133,12 @@ dts::v1::Response CommandHandler::mark(const dts::v1::MarkRequest& request) {
                                       request.has_host_time_ns() ? std::optional<std::int64_t>(request.host_time_ns()) : std::nullopt);
   if (!marks) return error_response(marks.error());
   dts::v1::Response response;
-  for (const auto& [rig, at] : *marks) {
+  for (const session::PlacedMark& mark : *marks) {
     auto& out = *response.mutable_mark()->add_marks();
-    out.set_rig(rig);
-    out.set_segment(at.segment);
-    out.set_scan(at.scan.value);
+    out.set_rig(mark.rig);
+    out.set_segment(mark.at.segment);
+    out.set_scan(mark.at.scan.value);
+    out.set_is_before_session(mark.is_before_session);
   }
   return response;
 }

@@ -227,7 +227,7 @@ core::Status RigSession::begin(record::SessionFacts facts, SessionRequest reques
     for (RigSession* one : all) one->rig_.stances().begin(0.0);
     return begun;
   }
-  enter(facts, protocol, nullptr);
+  enter(facts, protocol, nullptr, moment.now_ns);
   companions_ = companions;
   if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, earlier);
   judges_ = protocol.trials ? make_judges(rig_, facts, services_.software, services_.worker) : decltype(judges_){};
@@ -235,7 +235,7 @@ core::Status RigSession::begin(record::SessionFacts facts, SessionRequest reques
   collect(moment.at);
   request.duration_s = 0.0;  // the leading rig stops all
   for (std::size_t index = 1; index < all.size(); ++index) {
-    all[index]->enter(starts[index].facts, protocol, this);
+    all[index]->enter(starts[index].facts, protocol, this, moment.now_ns);
     static_cast<void>(all[index]->session_.start(facts.session_id, request, moment.now_ns));  // cannot fail: it is free
     all[index]->collect(position_of(all[index]->rig_));
   }
@@ -243,8 +243,9 @@ core::Status RigSession::begin(record::SessionFacts facts, SessionRequest reques
 }
 
 /// Prepares this rig for a session whose recording has begun. Skips the frames from before the session.
-void RigSession::enter(const record::SessionFacts& facts, const Protocol& protocol, RigSession* leader) {
+void RigSession::enter(const record::SessionFacts& facts, const Protocol& protocol, RigSession* leader, std::int64_t now_ns) {
   is_recording_ = true;
+  began_ns_ = now_ns;
   is_aborted_ = false;
   is_next_wanted_ = false;
   end_reason_.clear();
@@ -466,10 +467,7 @@ DataPosition RigSession::position_at(std::int64_t host_ns, const DataPosition& n
   if (newest.host_time_ns == 0 || after_s > kFurthestS || after_s < -kFurthestBackS) return newest;  // no scans for some time
   const double scans = std::round(after_s * rig_.config().rate.hz());
   const double scan = static_cast<double>(newest.scan.value) + scans;
-  if (scan < 0.0) {
-    return {.segment = newest.segment, .scan = {0}, .host_time_ns = newest.host_time_ns - rig_.config().rate.time_ns(newest.scan)};
-  }
-  return {.segment = newest.segment, .scan = {static_cast<std::uint64_t>(scan)}, .host_time_ns = host_ns};
+  return {.segment = newest.segment, .scan = {static_cast<std::uint64_t>(std::max(scan, 0.0))}, .host_time_ns = host_ns};
 }
 
 void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {

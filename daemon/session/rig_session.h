@@ -98,12 +98,14 @@ class RigSession {
   void recording_finished(const FinishedRecording& finished, const Moment& moment);
   /// Writes a marker to the recording, and if this rig leads, to the catalogue.
   void mark(const std::string& text, const DataPosition& at);
+  /// Returns whether a session is under way whose recording began after this time.
+  [[nodiscard]] bool began_after(std::int64_t host_ns) const noexcept { return is_recording_ && host_ns < began_ns_; }
   /// Writes an event of the rig to the recording.
   void note(v1::Event event, const DataPosition& at);
 
   /// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even
-  /// if they are detected late. A time before this segment is placed at its first scan, because a gap has no scans. Returns `newest` for a
-  /// time more than 6 s before it or 1 s after it.
+  /// if they are detected late. A time before this segment is placed at its first scan, because a gap has no scans, and
+  /// stays as it is. Returns `newest` for a time more than 6 s before it or 1 s after it.
   [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
 
   /// Takes over the corrected subject ID and label if this is the last session.
@@ -132,7 +134,7 @@ class RigSession {
   void set_rig(record::SessionFacts& facts) const;
   core::Status begin(record::SessionFacts facts, SessionRequest request, const Protocol& protocol, const std::vector<EarlierTrial>& earlier,
                      const std::vector<RigSession*>& companions, const Moment& moment);
-  void enter(const record::SessionFacts& facts, const Protocol& protocol, RigSession* leader);
+  void enter(const record::SessionFacts& facts, const Protocol& protocol, RigSession* leader, std::int64_t now_ns);
   void take_step(const TrialEvent& event, const DataPosition& at);
   void stop_companions(const Moment& moment);
   void end_recording(const Moment& moment);
@@ -177,6 +179,7 @@ class RigSession {
   std::vector<std::string> lost_rigs_;   ///< Rigs of the session that delivered nothing for a time.
   std::uint32_t markers_ = 0;            ///< In the recording of this part.
   bool is_recording_ = false;
+  std::int64_t began_ns_ = 0;         ///< When this part of the session began.
   bool has_ended_ = false;            ///< The end of the recording was ordered.
   bool is_awaiting_results_ = false;  ///< The trials have ended; the recording ends when their results are known.
   bool is_aborted_ = false;

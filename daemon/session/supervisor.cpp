@@ -245,8 +245,8 @@ void Supervisor::finish_recordings() {
   }
 }
 
-core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark(const std::string& rig, const std::string& text,
-                                                                                 std::optional<std::int64_t> host_ns) {
+core::Result<std::vector<PlacedMark>> Supervisor::mark(const std::string& rig, const std::string& text,
+                                                       std::optional<std::int64_t> host_ns) {
   if (text.empty() || text.size() > kLongestMark) {
     return core::fail(core::ErrorCode::InvalidArgument, "a marker's text has 1..200 bytes, this one " + std::to_string(text.size()));
   }
@@ -264,7 +264,7 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
     for (const RigSession* companion : entry->session.companions()) names.push_back(companion->rig());
     DTS_TRY_ASSIGN(chosen, find_all(names));
   }
-  std::vector<std::pair<std::string, DataPosition>> marks;
+  std::vector<PlacedMark> marks;
   for (Entry* entry : chosen) {
     const AcquisitionReport& report = entry->rig->acquisition();
     const bool has_scans = report.device == device::DeviceState::Streaming && report.scans_total > 0;
@@ -275,12 +275,14 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
       return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' delivers no scans to mark", "see dtsctl status");
     }
     const DataPosition newest = position_of(*entry->rig);
-    marks.emplace_back(entry->rig->config().name, host_ns ? entry->session.position_at(*host_ns, newest) : newest);
+    marks.push_back({.rig = entry->rig->config().name,
+                     .at = host_ns ? entry->session.position_at(*host_ns, newest) : newest,
+                     .is_before_session = host_ns && entry->session.began_after(*host_ns)});
   }
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
-  for (const auto& [rig_name, at] : marks) {
-    report_event(rig_name, at, marker_event(text));
-    find(rig_name).value()->session.mark(text, at);
+  for (const PlacedMark& mark : marks) {
+    report_event(mark.rig, mark.at, marker_event(text));
+    if (!mark.is_before_session) find(mark.rig).value()->session.mark(text, mark.at);
   }
   return marks;
 }

@@ -25,6 +25,13 @@ struct DeviceTest {
   std::string problem;  ///< Why the device is not streaming; empty while it streams.
 };
 
+/// Where a marker is on one rig.
+struct PlacedMark {
+  std::string rig;
+  DataPosition at;
+  bool is_before_session = false;  ///< Its time is before the session that is under way: it is published, but not recorded.
+};
+
 /// An event from the control thread to the bus.
 struct Notice {
   std::string rig;
@@ -102,9 +109,10 @@ class Supervisor {
   [[nodiscard]] core::Status erase_subject(const std::string& subject, const std::string& who);
 
   /// Sets a marker in one rig and the other rigs of its session, or in every rig for an empty name: at the newest scan, or at the time
-  /// `host_ns`. Fails with InvalidArgument if that time is more than 5 s before now or 1 s after it.
-  [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text,
-                                                                                     std::optional<std::int64_t> host_ns = {});
+  /// `host_ns`. A marker from before a session is published, but no recording of that session has it. Fails with InvalidArgument if the
+  /// time is more than 5 s before now or 1 s after it.
+  [[nodiscard]] core::Result<std::vector<PlacedMark>> mark(const std::string& rig, const std::string& text,
+                                                           std::optional<std::int64_t> host_ns = {});
   /// Requests a tare. Fails with WrongState during a session, because the recorded values would change their meaning. The tare is done when
   /// `RigState::tare.request` equals the returned number and the outcome is no longer Running.
   [[nodiscard]] core::Result<std::uint64_t> tare(const std::string& rig);

@@ -2,6 +2,7 @@
 """Builds the examples of libdts outside of this tree, in each of the three ways that its README names, and runs them with a real dtsd."""
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import threading
@@ -15,7 +16,7 @@ COMPILER = os.environ["DTS_COMPILER"]
 LIBDTS = SOURCE / "clients" / "libdts"
 EXAMPLES = LIBDTS / "examples"
 WORK = BUILD / "tests" / "library"  # always the same path: the compiler cache finds what an earlier run compiled
-PREFIX = WORK / "prefix"
+PREFIX = WORK / "a prefix"  # a space in the name, which dts.pc and the CMake package must stand
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
 USERS_PROJECT = f"""cmake_minimum_required(VERSION 3.24)
 project(users_project LANGUAGES CXX)
@@ -29,8 +30,8 @@ endif()
 """
 
 
-def run(*command: str | Path, environment: dict[str, str] | None = None) -> str:
-    done = subprocess.run(command, env={**os.environ, **(environment or {})}, timeout=15 * PATIENCE_S, capture_output=True, text=True)
+def run(*command: str | Path, environment: dict[str, str] | None = None, folder: Path | None = None) -> str:
+    done = subprocess.run(command, cwd=folder, env={**os.environ, **(environment or {})}, timeout=15 * PATIENCE_S, capture_output=True, text=True)
     if done.returncode != 0:
         raise AssertionError(f"{command} ended with {done.returncode}:\n{done.stdout}\n{done.stderr}")
     return done.stdout
@@ -56,7 +57,7 @@ def installed_library() -> Path:
 
 def setUpModule() -> None:
     emptied(PREFIX)
-    run("cmake", "--install", BUILD, "--prefix", PREFIX, "--component", "libdts")
+    run("cmake", "--install", BUILD, "--prefix", PREFIX.name, "--component", "libdts", folder=WORK)  # a relative prefix
 
 
 class Uses(unittest.TestCase):
@@ -95,7 +96,7 @@ class Uses(unittest.TestCase):
     def test_PkgConfigAndTheCompilerAlone(self) -> None:
         folder = emptied(WORK / "pkg_config")
         paths = {"PKG_CONFIG_PATH": str(installed_library().parent / "pkgconfig")}
-        flags = run("pkg-config", "--cflags", "--libs", "dts", environment=paths).split()
+        flags = shlex.split(run("pkg-config", "--cflags", "--libs", "dts", environment=paths))
 
         run(COMPILER, "-std=c++20", EXAMPLES / "print_cop.cpp", "-o", folder / "print_cop", *flags)
 

@@ -14,6 +14,12 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
+std::string all_stages() {
+  std::string text;
+  for (const StageEntry& entry : stage_registry()) (text += text.empty() ? "" : ", ") += entry.describe().id;
+  return text;
+}
+
 TEST(CheckStage, GoodOptions_HaveNoProblems) {
   EXPECT_THAT(check_stage({.id = "window_filter", .options = {}}), IsEmpty());
   EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scans", 1.0}, {"shift_scans", 4096.0}}}), IsEmpty());
@@ -24,8 +30,7 @@ TEST(CheckStage, OneProblem_IsOneSentence) {
   const auto number = [](double value) { return StageConfig{.id = "window_filter", .options = {{"window_scans", value}}}; };
   const std::vector<std::pair<StageConfig, std::string>> rows{
       {{.id = "window_filtr", .options = {}}, "unknown stage 'window_filtr'; did you mean 'window_filter'?"},
-      {{.id = "xyz", .options = {}},
-       "unknown stage 'xyz'; known: guard, window_filter, linearise, cop, steadiness, transient, reach, classify, force_plate, force_cop"},
+      {{.id = "xyz", .options = {}}, "unknown stage 'xyz'; known: " + all_stages()},
       {{.id = "window_filter", .options = {{"window_scan", 3.0}}},
        "unknown option 'window_scan' of stage window_filter; did you mean 'window_scans'?"},
       {{.id = "window_filter", .options = {{"window_scans", "three"}}},

@@ -303,6 +303,31 @@ TEST_F(CompanionsTest, Markers_AreInAllRecordings_AndOnceInTheCatalogue) {
   }
 }
 
+TEST_F(CompanionsTest, MarkerFromBeforeTheSession_IsPublishedForBothRigs_AndInNoRecording) {
+  start_both();
+  const std::int64_t before_ns = clock_.now_ns() - 1;
+  const std::string id = begin_both();
+  static_cast<void>(supervisor_->take_notices());
+
+  const auto early = supervisor_->mark("floor", "too early", before_ns).value();
+  const auto late = supervisor_->mark("floor", "in time", before_ns + 1).value();
+
+  std::size_t published = 0;
+  for (const Notice& notice : supervisor_->take_notices()) published += notice.event.marker().text() == "too early" ? 1 : 0;
+  EXPECT_EQ(published, 2U);
+  ASSERT_TRUE(stop_both());
+  EXPECT_THAT(early, testing::ElementsAre(testing::Field(&PlacedMark::is_before_session, true),
+                                          testing::Field(&PlacedMark::is_before_session, true)));
+  EXPECT_THAT(late, testing::ElementsAre(testing::Field(&PlacedMark::is_before_session, false),
+                                         testing::Field(&PlacedMark::is_before_session, false)));
+  EXPECT_EQ(recordings_->catalogue().session(id)->markers.size(), 1U);
+  for (const record::PartRow& part : row(id).parts) {
+    const auto markers = collected(part.file).markers();
+    ASSERT_EQ(markers.size(), 1U) << part.rig;
+    EXPECT_EQ(markers[0].text, "in time") << part.rig;
+  }
+}
+
 TEST_F(CompanionsTest, RemovedTextOfAMarker_IsInNoExport) {
   start_both();
   const std::string id = begin_both();

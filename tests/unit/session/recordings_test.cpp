@@ -91,7 +91,7 @@ TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
 
   EXPECT_THAT(states, ElementsAre("starting", "settling", "running", "stopping"));
   ASSERT_TRUE(mark);
-  EXPECT_EQ(mark->event.scan(), marks[0].second.scan.value);
+  EXPECT_EQ(mark->event.scan(), marks[0].at.scan.value);
   EXPECT_NEAR(mark->time_s, first_s + static_cast<double>(mark->event.scan()) / 1500.0, 1e-8);
 }
 

@@ -23,14 +23,14 @@ TEST_F(SupervisorTest, MarkerWithATime_StandsAtTheScanOfThatTime) {
   open();
   run();
   feed(2 * kBlock);
-  const auto newest = supervisor_->mark("floor", "x").value().front().second;
+  const auto newest = supervisor_->mark("floor", "x").value().front().at;
   static_cast<void>(taken_events(v1::Event::kMarker));
   constexpr std::int64_t kScans = 3;
   const std::int64_t earlier_ns = newest.host_time_ns - kScans * core::kNanosecondsPerSecond / 1500;
 
   const auto marks = supervisor_->mark("floor", "x", earlier_ns).value();
-  EXPECT_EQ(marks.front().second.segment, newest.segment);
-  EXPECT_EQ(marks.front().second.scan.value, newest.scan.value - kScans);
+  EXPECT_EQ(marks.front().at.segment, newest.segment);
+  EXPECT_EQ(marks.front().at.scan.value, newest.scan.value - kScans);
   const auto events = taken_events(v1::Event::kMarker);
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].host_time_ns(), earlier_ns);
@@ -39,6 +39,24 @@ TEST_F(SupervisorTest, MarkerWithATime_StandsAtTheScanOfThatTime) {
                 HasSubstr("5 s before now"));
   }
   EXPECT_THAT(taken_events(v1::Event::kMarker), IsEmpty());
+}
+
+TEST_F(SupervisorTest, MarkerFromBeforeAGap_StandsAtTheFirstScanAfterIt_WithItsOwnTime) {
+  open();
+  run();
+  feed(2 * kBlock);
+  const std::int64_t before_ns = supervisor_->mark("floor", "x").value().front().at.host_time_ns;
+  give({.outcome = device::ReadOutcome::Gap, .gap = {.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true}});
+  feed(kBlock);
+  static_cast<void>(taken_events(v1::Event::kMarker));
+
+  const PlacedMark mark = supervisor_->mark("floor", "x", before_ns).value().front();
+
+  EXPECT_EQ(mark.at.segment, 1U);
+  EXPECT_EQ(mark.at.scan.value, 0U);
+  const auto events = taken_events(v1::Event::kMarker);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(events[0].host_time_ns(), before_ns);
 }
 
 TEST_F(SupervisorTest, Marker_HasOneTo200BytesAndStandsAtTheNewestScan) {
@@ -58,7 +76,7 @@ TEST_F(SupervisorTest, Marker_HasOneTo200BytesAndStandsAtTheNewestScan) {
     const auto marks = supervisor_->mark(rig, std::string(200, 'x'));
     ASSERT_TRUE(marks);
     ASSERT_EQ(marks->size(), 1U);
-    EXPECT_EQ(marks->at(0).first, "floor");
+    EXPECT_EQ(marks->at(0).rig, "floor");
     const auto notices = taken_events(v1::Event::kMarker);
     ASSERT_EQ(notices.size(), 1U);
     EXPECT_EQ(notices[0].marker().text(), std::string(200, 'x'));

@@ -7,5 +7,6 @@ import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
 import { sessions } from './sessions';
+import { steadinessDecision } from './steadiness_decision';
 
-export const strings = { common, floor, chair, sessions, health, fleet };
+export const strings = { common, floor, chair, sessions, health, fleet, steadinessDecision };

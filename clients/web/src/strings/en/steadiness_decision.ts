@@ -9,7 +9,7 @@ export const steadinessDecision = {
   missing: (measures: string) => `Missing: ${measures}`,
   notComparable: 'Other rate or filter than in the training',
   people: (people: string, condition: string) => `Trained on ${people} people${condition === '' ? '' : `, ${condition}`}`,
-  auc: (auc: string, low: string, high: string) => `Right order in ${auc} of pairs (${low} to ${high}); 0.50 is chance`,
+  auc: (auc: string, low: string, high: string) => `Right order in a share of ${auc} of pairs (${low} to ${high}); chance is 0.50`,
   oneMeasure: (name: string, auc: string) => `No better than one measure: ${name} (${auc})`,
   rival: (facts: string, auc: string) => `Without a platform, ${facts}: ${auc}`,
   limit: 'No statement about health or risk of falling',

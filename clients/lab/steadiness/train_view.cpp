@@ -36,10 +36,11 @@ std::vector<cli::Cell> contest_row(const std::string& name, const Contest& conte
           {contest.slope ? cli::decimal(*contest.slope, 2) : "-"}};
 }
 
-void print_test(const LeftOutTest& test, const Evaluation& evaluation, cli::Console& console) {
+void print_test(const LeftOutTest& test, const Evaluation& evaluation, double noise_mm, cli::Console& console) {
   const std::string who =
       std::to_string(evaluation.people.count) + " people, " + std::to_string(evaluation.rows) + " trials, " + test.scheme;
-  cli::Table table({"TOLD OF PEOPLE LEFT OUT (" + who + ")", ">AUC people (95 %)", ">this model minus it (95 %)", ">AUC trials",
+  const std::string noise = noise_mm > 0.0 ? ", noise of " + cli::decimal(noise_mm, 2) + " mm added" : "";
+  cli::Table table({"TOLD OF PEOPLE LEFT OUT (" + who + noise + ")", ">AUC people (95 %)", ">this model minus it (95 %)", ">AUC trials",
                     ">right at equal err.", ">Brier (base)", ">slope"});
   table.add(contest_row("this model, " + test.model.name, test.model, "-", " (" + cli::decimal(evaluation.brier_base, 2) + ")"));
   const std::string chosen = " in " + std::to_string(test.best_chosen_by) + " of " + std::to_string(test.folds);
@@ -179,8 +180,8 @@ cli::Json to_json(const Evaluation& evaluation, const PatternModel& model, const
 }
 
 void print_result(const Evaluation& evaluation, const PatternModel& model, cli::Console& console) {
-  print_test(evaluation.left_out, evaluation, console);
-  if (evaluation.ten_fold) print_test(*evaluation.ten_fold, evaluation, console);
+  print_test(evaluation.left_out, evaluation, model.noise_mm, console);
+  if (evaluation.ten_fold) print_test(*evaluation.ten_fold, evaluation, model.noise_mm, console);
   print_confusion(evaluation, console);
   print_groups(model, console);
   print_conclusions(evaluation, model, console);

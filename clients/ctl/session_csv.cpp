@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "ctl/decision_reading.h"
 #include "ctl/recording_view.h"
 #include "report/result_names.h"
 
@@ -35,6 +36,11 @@ std::vector<Value> values_of(const v1::Sway& sway) {
   Values values;
   for (const v1::SwayMeasure& measure : sway.measures()) {
     values.add(measure.symbol(), report::plain_name(measure.symbol()), measure.value(), measure.unit());
+  }
+  for (const v1::GroupProbability& group : sway.decision().probabilities()) {
+    const std::string name = "Probability of " + group.group() + " by the steadiness model of " + sway.decision().label() + " (" +
+                             decision_text(sway.decision()) + ")";
+    values.add("p_" + group.group(), name, group.probability(), "1");
   }
   return values.all;
 }

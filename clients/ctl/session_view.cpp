@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/table.h"
+#include "ctl/decision_reading.h"
 #include "ctl/json.h"
 #include "ctl/reach_reading.h"
 #include "ctl/recording_view.h"
@@ -153,32 +156,53 @@ cli::Cell outcome_cell(const v1::TrialRecord& trial) {
   return cell;
 }
 
+cli::Cell decision_cell(const v1::Sway& sway) {
+  if (!sway.has_decision()) return {"-"};
+  const bool is_decided = sway.decision().outcome() == v1::DECISION_OUTCOME_DECIDED;
+  return {decision_text(sway.decision()), is_decided ? cli::Style::Plain : cli::Style::Warning};
+}
+
+/// Prints what must stand beside the decisions, once for each model.
+void print_decision_limits(cli::Console& console, const v1::SessionRecord& session) {
+  std::set<std::string> limits;
+  for (const v1::TrialRecord& trial : session.trials()) {
+    if (trial.sway().has_decision()) limits.insert(decision_limits(trial.sway().decision()));
+  }
+  for (const std::string& text : limits) console.out << cli::printable(text) << '\n';
+}
+
 /// Prints trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
-  cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">VELOCITY mm/s", ">DISTANCE mm", ">ELLIPSE mm2", "FLAGS",
-                     ">PART", ">FROM .. TO SCAN"});
+  const bool has_decisions = std::ranges::any_of(session.trials(), [](const auto& trial) { return trial.sway().has_decision(); });
+  std::vector<std::string> headers{">TRIAL",         ">ATTEMPT",     "CONDITION",    "OUTCOME", ">LENGTH",
+                                   ">VELOCITY mm/s", ">DISTANCE mm", ">ELLIPSE mm2", "FLAGS"};
+  if (has_decisions) headers.emplace_back("DECISION");
+  headers.insert(headers.end(), {">PART", ">FROM .. TO SCAN"});
+  cli::Table trials(headers);
   const auto value = [](const v1::Sway& sway, const char* symbol, int decimals) {
     return cli::decimal(measure_value(sway, symbol).value_or(std::numeric_limits<double>::quiet_NaN()), decimals);
   };
   for (const v1::TrialRecord& trial : session.trials()) {
     const v1::Sway& sway = trial.sway();
     const bool has_values = trial.has_sway() && sway.problem().empty();
-    trials.add({{std::to_string(trial.trial())},
-                {std::to_string(trial.attempt())},
-                {trial.condition()},
-                outcome_cell(trial),
-                {has_values ? cli::duration(sway.duration_s()) : "-"},
-                {value(sway, "MVELO", 2)},
-                {value(sway, "RDIST", 2)},
-                {value(sway, "PEA95_F", 1)},
-                {sway.problem().empty() ? sway_flag_words(sway) : sway.problem(),
-                 has_values && sway.is_valid() ? cli::Style::Plain : cli::Style::Warning},
-                {std::to_string(trial.part())},
-                {place_text(trial)}});
+    std::vector<cli::Cell> row{{std::to_string(trial.trial())},
+                               {std::to_string(trial.attempt())},
+                               {trial.condition()},
+                               outcome_cell(trial),
+                               {has_values ? cli::duration(sway.duration_s()) : "-"},
+                               {value(sway, "MVELO", 2)},
+                               {value(sway, "RDIST", 2)},
+                               {value(sway, "PEA95_F", 1)},
+                               {sway.problem().empty() ? sway_flag_words(sway) : sway.problem(),
+                                has_values && sway.is_valid() ? cli::Style::Plain : cli::Style::Warning}};
+    if (has_decisions) row.push_back(decision_cell(sway));
+    row.insert(row.end(), {{std::to_string(trial.part())}, {place_text(trial)}});
+    trials.add(std::move(row));
   }
   console.out << '\n';
   trials.may_drop({"FROM .. TO SCAN", "PART", "ATTEMPT", "LENGTH"});
   trials.print(console);
+  print_decision_limits(console, session);
 }
 
 /// For a session in which no trial has a result: the columns of no task would help.

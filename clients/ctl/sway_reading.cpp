@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cli/table.h"
+#include "ctl/decision_reading.h"
 #include "ctl/json.h"
 
 namespace dts::ctl {
@@ -48,7 +49,9 @@ std::string sway_text(const v1::Sway& sway) {
   text += cli::decimal(sway.duration_s(), 1) + " s: " + cli::join(values, "  ");
   const std::string flags = sway_flag_words(sway);
   if (!flags.empty()) text += "  [" + flags + "]";
-  return text + (sway.is_valid() || sway.is_preliminary() ? "" : "  INVALID");
+  if (!sway.is_valid() && !sway.is_preliminary()) text += "  INVALID";
+  if (sway.has_decision()) text += "  " + decision_text(sway.decision()) + ". " + decision_limits(sway.decision());
+  return text;
 }
 
 }  // namespace dts::ctl

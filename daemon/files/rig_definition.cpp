@@ -4,6 +4,8 @@
 #include <utility>
 
 #include "files/rig_file.h"
+#include "files/whole_file.h"
+#include "pattern/pattern_model.h"
 
 namespace dts::files {
 namespace {
@@ -20,6 +22,19 @@ void embed(toml::table& table, std::string_view key, const std::filesystem::path
   if (!named) return;
   named->is_inline(true);
   table.insert_or_assign(key, std::move(*named));
+}
+
+/// Replaces the file name in [steadiness] model by the text of that file.
+void embed_steadiness_model(toml::table& table, const std::filesystem::path& folder, Problems& problems) {
+  toml::table* steadiness = table.get_as<toml::table>("steadiness");
+  if (steadiness == nullptr) return;
+  const std::string file = (folder / (*steadiness)["model"].value_or(std::string())).lexically_normal().string();
+  auto text = read_whole_file(file, pattern::kLongestModelText);
+  if (!text) {
+    problems.push_back({file, 1, 1, text.error().what});
+    return;
+  }
+  steadiness->insert_or_assign("model", std::move(*text));
 }
 
 std::string text_of(const toml::table& table) {
@@ -44,6 +59,7 @@ core::Result<std::string> rig_definition(const std::string& file) {
   const auto folder = std::filesystem::path(file).parent_path();
   embed(*table, "calibration", folder, problems);
   embed(*table, "model", folder, problems);
+  embed_steadiness_model(*table, folder, problems);
   if (toml::array* sensors = table->get_as<toml::array>("sensor")) {
     sensors->for_each([&](toml::table& sensor) { embed(sensor, "curve", folder, problems); });
   }

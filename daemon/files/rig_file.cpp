@@ -8,6 +8,7 @@
 
 #include "files/cop_calibration_file.h"
 #include "files/rig_model_file.h"
+#include "files/steadiness_model_file.h"
 #include "files/trunk_model_file.h"
 
 namespace dts::files {
@@ -119,6 +120,9 @@ void read_stages(TomlReader& top, pipeline::RigConfig& config) {
   if (!config.trunk_model && !top.has("model") && has_stage(config, "classify")) {
     top.report("", "[[stage]] \"classify\" needs a model: add model = \"FILE.toml\", see dtslab reach train");
   }
+  if (config.steadiness_model && !has_stage(config, "cop")) {
+    top.report("steadiness", "the rig has no [[stage]] \"cop\": there is nothing that its steadiness model could decide");
+  }
   if (config.stages.empty()) top.report("", "the rig has no [[stage]]: at least \"guard\" is needed");
 }
 
@@ -187,6 +191,7 @@ pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, 
   read_sync_pulse(top, config);
   config.cop_calibration = read_calibration(top, config.model, references, problems);
   read_model(top, config, references, problems);
+  config.steadiness_model = read_steadiness_model(top, references);
   read_stages(top, config);
   config.published = read_streams(top, "publish");
   config.recorded = read_streams(top, "record");

@@ -31,8 +31,10 @@ std::vector<TrialResultEvent> ReachJudge::final_results() const {
 
 std::vector<TrialResultEvent> SwayJudge::take_results() {
   std::vector<TrialResultEvent> events;
-  for (const SwayTrialResult& result : results_.take_decided())
+  for (SwayTrialResult& result : results_.take_decided()) {
+    result.decision = decider_.decide(result);
     events.push_back({.trial = result.trial, .attempt = result.attempt, .event = to_event(result, session_id_, software_)});
+  }
   return events;
 }
 
@@ -53,7 +55,8 @@ std::vector<std::unique_ptr<TrialJudge>> make_judges(const Rig& rig, const recor
   }
   const bool corrects_two_feet = rig.config().cop_calibration && rig.config().cop_calibration->two_feet;
   if (const auto cop_rate = rig.cop_rate())
-    judges.push_back(std::make_unique<SwayJudge>(facts, software, rig.config().rate, *cop_rate, corrects_two_feet, worker));
+    judges.push_back(std::make_unique<SwayJudge>(facts, software, rig.config().rate, *cop_rate, corrects_two_feet,
+                                                 rig.config().steadiness_model, worker));
   return judges;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "record/session_facts.h"
 #include "session/reach_results.h"
 #include "session/rig.h"
+#include "session/steadiness_decision.h"
 #include "session/sway_results.h"
 #include "session/trial_judge.h"
 
@@ -38,12 +40,14 @@ class ReachJudge final : public TrialJudge {
 class SwayJudge final : public TrialJudge {
  public:
   /// `software`: which program computes the results. `corrects_two_feet`: the load of people on two feet is right, so it is a result.
+  /// `model`: decides the trials.
   SwayJudge(const record::SessionFacts& facts, std::string software, core::Rate raw_rate, core::Rate cop_rate, bool corrects_two_feet,
-            core::Worker& worker)
+            const std::optional<pipeline::SteadinessModel>& model, core::Worker& worker)
       : session_id_(facts.session_id),
         fields_(facts.fields),
         software_(std::move(software)),
         corrects_two_feet_(corrects_two_feet),
+        decider_(model),
         results_(raw_rate, cop_rate, worker) {}
 
   void take(const core::Block& cop) override { results_.take(cop); }
@@ -59,6 +63,7 @@ class SwayJudge final : public TrialJudge {
   std::vector<std::pair<std::string, std::string>> fields_;
   std::string software_;
   bool corrects_two_feet_;
+  SteadinessDecider decider_;
   SwayResults results_;
 };
 

@@ -112,6 +112,7 @@ v1::Event to_event(const SwayTrialResult& result, const std::string& session_id,
   out.set_software(clean_text(software));
   out.set_problem(clean_text(result.problem));
   if (result.analysis) events::add(*result.analysis, out);
+  if (result.decision) *out.mutable_decision() = *result.decision;
   return event;
 }
 
@@ -198,6 +199,7 @@ core::Result<SwayTrialResult> sway_of(const v1::Event& event) {
     return tl::make_unexpected(error);
   }
   result.analysis = *analysis;
+  if (message.has_decision()) result.decision = message.decision();
   return result;
 }
 

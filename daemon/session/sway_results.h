@@ -15,6 +15,7 @@
 #include "core/result.h"
 #include "core/units.h"
 #include "core/worker.h"
+#include "dts/v1/stream.pb.h"
 #include "posturography/analysis.h"
 #include "session/cop_trace.h"
 #include "session/figure.h"
@@ -33,8 +34,9 @@ struct SwayTrialResult {
   core::ScanIndex end_scan;       ///< and its end (exclusive),
   std::uint32_t end_segment = 0;  ///< in this segment: differs from `segment` if the trial has gaps.
   std::optional<posturography::Analysis> analysis{};
-  std::string problem{};                ///< Why there is no analysis.
-  std::optional<double> mean_load_n{};  ///< Not part of the trial's event.
+  std::optional<v1::SteadinessDecision> decision{};  ///< Of the rig's steadiness model; absent: it has none for this trial.
+  std::string problem{};                             ///< Why there is no analysis.
+  std::optional<double> mean_load_n{};               ///< Not part of the trial's event.
 };
 
 /// Returns results over all valid trials: the mean of each core measure by condition ("eyes-open-two-feet/MVELO"), and the Romberg quotient

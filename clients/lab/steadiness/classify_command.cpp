@@ -8,15 +8,20 @@
 #include "files/whole_file.h"
 #include "lab/base/command.h"
 #include "lab/base/problems.h"
+#include "lab/base/small_file.h"
 #include "lab/steadiness/steadiness_commands.h"
-#include "lab/steadiness/steadiness_model.h"
 #include "lab/steadiness/steadiness_rows.h"
 #include "lab/sway/sway_table.h"
 #include "lab/sway/sway_view.h"
+#include "pattern/decision.h"
+#include "pattern/pattern_model.h"
 
 namespace dts::lab::steadiness {
 namespace {
 
+using pattern::Answer;
+using pattern::Outcome;
+using pattern::PatternModel;
 using sway::cell_text;
 
 struct ClassifyArguments {
@@ -30,7 +35,7 @@ struct ClassifyArguments {
 /// A row and the model's answer.
 struct Prediction {
   SteadinessRow row;
-  Answer answer;
+  pattern::Decision decision;
 };
 
 std::string outside_text(const Answer& answer, const std::string& separator) {
@@ -39,11 +44,12 @@ std::string outside_text(const Answer& answer, const std::string& separator) {
   return text;
 }
 
-std::string csv_text(const std::vector<Prediction>& predictions, const SteadinessModel& model) {
+std::string csv_text(const std::vector<Prediction>& predictions, const PatternModel& model) {
   std::string text = "file,session,subject,trial,label";
   for (const std::string& name : model.discriminant.classes) text += "," + cell_text("p_" + name);
   text += ",outside\n";
-  for (const auto& [row, answer] : predictions) {
+  for (const auto& [row, decision] : predictions) {
+    const Answer& answer = decision.answer;
     text += cell_text(row.file) + "," + cell_text(row.session) + "," + cell_text(row.subject) + "," + cell_text(row.trial) + ",";
     if (answer.best) text += cell_text(model.discriminant.classes[*answer.best]);
     for (std::size_t k = 0; k < model.discriminant.classes.size(); ++k) {
@@ -54,8 +60,9 @@ std::string csv_text(const std::vector<Prediction>& predictions, const Steadines
   return text;
 }
 
-cli::Json to_json(const Prediction& prediction, const SteadinessModel& model) {
-  const auto& [row, answer] = prediction;
+cli::Json to_json(const Prediction& prediction, const PatternModel& model) {
+  const auto& [row, decision] = prediction;
+  const Answer& answer = decision.answer;
   cli::Json json{{"line", row.line}};
   if (!row.file.empty()) json["file"] = row.file;
   if (!row.session.empty()) json["session"] = row.session;
@@ -66,29 +73,33 @@ cli::Json to_json(const Prediction& prediction, const SteadinessModel& model) {
     for (std::size_t k = 0; k < answer.probabilities.size(); ++k)
       json["probabilities"][model.discriminant.classes[k]] = answer.probabilities[k];
   }
+  json["outcome"] = name(decision.outcome);
   json["outside"] = cli::Json::array();
   for (const auto measure : answer.outside) json["outside"].push_back(posturography::info(measure).symbol);
   return json;
 }
 
-void print_predictions(const std::vector<Prediction>& predictions, const SteadinessModel& model, cli::Console& console) {
-  cli::Table table({"FILE", "SUBJECT", "TRIAL", "LABEL", ">PROBABILITY", "OUTSIDE OF TRAINING"});
-  for (const auto& [row, answer] : predictions) {
+void print_predictions(const std::vector<Prediction>& predictions, const PatternModel& model, cli::Console& console) {
+  cli::Table table({"FILE", "SUBJECT", "TRIAL", "LABEL", ">PROBABILITY", "OUTCOME", "OUTSIDE OF TRAINING"});
+  for (const auto& [row, decision] : predictions) {
+    const Answer& answer = decision.answer;
     table.add({{row.file},
                {row.subject},
                {row.trial},
                {answer.best ? model.discriminant.classes[*answer.best] : "-"},
                {answer.best ? cli::decimal(answer.probabilities[*answer.best], 3) : "-"},
+               {std::string(name(decision.outcome)), decision.outcome == Outcome::Decided ? cli::Style::Plain : cli::Style::Warning},
                {outside_text(answer, " "), cli::Style::Warning}});
   }
   table.print(console);
 }
 
-void show(const std::vector<Prediction>& predictions, const SteadinessModel& model, const ClassifyArguments& arguments,
+void show(const std::vector<Prediction>& predictions, const PatternModel& model, const ClassifyArguments& arguments,
           cli::Console& console) {
   if (arguments.is_json) {
     cli::Json json{{"model", arguments.model}, {"told", model.label}, {"predictions", cli::Json::array()}};
-    json["is_better_than_chance"] = model.is_better_than_chance;
+    json["condition"] = model.condition;
+    json["verdict"] = verdict_text(model);
     for (const Prediction& prediction : predictions) json["predictions"].push_back(to_json(prediction, model));
     console.out << cli::document(json);
     return;
@@ -98,23 +109,25 @@ void show(const std::vector<Prediction>& predictions, const SteadinessModel& mod
 }
 
 /// Prints reasons to doubt the answers.
-void print_doubts(const std::vector<Prediction>& predictions, const SteadinessModel& model, cli::Console& console) {
+void print_doubts(const std::vector<Prediction>& predictions, const PatternModel& model, cli::Console& console) {
   std::size_t silent = 0;
   std::size_t outside = 0;
   std::size_t invalid = 0;
   std::size_t differing = 0;
   std::size_t slower_or_faster = 0;
-  for (const auto& [row, answer] : predictions) {
+  for (const auto& [row, decision] : predictions) {
+    const Answer& answer = decision.answer;
     if (!answer.best) ++silent;
     if (!answer.outside.empty()) ++outside;
     if (!row.is_valid) ++invalid;
     if (!row.profile.empty() && !model.profile.empty() && row.profile != model.profile) ++differing;
-    if (row.rate_hz > 0.0 && model.rate_hz > 0.0 && !is_same_rate(row.rate_hz, model.rate_hz)) ++slower_or_faster;
+    if (row.rate_hz > 0.0 && model.rate_hz > 0.0 && !pattern::is_same_rate(row.rate_hz, model.rate_hz)) ++slower_or_faster;
   }
   const auto say = [&](std::size_t count, const std::string& text) {
     if (count > 0) warn(console, std::to_string(count) + " of " + std::to_string(predictions.size()) + " rows " + text);
   };
-  if (!model.is_better_than_chance) warn(console, "this model was no better than chance on people outside its training");
+  if (model.verdict != pattern::Verdict::Told)
+    warn(console, "this model is for research only: its label is " + verdict_text(model) + " in people left out of the training");
   say(silent, "have no label: a measure that the model needs is missing or not above 0");
   say(outside, "are outside the range of the training: their labels are guesses");
   say(invalid, "are from subjects who stepped off or moved the feet");
@@ -127,7 +140,9 @@ int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
   if (!arguments.out.empty()) {
     if (const auto free = check_out(arguments.out, {arguments.table, arguments.model}); !free) return fail_with(console, free.error());
   }
-  const auto model = read_model(arguments.model);
+  const auto text = read_small_file(arguments.model);
+  if (!text) return fail_with(console, text.error());
+  const auto model = pattern::read_model_text(*text, arguments.model);
   if (!model) return fail_with(console, model.error());
   files::Problems problems;
   std::vector<SteadinessRow> rows;
@@ -136,13 +151,14 @@ int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
     if (!row) return fail_with(console, row.error());
     rows.push_back(std::move(*row));
   } else {
-    rows = read_rows(arguments.table, {}, problems);
+    rows = read_rows(arguments.table, {}, {}, problems);
   }
   if (!problems.empty()) return report_problems(console, problems);
   std::vector<Prediction> predictions;
   for (SteadinessRow& row : rows) {
-    Answer answer = classify(model->discriminant, row.measures);
-    predictions.push_back({std::move(row), std::move(answer)});
+    pattern::Decision decision =
+        decide(*model, {.measures = row.measures, .profile = row.profile, .rate_hz = row.rate_hz, .is_valid = row.is_valid});
+    predictions.push_back({std::move(row), std::move(decision)});
   }
   if (!arguments.out.empty()) {
     if (const auto written = files::write_whole_file(arguments.out, csv_text(predictions, *model)); !written) {

@@ -21,11 +21,20 @@ using posturography::Measure;
 constexpr std::array kTexts{"file", "session", "subject", "trial", "profile", "flags"};
 constexpr std::array kNumbers{"fs_hz", "duration_s"};
 
-std::vector<CsvColumn> columns_of(const std::string& label) {
+bool is_text_column(const std::string& name) { return std::ranges::find(kTexts, name) != kTexts.end(); }
+
+bool is_number_column(const std::string& name) {
+  return std::ranges::find(kNumbers, name) != kNumbers.end() || posturography::measure_named(name).has_value();
+}
+
+std::vector<CsvColumn> columns_of(const std::string& label, const std::vector<std::string>& facts) {
   std::vector<CsvColumn> columns;
   for (const char* name : kTexts) columns.push_back({.name = name, .is_required = false, .is_text = true});
-  const bool is_known = std::ranges::find(kTexts, label) != kTexts.end();
-  if (!label.empty() && !is_known) columns.push_back({.name = label, .is_required = false, .is_text = true});
+  if (!label.empty() && !is_text_column(label)) columns.push_back({.name = label, .is_required = false, .is_text = true});
+  for (const std::string& fact : facts) {
+    const bool is_known = std::ranges::find(columns, fact, &CsvColumn::name) != columns.end();
+    if (!is_known) columns.push_back({.name = fact, .is_required = false, .is_text = true});
+  }
   for (const char* name : kNumbers) {
     if (name != label) columns.push_back({.name = name, .is_required = false, .may_be_empty = true, .minimum = 0.0});
   }
@@ -53,7 +62,7 @@ double number_at(const CsvTable& table, std::string_view column, std::size_t row
   return row < numbers.size() ? numbers[row] : std::numeric_limits<double>::quiet_NaN();
 }
 
-SteadinessRow row_of(const CsvTable& table, const std::string& label, std::size_t row) {
+SteadinessRow row_of(const CsvTable& table, const std::string& label, const std::vector<std::string>& facts, std::size_t row) {
   SteadinessRow one{.line = CsvTable::line_of_row(row),
                     .file = text_at(table, "file", row),
                     .session = text_at(table, "session", row),
@@ -68,10 +77,11 @@ SteadinessRow row_of(const CsvTable& table, const std::string& label, std::size_
     const auto measure = static_cast<Measure>(k);
     one.measures.set(measure, number_at(table, posturography::info(measure).symbol, row));  // an empty cell stays absent
   }
+  for (const std::string& fact : facts) {
+    if (table.has(fact)) one.facts[fact] = text_at(table, fact, row);
+  }
   return one;
 }
-
-constexpr double kSameRate = 0.01;
 
 /// Adds "duration 20 to 60 s" if the known values differ by more than 1 %.
 void add_span(const std::vector<SteadinessRow>& rows, double SteadinessRow::*member, const std::string& what, const std::string& unit,
@@ -89,9 +99,15 @@ void add_span(const std::vector<SteadinessRow>& rows, double SteadinessRow::*mem
 
 }  // namespace
 
-std::vector<SteadinessRow> read_rows(const std::string& file, const std::string& label, files::Problems& problems) {
-  const CsvTable table = CsvTable::read(file, columns_of(label), problems);
+std::vector<SteadinessRow> read_rows(const std::string& file, const std::string& label, const std::vector<std::string>& facts,
+                                     files::Problems& problems) {
   std::vector<SteadinessRow> rows;
+  for (const std::string& fact : facts) {
+    if (fact != label && is_number_column(fact))
+      problems.push_back({file, 1, 1, "'" + fact + "' is a column of numbers: give another one"});
+  }
+  if (!problems.empty()) return rows;
+  const CsvTable table = CsvTable::read(file, columns_of(label, facts), problems);
   if (!problems.empty()) return rows;
   bool has_measures = false;
   for (std::size_t k = 0; k < posturography::kMeasureCount; ++k) {
@@ -105,11 +121,9 @@ std::vector<SteadinessRow> read_rows(const std::string& file, const std::string&
     problems.push_back({file, 1, 1, "column '" + label + "' is missing; dtslab sway FILES --label " + label + "=... adds it"});
     return rows;
   }
-  for (std::size_t row = 0; row < table.row_count(); ++row) rows.push_back(row_of(table, label, row));
+  for (std::size_t row = 0; row < table.row_count(); ++row) rows.push_back(row_of(table, label, facts, row));
   return rows;
 }
-
-bool is_same_rate(double a_hz, double b_hz) noexcept { return std::abs(a_hz - b_hz) <= kSameRate * b_hz; }
 
 core::Result<SteadinessRow> row_of_plates(const std::string& file, const force::CopChoice& choice, const std::string& profile,
                                           double rate_hz) {

@@ -85,6 +85,8 @@ void add_cells(const v1::Sway& sway, ResultCells& cells) {
   for (const v1::SwayMeasure& measure : sway.measures()) {
     cells.emplace_back(measure.symbol() + " [" + measure.unit() + "]", core::number_text(measure.value()));
   }
+  for (const v1::GroupProbability& group : sway.decision().probabilities())
+    cells.emplace_back("p_" + group.group() + " [1]", core::number_text(group.probability()));
 }
 
 void add_cells(const v1::TrialResult& result, ResultCells& cells) {

@@ -38,7 +38,8 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
   const std::string training = table("train.csv", 12, 6.0);
 
   ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("eyes.json")}), cli::kOk) << talk();
-  EXPECT_THAT(out(), HasSubstr("Better than always predicting the most frequent label."));
+  EXPECT_THAT(out(), HasSubstr("eyes: told (permutation p = 0.002)"));
+  EXPECT_THAT(out(), HasSubstr("TOLD OF PEOPLE LEFT OUT (12 people, 47 trials, leave one out)"));
   EXPECT_THAT(out(), Not(HasSubstr("too few")));
   EXPECT_THAT(talk(), HasSubstr("1 rows left out: the subject stepped off or moved the feet"));
 
@@ -51,25 +52,102 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
   EXPECT_THAT(out(), HasSubstr("PROBABILITY"));
 }
 
-TEST_F(SteadinessTest, RandomLabels_AreSaidToBeChance) {
-  ASSERT_EQ(run_with({"steadiness", "train", table("random.csv", 6, 0.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
-  EXPECT_THAT(out(), HasSubstr("No better than chance"));
-  EXPECT_THAT(out(), HasSubstr("Only 6 subjects: too few for any claim"));
+TEST_F(SteadinessTest, RandomLabels_AreNotToldAndGiveNoModel) {
+  const std::string random = table("random.csv", 12, 0.0);
+  const std::vector<std::string> words{"steadiness", "train", random, "--label", "eyes", "--out", path("m.json")};
 
-  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), path("random.csv")}), cli::kOk);
-  EXPECT_THAT(talk(), HasSubstr("this model was no better than chance"));
+  EXPECT_EQ(run_with(words), cli::kFailed);
+
+  EXPECT_THAT(out(), HasSubstr("eyes: not told: "));
+  EXPECT_THAT(out(), HasSubstr("10 x 10-fold"));
+  EXPECT_THAT(talk(), HasSubstr("m.json was not written: eyes is not told\n  try: do not use such a model; to study it, add --research"));
+  EXPECT_FALSE(std::filesystem::exists(path("m.json")));
+
+  std::vector<std::string> research = words;
+  research.emplace_back("--research");
+  EXPECT_EQ(run_with(research), cli::kOk) << talk();
+  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), random}), cli::kOk);
+  EXPECT_THAT(talk(), HasSubstr("this model is for research only: its label is not told in people left out"));
+
+  EXPECT_EQ(run_with({"steadiness", "train", random, "--label", "eyes"}), cli::kOk) << "without --out it is only the test";
+}
+
+TEST_F(SteadinessTest, FewPeople_AreNoGroundForAClaim) {
+  EXPECT_EQ(run_with({"steadiness", "train", table("few.csv", 6, 6.0), "--label", "eyes"}), cli::kOk) << talk();
+  EXPECT_THAT(out(), HasSubstr("eyes: not told: only 6 subjects: too few for any claim about other people"));
 }
 
 TEST_F(SteadinessTest, RowsWithoutSubjects_AreSaidToFlatter) {
   const std::string training = table("train.csv", 5, 6.0, false);
 
-  ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--measures", "MVELO"}), cli::kOk)
-      << talk();
+  ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--measures", "MVELO"}), cli::kOk) << talk();
   EXPECT_THAT(out(), HasSubstr("the results are too good"));
-  ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--json"}), cli::kOk);
+  ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--json"}), cli::kOk);
   EXPECT_EQ(json().at("rows_without_subject"), 19);
   EXPECT_EQ(json().at("is_of_too_few_subjects"), true);
+  EXPECT_EQ(json().at("is_told"), false);
   EXPECT_EQ(json().at("measures").size(), 3U);
+}
+
+TEST_F(SteadinessTest, MovedFeet_AreCountedByGroup) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 12, 6.0), "--label", "eyes", "--json"}), cli::kOk) << talk();
+  EXPECT_EQ(json().at("classes").at(0), "closed");
+  EXPECT_EQ(json().at("groups").at(0).at("not_valid"), 1);
+  EXPECT_EQ(json().at("groups").at(0).at("trials"), 23);
+  EXPECT_EQ(json().at("groups").at(1).at("not_valid"), 0);
+}
+
+/// People of two groups, with facts about them: age defines the group, weight tells it, and the place is where they stood.
+std::string facts_table(double shift) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  std::string text = "file,subject,place,group,age,weight,sex,profile,fs_hz,flags,MVELO,RDIST\n";
+  for (int person = 0; person < 40; ++person) {
+    const bool is_old = person % 2 == 0;
+    const double own = normal(random) + (is_old ? shift : 0.0);
+    const double weight = 70.0 + 5.0 * normal(random) + (is_old ? 25.0 : 0.0);
+    for (int row = 0; row < 4; ++row) {
+      text += "f" + std::to_string(row) + ",S" + std::to_string(person) + (row < 3 ? ",firm," : ",foam,") + (is_old ? "old," : "young,") +
+              (is_old ? "70," : "30,") + std::to_string(weight) + (person % 4 < 2 ? ",f" : ",m") + ",lp10,100," +
+              (row == 3 && is_old ? "moved" : "") + "," + std::to_string(8.0 * std::exp(0.2 * (own + 0.1 * normal(random)))) + "," +
+              std::to_string(5.0 * std::exp(0.3 * normal(random))) + "\n";
+    }
+  }
+  return text;
+}
+
+TEST_F(SteadinessTest, Where_ChoosesTheRows) {
+  const std::string file = write("facts.csv", facts_table(3.0));
+  ASSERT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--where", "place=firm", "--out", path("m.json"), "--json"}),
+            cli::kOk)
+      << talk();
+  EXPECT_EQ(json().at("rows"), 120);
+  EXPECT_EQ(json().at("condition"), "place=firm");
+  EXPECT_EQ(json().at("defined_by"), nlohmann::json::array({"age"})) << "compared without being asked for";
+  EXPECT_EQ(json().at("tests").at(0).at("rivals").size(), 1U) << "sex; age defines the group";
+
+  ASSERT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--where", "place=firm,foam", "--against", "none", "--json"}),
+            cli::kOk);
+  EXPECT_EQ(json().at("rows"), 140);
+  EXPECT_EQ(json().at("groups").at(0).at("not_valid"), 20);
+  EXPECT_EQ(json().at("tests").at(0).at("rivals").size(), 0U);
+}
+
+TEST_F(SteadinessTest, WeightThatTellsBetter_IsNamed) {
+  const std::string file = write("facts.csv", facts_table(0.8));
+  EXPECT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--against", "weight", "--out", path("m.json")}), cli::kFailed);
+  EXPECT_THAT(out(), HasSubstr("group: told by weight, not by sway: the AUC of weight alone is clearly larger"));
+  EXPECT_FALSE(std::filesystem::exists(path("m.json")));
+}
+
+TEST_F(SteadinessTest, NoiseOfTheRig_LeavesOutWhatItChangesUnpredictably) {
+  const std::string file = write("facts.csv", facts_table(3.0));
+  ASSERT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--noise-mm", "0.26", "--out", path("m.json"), "--json"}), cli::kOk)
+      << talk();
+  EXPECT_EQ(json().at("noise_mm"), 0.26);
+  EXPECT_THAT(talk(), HasSubstr("SAMPEN_AP_20HZ"));
+  EXPECT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--noise-rate", "1500"}), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("--noise-rate needs --noise-mm"));
 }
 
 TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
@@ -125,6 +203,14 @@ TEST_F(SteadinessTest, BadInput_ExitsWithTwo) {
          left_out + "dtslab: MFREQ is missing in line 2\n  try: choose another measure, or remove the row\n"},
         {train(training, "profile", path("n.json"), "MVELO"),
          left_out + "dtslab: the column has fewer than two different labels\n  try: choose another column with --label\n"},
+        {{"steadiness", "train", training, "--label", "eyes", "--where", "place"},
+         "dtslab: --where 'place' is not COLUMN=VALUE\n  try: write for example --where condition=ec_firm\n"},
+        {{"steadiness", "train", training, "--label", "eyes", "--where", "place=here"},
+         "dtslab: train.csv has no column 'place'\n  try: choose another column with --where\n"},
+        {{"steadiness", "train", training, "--label", "eyes", "--where", "MVELO=3"},
+         "train.csv:1:1: 'MVELO' is a column of numbers: give another one\n"},
+        {{"steadiness", "train", training, "--label", "eyes", "--against", "shoe"},
+         left_out + "dtslab: train.csv has no column 'shoe'\n  try: choose other columns with --against\n"},
         {train(training, "eyes", training, "MVELO"), "dtslab: train.csv is the input file train.csv\n  try: write to another file\n"},
         {train(bad, "eyes", path("n.json"), "MVELO"), "bad.csv:2:6: MVELO: 'fast' is not a finite number\n"},
         {{"steadiness", "classify", model, training},

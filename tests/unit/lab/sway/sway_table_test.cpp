@@ -30,7 +30,7 @@ TEST(SwayTable, Text_IsReadBackDigitForDigit) {
   std::ofstream(file) << table_text(std::vector{first, second});
 
   files::Problems problems;
-  const auto rows = steadiness::read_rows(file, "eyes", problems);
+  const auto rows = steadiness::read_rows(file, "eyes", {}, problems);
   const auto labels = CsvTable::read(file, {{.name = "label_MVELO", .is_text = true}}, problems).texts("label_MVELO");
   std::filesystem::remove(file);
 
@@ -58,7 +58,7 @@ TEST(SwayTable, NamesThatASpreadsheetWouldCompute_AreTextThereAndThemselvesHere)
   std::ofstream(file) << text;
 
   files::Problems problems;
-  const auto rows = steadiness::read_rows(file, "@eyes", problems);
+  const auto rows = steadiness::read_rows(file, "@eyes", {}, problems);
   std::filesystem::remove(file);
 
   EXPECT_THAT(text, ::testing::HasSubstr("condition,'@eyes,profile"));

@@ -6,6 +6,7 @@ import { colours, openSurface } from '../../parts/canvas';
 import { Tile } from '../../parts/controls';
 import { fixed } from '../../parts/numbers';
 import { strings } from '../../strings';
+import { DecisionTile } from './decision_tile';
 import type { LiveFloor, Steadiness } from './live_floor';
 import { windowName } from './live_floor';
 
@@ -71,6 +72,7 @@ export const SwayTiles = ({ floor, children }: { floor: LiveFloor; children: Com
         </div>
       ))}
       {children}
+      {steadiness?.sway.decision !== undefined && <DecisionTile decision={steadiness.sway.decision} />}
     </section>
   );
 };

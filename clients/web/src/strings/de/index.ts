@@ -7,5 +7,6 @@ import { floor } from './floor';
 import { health } from './health';
 import { report } from './report';
 import { sessions } from './sessions';
+import { steadinessDecision } from './steadiness_decision';
 
-export const de: typeof en = { common, floor, chair, sessions, report, health, fleet };
+export const de: typeof en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };

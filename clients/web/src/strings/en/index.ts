@@ -6,5 +6,6 @@ import { floor } from './floor';
 import { health } from './health';
 import { report } from './report';
 import { sessions } from './sessions';
+import { steadinessDecision } from './steadiness_decision';
 
-export const en = { common, floor, chair, sessions, report, health, fleet };
+export const en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };

@@ -3,22 +3,12 @@
 
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "core/result.h"
 #include "posturography/measure.h"
 
-namespace dts::lab::steadiness {
-
-/// Rows of measures with known labels. All vectors except `measures` have the same length.
-struct Samples {
-  std::vector<posturography::Measure> measures;  ///< The measures that every row has.
-  std::vector<posturography::Measures> values;
-  std::vector<std::string> labels;
-  std::vector<std::string> subjects;  ///< Empty: unknown subject.
-};
+namespace dts::pattern {
 
 /// A measure as input of a discriminant: its logarithm if it was above 0 in every training row, minus the mean, divided by the SD.
 struct Predictor {
@@ -42,15 +32,16 @@ struct Discriminant {
 /// The prediction of a discriminant for one row.
 struct Answer {
   std::optional<std::size_t> best;              ///< Index of the class; empty: a measure is missing or has no logarithm.
-  std::vector<double> probabilities;            ///< One per class.
+  std::vector<double> probabilities;            ///< One per class; empty without `best`.
   std::vector<posturography::Measure> outside;  ///< Measures outside the training range: the prediction is a guess.
+  std::vector<posturography::Measure> missing;  ///< Measures that are absent or have no logarithm.
 };
 
-/// Linear discriminant analysis (Fisher) of the rows with the indices `rows`. The pooled covariance is shrunk by the rule of Ledoit & Wolf
-/// 2004, so that there may be more measures than rows; priors are the frequencies of the classes. Fails with InvalidArgument if there are
-/// fewer than two classes, fewer rows than the number of classes plus one, or no measure that varies. Thread: any.
-[[nodiscard]] core::Result<Discriminant> fit(const Samples& samples, std::span<const std::size_t> rows);
-
+/// Thread: any.
 [[nodiscard]] Answer classify(const Discriminant& discriminant, const posturography::Measures& measures);
 
-}  // namespace dts::lab::steadiness
+/// Returns exp(score) / sum of exp(score), without overflow. A score may be -infinity; then its probability is 0. Returns nothing if a
+/// score is NaN or infinite, or all are -infinity.
+[[nodiscard]] std::vector<double> probabilities_of(std::vector<double> scores);
+
+}  // namespace dts::pattern

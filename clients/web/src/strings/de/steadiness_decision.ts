@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The decision of the steadiness model after a trial. It says whose sway this resembles; it must never read as a statement about health.
+import type { steadinessDecision as english } from '../en/steadiness_decision';
+
+export const steadinessDecision: typeof english = {
+  title: 'Das Schwanken gleicht',
+  none: 'Keine Zuordnung',
+  probability: (percent) => `Wahrscheinlichkeit ${percent} %`,
+  outside: (measures) => `Außerhalb des Trainings: ${measures}`,
+  notValid: 'Durchgang ungültig: abgestiegen oder Füße bewegt',
+  missing: (measures) => `Fehlt: ${measures}`,
+  notComparable: 'Andere Abtastrate oder anderer Filter als im Training',
+  people: (people, condition) => `Trainiert mit ${people} Personen${condition === '' ? '' : `, ${condition}`}`,
+  auc: (auc, low, high) => `Richtige Reihenfolge bei einem Anteil von ${auc} der Paare (${low} bis ${high}); Zufall ist 0,50`,
+  oneMeasure: (name, auc) => `Nicht besser als eine Kenngröße allein: ${name} (${auc})`,
+  rival: (facts, auc) => `Ohne Plattform, ${facts}: ${auc}`,
+  limit: 'Keine Aussage über Gesundheit oder Sturzgefahr',
+};

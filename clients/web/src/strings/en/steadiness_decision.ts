@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+// The decision of the steadiness model after a trial. It says whose sway this resembles; it must never read as a statement about health.
+export const steadinessDecision = {
+  title: 'Sway resembles',
+  none: 'No decision',
+  probability: (percent: string) => `${percent} % probability`,
+  outside: (measures: string) => `Outside of the training: ${measures}`,
+  notValid: 'Trial not valid: stepped off or moved the feet',
+  missing: (measures: string) => `Missing: ${measures}`,
+  notComparable: 'Other rate or filter than in the training',
+  people: (people: string, condition: string) => `Trained on ${people} people${condition === '' ? '' : `, ${condition}`}`,
+  auc: (auc: string, low: string, high: string) => `Right order in a share of ${auc} of pairs (${low} to ${high}); chance is 0.50`,
+  oneMeasure: (name: string, auc: string) => `No better than one measure: ${name} (${auc})`,
+  rival: (facts: string, auc: string) => `Without a platform, ${facts}: ${auc}`,
+  limit: 'No statement about health or risk of falling',
+};

@@ -87,6 +87,7 @@ dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   }
   if (view.undo_s > 0.0) out.set_undo_s(view.undo_s);
   out.set_is_next_wanted(view.is_next_wanted);
+  out.set_has_feedback(view.has_feedback);
   return out;
 }
 
@@ -113,6 +114,7 @@ static void add_plan(const session::TrialPlan& plan, dts::v1::ProtocolInfo& out)
     if (plan.duration_s > 0.0) described.set_duration_s(plan.duration_s);
     if (condition.target_percent) described.set_target_percent(*condition.target_percent);
     described.set_is_maximum_reach(condition.is_maximum_reach);
+    described.set_has_feedback(session::has_feedback(condition));
   }
 }
 

@@ -6,6 +6,7 @@ import { common } from './common';
 import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
+import { patient } from './patient';
 import { sessions } from './sessions';
 
-export const strings = { common, floor, chair, sessions, health, fleet };
+export const strings = { common, floor, chair, sessions, health, fleet, patient };

@@ -20,7 +20,7 @@ export const patient = {
     done: 'Done',
   },
   hints: {
-    noData: 'The measurement has stopped. Your therapist sees why.',
+    noData: 'The measurement has stopped. The other screen says why.',
     noDataSince: (time: string) => `No data since ${time}`,
     idle: 'It begins soon.',
     wait: { floor: 'Stand in the middle of the plate.', chair: 'Lean back. Hands on the thighs.' },

@@ -137,6 +137,7 @@ describe('accessibility', () => {
   });
 
   test('"?" lists the keys, digits choose pages, Escape closes', async () => {
+    await show('floor'); // the patient screen has no keys
     await page.evaluate(() => document.activeElement?.blur());
     await page.keyboard.press('?');
     await by(page, 'key-help').waitFor();

@@ -96,7 +96,9 @@ TEST_F(ProtocolFiles, Feedback_KeepsItsResultsApart) {
       kFeedback,
       {
           {"feedback", "feedback = true", ""},
-          {"feedback", "feedback = 1", "p:6:12: [[condition]] feedback must be true or false"},
+          {"feedback", "feedback = 1",
+           "p:6:12: [[condition]] feedback must be true or false\n"
+           "p:5:8: only a condition with feedback = true may have a name that ends with -feedback"},
           {"feedback", "feedback = false", "p:5:8: only a condition with feedback = true may have a name that ends with -feedback"},
           {"name = \"eyes", "name = \"eyes\"",
            "p:5:8: the name of a condition with feedback must end with -feedback, so that its results stay apart"},

@@ -145,18 +145,20 @@ export const Plate = ({ link, rig, floor, hasFeedback }: PlateProps): JSX.Elemen
         onMouseMove={point}
         onMouseLeave={() => (pointed.value = -1)}
       />
-      <div class="plate-corner row">
+      <div class="plate-corner">
         {hasFeedback && (
           <span class="plate-note" data-testid="feedback-note">
             {strings.patient.feedbackNote}
           </span>
         )}
-        {!link.me.value.isFleet && <PatientButton rig={rig.name} />}
-        <Button
-          label={isZoomed.value ? words.wholePlate : words.zoom}
-          testId="zoom"
-          onClick={() => (isZoomed.value = !isZoomed.value)}
-        />
+        <div class="row">
+          {!link.me.value.isFleet && <PatientButton rig={rig.name} />}
+          <Button
+            label={isZoomed.value ? words.wholePlate : words.zoom}
+            testId="zoom"
+            onClick={() => (isZoomed.value = !isZoomed.value)}
+          />
+        </div>
       </div>
       {sensor !== undefined && (
         <div class="plate-sensor" data-testid="sensor-text">

@@ -34,7 +34,7 @@ export const patient: typeof english = {
     feedback: 'Den Punkt in der Mitte halten.',
     go: 'Zum Ziel greifen.',
     back: 'Die Hand zurücknehmen.',
-    rest: { floor: 'Bewegen ist erlaubt.', chair: 'Anlehnen. Hände auf die Oberschenkel.' },
+    rest: { floor: 'Gleich geht es weiter.', chair: 'Anlehnen. Hände auf die Oberschenkel.' },
     done: 'Vielen Dank.',
   },
   seconds: (seconds) => `${seconds} s`,

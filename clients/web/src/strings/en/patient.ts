@@ -32,7 +32,7 @@ export const patient = {
     feedback: 'Keep the dot in the middle.',
     go: 'Reach for the target.',
     back: 'Bring your hand back.',
-    rest: { floor: 'You may move.', chair: 'Lean back. Hands on the thighs.' },
+    rest: { floor: 'It goes on soon.', chair: 'Lean back. Hands on the thighs.' },
     done: 'Thank you.',
   },
   seconds: (seconds: string) => `${seconds} s`,

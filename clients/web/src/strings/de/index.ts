@@ -6,6 +6,7 @@ import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
 import { patient } from './patient';
+import { report } from './report';
 import { sessions } from './sessions';
 
-export const de: typeof en = { common, floor, chair, sessions, health, fleet, patient };
+export const de: typeof en = { common, floor, chair, sessions, report, health, fleet, patient };

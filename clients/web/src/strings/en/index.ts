@@ -5,6 +5,7 @@ import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
 import { patient } from './patient';
+import { report } from './report';
 import { sessions } from './sessions';
 
-export const en = { common, floor, chair, sessions, health, fleet, patient };
+export const en = { common, floor, chair, sessions, report, health, fleet, patient };

@@ -35,7 +35,7 @@ MatchedReferences matched_references(const TrialData& trial) {
   const std::string feet = trial.label("feet");
   const std::string surface = trial.label("surface");
   MatchedReferences matched{.protocols = {}, .is_surface_assumed = surface.empty()};
-  if (eyes.empty() || feet != "two") return matched;
+  if (eyes.empty() || feet != "two" || !trial.label(session::kFeedbackLabel).empty()) return matched;  // feedback changes sway
   for (const posturography::ReferenceProtocol& protocol : posturography::reference_protocols()) {
     if (protocol.eyes != eyes || protocol.surface != (surface.empty() ? "firm" : surface)) continue;
     if (matched.protocols.size() < kMostColumns) matched.protocols.push_back(protocol);

@@ -50,7 +50,8 @@ constexpr std::array kPublished = {PublishedQuotient{Measure::Mvelo, "1.11 (0.80
 /// The published quotients are for two feet on a firm surface; a stance without a surface counts as firm.
 bool is_of_references(const std::string& stance) {
   const bool is_firm = stance.find("surface=") == std::string::npos || stance.find("surface=firm") != std::string::npos;
-  return is_firm && stance.find("feet=two") != std::string::npos;
+  const bool has_feedback = stance.find(session::kFeedbackLabel) != std::string::npos;
+  return is_firm && !has_feedback && stance.find("feet=two") != std::string::npos;
 }
 
 /// Returns a warning for trials with another duration than the published quotients; empty if there are none.

@@ -50,6 +50,9 @@ std::vector<std::string> alerts_of(const SessionData& session, const TrialData& 
   if (trial.analysis && !trial.analysis->is_valid()) {
     alerts.emplace_back("Invalid: the subject stepped off or moved the feet. Do not use the values to judge steadiness.");
   }
+  if (!trial.label(session::kFeedbackLabel).empty()) {
+    alerts.emplace_back("With feedback: the subject saw the own COP. Do not compare this trial with trials without feedback.");
+  }
   const std::string doubts = core::join(reference_warnings(trial), " ");
   if (!doubts.empty()) alerts.push_back(doubts);
   return alerts;

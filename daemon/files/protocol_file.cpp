@@ -143,11 +143,27 @@ std::vector<std::pair<std::string, std::string>> read_labels(TomlReader reader) 
   for (const std::string& key : reader.remaining_keys()) {
     labels.emplace_back(key, reader.text(key, ""));
     if (std::ranges::find(kReservedLabels, key) != std::end(kReservedLabels)) reader.report(key, "label '" + key + "' is reserved");
+    if (key == session::kFeedbackLabel) reader.report(key, "label 'feedback' is reserved: write feedback = true in the condition");
     if (!is_word(key, kFieldLetters)) reader.report(key, "a label's name must be 1 to 32 of the characters a-z, 0-9 and _");
     if (!is_word(labels.back().second, kNameLetters)) reader.report(key, "a label must be 1 to 32 of the characters a-z, 0-9 and -");
   }
   if (labels.size() > kMostLabels) reader.report("", "more than 8 labels");
   return labels;
+}
+
+/// Checks a condition in which the subject sees the own COP, and gives it its label.
+void read_feedback(TomlReader& reader, Condition& condition) {
+  const bool is_named_so = condition.name.ends_with(session::kFeedbackEnding);
+  if (!reader.boolean("feedback", false)) {
+    if (is_named_so) reader.report("name", "only a condition with feedback = true may have a name that ends with -feedback");
+    return;
+  }
+  if (!is_named_so) reader.report("name", "the name of a condition with feedback must end with -feedback, so that its results stay apart");
+  if (condition.is_maximum_reach || condition.target_percent) reader.report("feedback", "a condition with a target has no feedback");
+  if (std::ranges::find(condition.labels, std::pair<std::string, std::string>("eyes", "closed")) != condition.labels.end()) {
+    reader.report("feedback", "a condition with eyes closed has no feedback: the subject could not see it");
+  }
+  condition.labels.emplace_back(session::kFeedbackLabel, session::kCopFeedback);
 }
 
 Condition read_condition(TomlReader& reader) {
@@ -162,6 +178,7 @@ Condition read_condition(TomlReader& reader) {
   condition.translations = translations(
       reader, [](TomlReader& table, session::Translation& translation) { translation.title = line(table, "title", kLongestTitle); });
   if (reader.node("labels") != nullptr) condition.labels = read_labels(reader.table("labels"));
+  read_feedback(reader, condition);
   reader.finish();
   return condition;
 }
@@ -211,6 +228,12 @@ void check_targets(const Protocol& protocol, TomlReader& reader) {
   }
   if (std::ranges::any_of(protocol.trials->conditions, is_percent) && !asks_for("arm_length_cm")) {
     reader.report("trials", "a target_percent needs a [[field]] named arm_length_cm, in centimetres");
+  }
+}
+
+void check_feedback(const Protocol& protocol, TomlReader& reader) {
+  if (protocol.rig_kind == "chair" && std::ranges::any_of(protocol.trials->conditions, session::has_feedback)) {
+    reader.report("trials", "feedback needs a rig that measures the COP: rig_kind = \"floor\"");
   }
 }
 
@@ -274,6 +297,7 @@ Protocol read_protocol_text(const std::string& text, const std::string& name, Pr
   if (reader.node("trials") != nullptr) {
     protocol.trials = read_trials(reader.table("trials"));
     check_targets(protocol, reader);
+    check_feedback(protocol, reader);
   }
   read_session_times(reader, protocol);
   reader.finish();

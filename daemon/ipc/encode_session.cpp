@@ -89,6 +89,7 @@ dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   }
   if (view.undo_s > 0.0) out.set_undo_s(view.undo_s);
   out.set_is_next_wanted(view.is_next_wanted);
+  out.set_has_feedback(view.has_feedback);
   return out;
 }
 
@@ -129,6 +130,7 @@ static void add_plan(const session::TrialPlan& plan, dts::v1::ProtocolInfo& out)
     if (condition.target_percent) described.set_target_percent(*condition.target_percent);
     described.set_is_maximum_reach(condition.is_maximum_reach);
     add_translations(condition.translations, *described.mutable_translations());
+    described.set_has_feedback(session::has_feedback(condition));
   }
 }
 

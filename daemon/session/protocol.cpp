@@ -150,6 +150,10 @@ core::Status check_fields(const Protocol& protocol, const Fields& fields) {
   return {};
 }
 
+bool has_feedback(const Condition& condition) {
+  return std::ranges::find(condition.labels, kFeedbackLabel, &std::pair<std::string, std::string>::first) != condition.labels.end();
+}
+
 std::optional<double> field_number(const Fields& fields, const std::string& name) {
   const auto found = std::ranges::find_if(fields, [&name](const auto& given) { return given.first == name; });
   return found == fields.end() ? std::nullopt : number_of(found->second);

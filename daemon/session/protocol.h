@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,13 @@ struct ProtocolField {
 
   friend bool operator==(const ProtocolField&, const ProtocolField&) = default;
 };
+
+/// The label of every event of a trial in which the subject sees the own COP on the patient screen. Feedback changes sway, so that such
+/// trials are never mixed with others.
+inline constexpr const char* kFeedbackLabel = "feedback";
+inline constexpr const char* kCopFeedback = "cop";
+/// The name of a condition with feedback ends so, and no other name: results of both are kept apart by name in every table and trend.
+inline constexpr std::string_view kFeedbackEnding = "-feedback";
 
 /// One kind of trial, for example a target or a stance.
 struct Condition {
@@ -98,6 +106,9 @@ struct Protocol {
 /// name. A condition at maximum reach needs the field max_reach_cm; a condition in percent needs arm_length_cm. Rejects a target beyond the
 /// maximum reach, for safety and as in the thesis (6.3.3).
 [[nodiscard]] core::Status check_fields(const Protocol& protocol, const std::vector<std::pair<std::string, std::string>>& fields);
+
+/// Returns whether the subject sees the own COP in trials of this condition.
+[[nodiscard]] bool has_feedback(const Condition& condition);
 
 /// Returns a field's number; nothing if the field is absent or not a number.
 [[nodiscard]] std::optional<double> field_number(const std::vector<std::pair<std::string, std::string>>& fields, const std::string& name);

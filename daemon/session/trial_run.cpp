@@ -258,6 +258,7 @@ TrialView TrialRun::view(std::int64_t now_ns) const {
     view.block = shown.block;
     view.target_cm = targets_cm_[shown.condition];
     view.target_percent = targets_percent_[shown.condition];
+    view.has_feedback = has_feedback(plan_.conditions[shown.condition]);
   }
   if (current_) {
     view.trial = places_[*current_].trial;

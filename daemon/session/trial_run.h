@@ -106,6 +106,7 @@ struct TrialView {
   std::optional<double> target_percent;    ///< The same in percent of the arm length.
   std::optional<EndedAttempt> last_ended;  ///< Nothing: no attempt has ended.
   double undo_s = 0.0;                     ///< How long `undo` is possible; 0: it is not.
+  bool has_feedback = false;               ///< The subject sees the own COP: in the current trial, else in the next one.
   bool is_next_wanted = false;             ///< The first trial starts as soon as the session runs.
 };
 

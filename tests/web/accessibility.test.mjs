@@ -45,6 +45,7 @@ describe('accessibility', () => {
     'compare/ID/ID': async () => void (await by(page, 'comparison-table').waitFor()),
     'subjects/P1': async () => void (await by(page, 'session-row').first().waitFor()),
     health: async () => void (await waitForText(page, 'volts-floor-w4', /\d/)),
+    'patient/floor': async () => void (await by(page, 'patient').and(page.locator('[data-state="idle"]')).waitFor()),
   };
   const show = async (name) => {
     await goTo(page, ids.reduce((path, id) => path.replace('ID', id), name));
@@ -53,6 +54,7 @@ describe('accessibility', () => {
 
   for (const theme of ['light', 'dark']) {
     test(`axe finds nothing on any page, ${theme}`, async () => {
+      await show('floor'); // the patient screen has no choice of colours
       await by(page, 'theme').selectOption(theme);
       const found = {};
       for (const name of Object.keys(pages)) {
@@ -82,6 +84,12 @@ describe('accessibility', () => {
     await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing');
     await by(page, 'stop-session').waitFor();
     assert.deepEqual(await findings(page), []);
+    for (const rig of ['floor', 'chair']) {
+      await goTo(page, `patient/${rig}`);
+      await by(page, 'patient').and(page.locator(`[data-kind="${rig}"]`)).waitFor();
+      assert.deepEqual(await findings(page), [], `patient screen, ${rig}`);
+    }
+    await goTo(page, 'floor');
     await daemon.ctl('session', 'abort', '--reason', 'a test');
     await by(page, 'open-start').waitFor();
     await show('sessions/ID');
@@ -129,6 +137,7 @@ describe('accessibility', () => {
   });
 
   test('"?" lists the keys, digits choose pages, Escape closes', async () => {
+    await show('floor'); // the patient screen has no keys
     await page.evaluate(() => document.activeElement?.blur());
     await page.keyboard.press('?');
     await by(page, 'key-help').waitFor();

@@ -136,6 +136,18 @@ describe('layout', () => {
     await check('health', true);
   });
 
+  test('patient screen, before a session and before a trial', async () => {
+    await goTo(page, 'patient/floor');
+    await by(page, 'patient').and(page.locator('[data-state="idle"]')).waitFor();
+    await check('patient screen', false);
+    await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing');
+    await by(page, 'patient').and(page.locator('[data-state="wait"]')).waitFor();
+    await check('patient screen before a trial', false);
+    const share = await by(page, 'patient-word').evaluate((word) => Number.parseFloat(getComputedStyle(word).fontSize) / innerHeight);
+    assert.ok(share > 0.12, `the word has ${share} of the height of the screen; from 3 m it needs an eighth`);
+    await daemon.ctl('session', 'stop', '--rig', 'floor');
+  });
+
   test('the report is as high as its page: nothing scrolls within the page', async () => {
     for (const size of [sizes[0], narrowSizes[0]]) {
       await page.setViewportSize(size);

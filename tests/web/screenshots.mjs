@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes pictures of the dashboard: node tests/web/screenshots.mjs FOLDER [--all]. `scripts/screenshots` builds first.
-// Without --all the four pictures of README.md, else every page in both themes, and on a phone.
+// Without --all the five pictures of the documents, else every page in both themes, and on a phone.
 import assert from 'node:assert/strict';
 import { mkdirSync, statSync } from 'node:fs';
 import path from 'node:path';
@@ -82,6 +82,22 @@ const pictureFloor = async ({ daemon, tabs }) => {
   await shootMore(page, 'live-floor-after');
   await page.close();
   return id;
+};
+
+/** Takes a picture of the patient screen in a trial with feedback. */
+const picturePatient = async ({ daemon, tabs }) => {
+  const page = await tabs.open('patient/floor');
+  await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'romberg-feedback', '--subject', 'P017');
+  await startTrial(daemon, 'floor');
+  await page.locator('[data-testid="patient"][data-state="rest"]').waitFor({ timeout: minutesMs });
+  await shootMore(page, 'patient-rest');
+  await startTrial(daemon, 'floor');
+  await page.locator('[data-testid="patient"][data-state="measure"]').waitFor();
+  await pause(2000);
+  await shoot(page, 'patient');
+  assert.equal(await by(page, 'patient').getAttribute('data-state'), 'measure', 'this machine is too busy');
+  await daemon.ctl('session', 'stop', '--rig', 'floor');
+  await page.close();
 };
 
 /** Takes a picture of the third reach to the farthest target, with the two earlier ones behind it. */
@@ -184,6 +200,7 @@ bench.tabs.context.setDefaultTimeout(minutesMs);
 try {
   const id = await pictureFloor(bench);
   await pictureChair(bench);
+  await picturePatient(bench);
   await pictureSession(bench, id);
   if (isAll) {
     await pictureRecords(bench, id);

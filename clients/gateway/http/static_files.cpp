@@ -25,6 +25,8 @@ using client::Result;
 
 constexpr std::uintmax_t kMostFileBytes = 64ULL << 20U;
 constexpr std::string_view kIndex = "/index.html";
+/// The patient screen has an address that can be typed. The dashboard's script reads it.
+constexpr std::string_view kPatientScreen = "/patient";
 constexpr std::string_view kHashedFolder = "/assets/";  // Vite puts files with a hash in their name here
 
 std::string content_type_of(const fs::path& path) {
@@ -121,7 +123,8 @@ void StaticFiles::serve(const HttpRequest& request, const Respond& respond) cons
   if (request.method != "GET" && request.method != "HEAD") {
     return respond({.status = 405, .body = "this path accepts only GET and HEAD\n", .headers = {{"Allow", "GET, HEAD"}}});
   }
-  const auto found = files_.find(request.path == "/" ? std::string(kIndex) : request.path);
+  const bool is_page = request.path == "/" || request.path == kPatientScreen;
+  const auto found = files_.find(is_page ? std::string(kIndex) : request.path);
   if (found == files_.end()) return respond({.status = 404, .body = "no such page\n"});
   const auto& [path, file] = *found;
   HttpResponse answer{.content_type = file.content_type};

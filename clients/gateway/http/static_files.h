@@ -16,8 +16,8 @@ class StaticFiles {
   /// Reads every regular file below `root`, at most 64 MiB together. Does not follow links. Fails with NotFound if there is no index.html.
   [[nodiscard]] static client::Result<StaticFiles> load(const std::filesystem::path& root);
 
-  /// Serves GET and HEAD. "/" is index.html. Supports ETag and 304. Browsers may cache files with a hash in their name (assets/) for ever;
-  /// they must always check index.html again.
+  /// Serves GET and HEAD. "/" and "/patient" are index.html. Supports ETag and 304. Browsers may cache files with a hash in their name
+  /// (assets/) for ever; they must always check index.html again.
   void serve(const HttpRequest& request, const Respond& respond) const;
 
  private:

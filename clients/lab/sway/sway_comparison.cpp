@@ -7,6 +7,7 @@
 
 #include "cli/table.h"
 #include "lab/sway/sway_view.h"
+#include "session/protocol.h"
 
 namespace dts::lab::sway {
 namespace {
@@ -55,6 +56,9 @@ std::vector<std::string> warnings_of(const MeasuredTrial& a, const MeasuredTrial
   if (!is_equal_rate(*a.analysis, *b.analysis)) {
     warnings.push_back("rates differ (" + significant(a.analysis->rate_hz) + " and " + significant(b.analysis->rate_hz) +
                        " Hz): path, velocity and direction depend on it; use --rate to make them equal");
+  }
+  if (a.label(session::kFeedbackLabel) != b.label(session::kFeedbackLabel)) {
+    warnings.emplace_back("only one of the trials has feedback: seeing the own COP changes sway, so do not compare them");
   }
   if (a.analysis->profile != b.analysis->profile) warnings.emplace_back("profiles differ: path and velocity depend on the filter");
   if (is_other_person(a, b)) warnings.emplace_back("the trials are from different people");

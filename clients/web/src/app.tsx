@@ -8,6 +8,7 @@ import { FleetLivePage, watchedClinic } from './pages/fleet/live_page';
 import { FleetPages } from './pages/fleet/fleet_pages';
 import { FloorPage } from './pages/floor/floor_page';
 import { HealthPage } from './pages/health/health_page';
+import { PatientPage } from './pages/patient/patient_page';
 import { SessionsPage } from './pages/sessions/sessions_page';
 import { LoginPage } from './shell/login_page';
 import { path } from './shell/route';
@@ -40,6 +41,8 @@ export const App = ({ link, openClinic }: { link: Link; openClinic: OpenClinic }
   const watched = useMemo(() => (clinic === undefined ? undefined : openClinic(clinic)), [clinic]);
   useEffect(() => () => watched?.close(), [watched]);
   const shown = watched ?? link;
+  // The patient sees nothing but the task: no tabs, no status line, no keys.
+  if (path.value[0] === 'patient' && link.state.value !== 'login' && link.state.value !== 'fleet') return <PatientPage link={link} rigName={path.value[1]} />;
   return (
     <Shell link={link} live={shown}>
       <Page link={shown} />

@@ -28,7 +28,7 @@ class ProtocolFiles : public FilesTest {
 };
 
 TEST_F(ProtocolFiles, Shipped_AreAllGood) {
-  EXPECT_THAT(names_in(kShipped), ElementsAre("free", "quiet-standing", "reaching-short", "reaching-task", "romberg"));
+  EXPECT_THAT(names_in(kShipped), ElementsAre("free", "quiet-standing", "reaching-short", "reaching-task", "romberg", "romberg-feedback"));
   EXPECT_EQ(told(), "");
 }
 
@@ -110,6 +110,51 @@ TEST_F(ProtocolFiles, ReachingTask_TakesTheVolunteersOfTheThesis) {
   EXPECT_TRUE(accepts("65.5", "121"));  // H4
   EXPECT_TRUE(accepts("65", "120"));    // S3
   EXPECT_FALSE(accepts("68", "43"));    // S1 had targets of her own
+}
+
+TEST_F(ProtocolFiles, RombergFeedback_HasOneConditionWithFeedback) {
+  const auto protocol = shipped("romberg-feedback");
+  ASSERT_TRUE(protocol.trials.has_value());
+  std::string with_feedback;
+  for (const session::Condition& condition : protocol.trials->conditions) {
+    if (session::has_feedback(condition)) with_feedback += condition.name + ";";
+  }
+  EXPECT_EQ(with_feedback, "eyes-open-feedback;");
+  EXPECT_THAT(protocol.trials->conditions[1].labels, testing::Contains(std::pair<std::string, std::string>("feedback", "cop")));
+  const auto plain = shipped("romberg");
+  EXPECT_EQ(protocol.trials->settle_s, plain.trials->settle_s);
+  EXPECT_EQ(protocol.trials->duration_s, plain.trials->duration_s);
+}
+
+const std::string kFeedback = R"(name = "x"
+rig_kind = "floor"
+[trials]
+[[trials.condition]]
+name = "eyes-feedback"
+feedback = true
+labels = { eyes = "open" }
+)";
+
+TEST_F(ProtocolFiles, Feedback_KeepsItsResultsApart) {
+  expect_problems(
+      kFeedback,
+      {
+          {"feedback", "feedback = true", ""},
+          {"feedback", "feedback = 1",
+           "p:6:12: [[condition]] feedback must be true or false\n"
+           "p:5:8: only a condition with feedback = true may have a name that ends with -feedback"},
+          {"feedback", "feedback = false", "p:5:8: only a condition with feedback = true may have a name that ends with -feedback"},
+          {"name = \"eyes", "name = \"eyes\"",
+           "p:5:8: the name of a condition with feedback must end with -feedback, so that its results stay apart"},
+          {"labels", "target_percent = 80",
+           "p:6:12: a condition with a target has no feedback\n"
+           "p:3:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
+          {"labels", "labels = { eyes = \"closed\" }",
+           "p:6:12: a condition with eyes closed has no feedback: the subject could not see it"},
+          {"labels", "labels = { feedback = \"cop\" }", "p:7:23: label 'feedback' is reserved: write feedback = true in the condition"},
+          {"rig_kind", "rig_kind = \"chair\"", "p:3:1: feedback needs a rig that measures the COP: rig_kind = \"floor\""},
+      },
+      read);
 }
 
 TEST_F(ProtocolFiles, ExampleOfTheReadme_IsGood) {

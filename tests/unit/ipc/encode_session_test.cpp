@@ -128,17 +128,19 @@ TEST(EncodeSession, Protocol_NamesTrialsConditionsAndFields) {
       "fields { name: \"arm_length_cm\" label: \"Arm length\" is_required: true minimum: 30 maximum: 100 unit: \"cm\" help: \"Arm\" } "
       "fields { name: \"group\" label: \"Group\" choices: \"a\" choices: \"b\" } rig_kind: \"chair\" title: \"Reaching\"";
   EXPECT_EQ(text(protocol_info(protocol)), head + tail + " length_s: 3");
-  protocol.trials = session::TrialPlan{
-      .conditions = {{.name = "80", .title = "Near", .target_percent = 80}, {.name = "max", .title = "Far", .is_maximum_reach = true}},
-      .trials_per_block = 3,
-      .blocks = 4,
-      .starts_by_itself = true,
-      .settle_s = 5,
-      .duration_s = 20};
+  protocol.trials = session::TrialPlan{.conditions = {{.name = "80", .title = "Near", .target_percent = 80},
+                                                      {.name = "max", .title = "Far", .is_maximum_reach = true},
+                                                      {.name = "own-feedback", .title = "Own", .labels = {{"feedback", "cop"}}}},
+                                       .trials_per_block = 3,
+                                       .blocks = 4,
+                                       .starts_by_itself = true,
+                                       .settle_s = 5,
+                                       .duration_s = 20};
   EXPECT_EQ(text(protocol_info(protocol)),
             head +
                 "trials: 12 conditions { name: \"80\" title: \"Near\" settle_s: 5 duration_s: 20 target_percent: 80 } "
-                "conditions { name: \"max\" title: \"Far\" settle_s: 5 duration_s: 20 is_maximum_reach: true } " +
+                "conditions { name: \"max\" title: \"Far\" settle_s: 5 duration_s: 20 is_maximum_reach: true } "
+                "conditions { name: \"own-feedback\" title: \"Own\" settle_s: 5 duration_s: 20 has_feedback: true } " +
                 tail + " length_s: 300 starts_by_itself: true");
 }
 
@@ -150,16 +152,17 @@ TEST(EncodeSession, TrialOfASnapshot_IsEnoughForAClientThatConnectsNow) {
   view.target_percent = 150;
   view.undo_s = 3.5;
   view.is_next_wanted = true;
+  view.has_feedback = true;
   const std::string head =
       "phase: TRIAL_PHASE_WAITING trial: 2 attempt: 1 block: 1 of: 4 condition: \"b\" settle_s: 5 duration_s: 20 "
       "target_cm: 105 target_percent: 150 ";
-  EXPECT_EQ(text(trial_status(view)), head + "undo_s: 3.5 is_next_wanted: true");
+  EXPECT_EQ(text(trial_status(view)), head + "undo_s: 3.5 is_next_wanted: true has_feedback: true");
   using enum session::TrialEventKind;
   for (const auto& [kind, word] : {std::pair{Done, "DONE"}, {Redone, "REDONE"}, {Rejected, "REJECTED"}, {Aborted, "ABORTED"}}) {
     view.last_ended = session::EndedAttempt{.outcome = kind, .trial = 2, .attempt = 3, .fault = v1::TRIAL_FAULT_STEPPED_OFF};
     EXPECT_EQ(text(trial_status(view)),
               head + "last_outcome: TRIAL_OUTCOME_" + word +
-                  " last_trial: 2 last_attempt: 3 undo_s: 3.5 last_fault: TRIAL_FAULT_STEPPED_OFF is_next_wanted: true");
+                  " last_trial: 2 last_attempt: 3 undo_s: 3.5 last_fault: TRIAL_FAULT_STEPPED_OFF is_next_wanted: true has_feedback: true");
   }
 }
 

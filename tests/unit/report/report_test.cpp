@@ -176,12 +176,26 @@ TEST_F(ReportTest, References_AreShownOnlyWhereTheLabelsMatch) {
   add_trial(made, 2, 25.0, 20.0, "b", {{"eyes", "open"}, {"feet", "one"}});
   add_trial(made, 3, 50.0, 20.0, "c", {{"eyes", "open"}, {"feet", "two"}, {"surface", "grass"}});
   add_trial(made, 4, 75.0, 20.0, "d", {});
+  made.length_s = 125.0;
+  add_trial(made, 5, 100.0, 20.0, "e-feedback", {{"eyes", "open"}, {"feedback", "cop"}, {"feet", "two"}});
   const Report report = report_of(write(made));
 
   EXPECT_THAT(page(report, "trial-01.html"), AllOf(HasSubstr("Ref. 1"), HasSubstr("Santos"), HasSubstr("a firm surface is assumed"),
                                                    HasSubstr("The reference ranges are from trials of 60 s; this trial has 20.0 s")));
-  for (const char* name : {"trial-02.html", "trial-03.html", "trial-04.html"})
+  for (const char* name : {"trial-02.html", "trial-03.html", "trial-04.html", "trial-05.html"})
     EXPECT_THAT(page(report, name), Not(HasSubstr("Ref. 1"))) << name;
+}
+
+TEST_F(ReportTest, TrialWithFeedback_IsNotInTheQuotientAndSaysSo) {
+  MadeStanding made = two_trials();
+  made.length_s = 75.0;
+  add_trial(made, 3, 50.0, 20.0, "eyes-open-feedback", {{"eyes", "open"}, {"feedback", "cop"}, {"feet", "two"}});
+  const Report report = report_of(write(made));
+
+  EXPECT_THAT(page(report, "trial-03.html"), AllOf(HasSubstr("With feedback: the subject saw the own COP."), HasSubstr("feedback cop")));
+  EXPECT_THAT(page(report, "trial-01.html"), Not(HasSubstr("With feedback")));
+  EXPECT_THAT(page(report, "session.html"), AllOf(HasSubstr(">feet two</th>"), HasSubstr("eyes-open-feedback (n = 1)"),
+                                                  HasSubstr("eyes-open (n = 1)"), Not(HasSubstr("feedback cop"))));
 }
 
 TEST(ReferenceColumns, Ranges_HaveTheDigitsThatWerePublished) {

@@ -351,6 +351,26 @@ TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
   EXPECT_GT(figure(sway_summary(trials), "romberg/feet=two/RDIST"), 0.0);
 }
 
+TEST(SwaySummary, QuotientAndMeans_AreOfTrialsWithoutFeedbackOnly) {
+  SwayResults results(rate_100(), rate_100(), worker());
+  measure(results, 1, 0, "eyes-open", 1.0);
+  measure(results, 2, 2040, "eyes-open-feedback", 3.0);
+  measure(results, 3, 4080, "eyes-closed", 2.0);
+  auto trials = decided_of(results);
+  ASSERT_EQ(trials.size(), 3U);
+  trials[1].labels.emplace_back("feedback", "cop");
+  const auto rdist = [&](std::size_t trial) { return *trials[trial].analysis->measures.get(posturography::Measure::Rdist); };
+  const auto figures = sway_summary(trials);
+  EXPECT_DOUBLE_EQ(figure(figures, "eyes-open/RDIST"), rdist(0));
+  EXPECT_DOUBLE_EQ(figure(figures, "eyes-open-feedback/RDIST"), rdist(1));
+  EXPECT_DOUBLE_EQ(figure(figures, "romberg/feet=two/RDIST"), rdist(2) / rdist(0));
+  for (const SessionFigure& each : figures) EXPECT_EQ(each.name.find("romberg/feedback"), std::string::npos) << each.name;
+  trials.erase(trials.begin());
+  for (const SessionFigure& each : sway_summary(trials))
+    EXPECT_FALSE(each.name.starts_with("romberg/")) << "only with feedback: " << each.name;
+  EXPECT_EQ(missing(trials), "") << "no stance has both";
+}
+
 TEST(SwaySummary, LeavesInvalidTrialsOut) {
   SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0);

@@ -278,6 +278,17 @@ TEST(TrialRun, View_HasTimesAndTargetOfTheCurrentTrial) {
   EXPECT_EQ(run.view(120 * kNanosecondsPerSecond).next_target_percent.value_or(0), 150.0);
 }
 
+TEST(TrialRun, View_SaysWhetherTheSubjectSeesTheCop) {
+  TrialPlan plan = timed();
+  plan.conditions[1].labels.emplace_back("feedback", "cop");
+  TrialRun run(plan, 1, kArm);
+  EXPECT_FALSE(run.view(0).has_feedback) << "the first trial has none";
+  (void)told(run, "next@0");
+  EXPECT_FALSE(run.view(0).has_feedback) << "of the present trial, not of the next one";
+  (void)told(run, "next@30");
+  EXPECT_TRUE(run.view(30 * kNanosecondsPerSecond).has_feedback);
+}
+
 TEST(TrialPlanLength, IsTheSumOfAllTimesOrUnknown) {
   EXPECT_EQ(length_s(timed()).value_or(0), 4 * (2 + 5 + 20) + 10 + 60 + 10.0);
   EXPECT_FALSE(length_s(untimed()));

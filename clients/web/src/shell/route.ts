@@ -16,7 +16,13 @@ export const pathOf = (hash: string): string[] =>
       }
     });
 
-const present = signal(pathOf(location.hash));
-addEventListener('hashchange', () => (present.value = pathOf(location.hash)));
+/** Returns the path of an address: of its hash, and "/patient" is the patient screen without a hash too. */
+export const pathIn = ({ pathname, hash }: Pick<Location, 'pathname' | 'hash'>): string[] => {
+  const path = pathOf(hash);
+  return pathname === '/patient' && path[0] !== 'patient' ? ['patient', ...path] : path;
+};
+
+const present = signal(pathIn(location));
+addEventListener('hashchange', () => (present.value = pathIn(location)));
 
 export const path: ReadonlySignal<string[]> = present;

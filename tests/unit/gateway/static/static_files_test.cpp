@@ -44,6 +44,7 @@ TEST_F(StaticFilesTest, Root_IsTheIndex) {
   EXPECT_EQ(text_of(answer), "<!DOCTYPE html>");
   EXPECT_EQ(answer.content_type, "text/html; charset=utf-8");
   EXPECT_EQ(header_of(answer, "Cache-Control"), "no-cache");
+  EXPECT_EQ(text_of(get("/patient")), "<!DOCTYPE html>");
   EXPECT_EQ(text_of(get("/index.html", "", "HEAD")), "<!DOCTYPE html>") << "the transport leaves the body out";
 }
 
@@ -55,9 +56,9 @@ TEST_F(StaticFilesTest, FileWithAHashInItsName_MayBeKeptForEver) {
 }
 
 TEST_F(StaticFilesTest, WhatIsNotThere_IsNotFound) {
-  for (const char* path :
-       {"/nothing", "/assets", "/assets/", "//index.html", "/index.html/", "/INDEX.HTML", "/./index.html", "index.html",
-        "/assets/../index.html", "/....//index.html", "/..;/index.html", "/%2e%2e/index.html", "/assets\\index-1a2b.js", ""}) {
+  for (const char* path : {"/nothing", "/patient/", "/patients", "/assets", "/assets/", "//index.html", "/index.html/", "/INDEX.HTML",
+                           "/./index.html", "index.html", "/assets/../index.html", "/....//index.html", "/..;/index.html",
+                           "/%2e%2e/index.html", "/assets\\index-1a2b.js", ""}) {
     EXPECT_EQ(get(path).status, 404U) << path;
   }
 }

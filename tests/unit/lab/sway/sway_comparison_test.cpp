@@ -39,6 +39,9 @@ TEST_F(SwayComparisonTest, WhatDoesNotCompare_IsWarnedOfAndHasNoQuotient) {
   EXPECT_FALSE(json().at("comparison").contains("romberg"));
   ASSERT_EQ(run_with({"sway", open, open, "--compare", "--label", "eyes=open,closed", "--label", "surface=firm,foam", "--json"}), cli::kOk);
   EXPECT_FALSE(json().at("comparison").contains("romberg")) << "another surface";
+  ASSERT_EQ(run_with({"sway", open, open, "--compare", "--label", "eyes=open,closed", "--label", "feedback=cop,", "--json"}), cli::kOk);
+  EXPECT_FALSE(json().at("comparison").contains("romberg")) << "one with feedback";
+  EXPECT_THAT(talk(), HasSubstr("only one of the trials has feedback"));
   ASSERT_EQ(run_with({"sway", open, open, "--compare", "--json"}), cli::kOk);
   EXPECT_FALSE(json().at("comparison").contains("romberg")) << "nothing is said of the eyes";
 }

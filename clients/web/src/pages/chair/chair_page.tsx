@@ -4,6 +4,7 @@ import type { JSX } from 'preact';
 import type { Link } from '../../link/types';
 import { rigOf } from '../../link/types';
 import { Live } from '../../parts/live';
+import { PatientButton } from '../../parts/patient_button';
 import { useStartForm } from '../../parts/start_form';
 import { StartSession, StartTaken } from '../../parts/start_session';
 import { strings } from '../../strings';
@@ -35,7 +36,10 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
     <div class="chair">
       <h1 class="visually-hidden">{strings.chair.title}</h1>
       <div class="chair-transient">
-        <Legend />
+        <div class="chair-head">
+          <Legend />
+          {isGuiding && <PatientButton rig={rig} />}
+        </div>
         <Live link={link} rig={rig}>
           <TransientView link={link} ring={ring} ghosts={ghosts} examination={examination} />
         </Live>

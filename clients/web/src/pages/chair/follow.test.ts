@@ -57,7 +57,7 @@ test('useFollowed.Rest is counted down in whole seconds; the status names the se
   trial(REST);
 
   const left = [1000, 5001, 6500].map((nowMs) => (paint(nowMs), now().restS.value));
-  link.status.value = { ...link.status.value, hostTimeNs: 9n, rigs: [{ rig: { kind: 'chair' }, session: { sessionId: 's3', state: SessionState.RUNNING } }] } as never;
+  link.status.value = { ...link.status.value, hostTimeNs: 9n, rigs: [{ rig: { name: 'chair' }, session: { sessionId: 's3', state: SessionState.RUNNING } }] } as never;
   draw();
 
   expect(left).toEqual([5, 1, 0]);

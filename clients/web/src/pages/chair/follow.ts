@@ -7,7 +7,6 @@ import { useEffect, useMemo } from 'preact/hooks';
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import type { Link, LiveEvent } from '../../link/types';
-import { rigOf } from '../../link/types';
 import type { Examination } from './examination';
 import { afterEvent, afterStatus, noExamination } from './examination';
 import { Ghosts } from './ghosts';
@@ -83,7 +82,8 @@ export const useFollowed = (link: Link, rig: string): Followed => {
   }, [link, rig]);
   useSignalEffect(() => {
     const status = link.status.value;
-    examination.value = afterStatus(examination.peek(), rigOf(status, 'chair'), status?.hostTimeNs ?? 0n);
+    const own = status?.rigs.find((one) => one.rig?.name === rig);
+    examination.value = afterStatus(examination.peek(), own, status?.hostTimeNs ?? 0n);
   });
   return { ring, ghosts, examination, trials: useTrials(link, examination), restS };
 };

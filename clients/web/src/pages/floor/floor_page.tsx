@@ -153,7 +153,7 @@ const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
         </div>
         <Live link={link} rig={rig.name}>
           <div class="floor-live">
-            <Plate link={link} rig={rig} floor={floor} />
+            <Plate link={link} rig={rig} floor={floor} hasFeedback={isActive(session) && session.trial?.hasFeedback === true} />
             <Series link={link} floor={floor} />
           </div>
         </Live>

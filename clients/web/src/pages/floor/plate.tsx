@@ -10,6 +10,7 @@ import type { Colours } from '../../parts/canvas';
 import { colours, openSurface } from '../../parts/canvas';
 import { Button } from '../../parts/controls';
 import { fixed } from '../../parts/numbers';
+import { PatientButton } from '../../parts/patient_button';
 import { qualityWords } from '../../parts/quality';
 import { strings } from '../../strings';
 import type { Ellipse } from './ellipse';
@@ -107,7 +108,15 @@ const openPicture = (canvases: Canvases, link: Link, rig: RigInfo, floor: LiveFl
   };
 };
 
-export const Plate = ({ link, rig, floor }: { link: Link; rig: RigInfo; floor: LiveFloor }): JSX.Element => {
+interface PlateProps {
+  link: Link;
+  rig: RigInfo;
+  floor: LiveFloor;
+  /** The subject sees the COP on the patient screen. */
+  hasFeedback: boolean;
+}
+
+export const Plate = ({ link, rig, floor, hasFeedback }: PlateProps): JSX.Element => {
   const ground = useRef<HTMLCanvasElement>(null);
   const canvas = useRef<HTMLCanvasElement>(null);
   const picture = useRef<ReturnType<typeof openPicture>>();
@@ -137,11 +146,19 @@ export const Plate = ({ link, rig, floor }: { link: Link; rig: RigInfo; floor: L
         onMouseLeave={() => (pointed.value = -1)}
       />
       <div class="plate-corner">
-        <Button
-          label={isZoomed.value ? words.wholePlate : words.zoom}
-          testId="zoom"
-          onClick={() => (isZoomed.value = !isZoomed.value)}
-        />
+        {hasFeedback && (
+          <span class="plate-note" data-testid="feedback-note">
+            {strings.patient.feedbackNote}
+          </span>
+        )}
+        <div class="row">
+          {!link.me.value.isFleet && <PatientButton rig={rig.name} />}
+          <Button
+            label={isZoomed.value ? words.wholePlate : words.zoom}
+            testId="zoom"
+            onClick={() => (isZoomed.value = !isZoomed.value)}
+          />
+        </div>
       </div>
       {sensor !== undefined && (
         <div class="plate-sensor" data-testid="sensor-text">

@@ -4,8 +4,9 @@ import { common } from './common';
 import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
+import { patient } from './patient';
 import { report } from './report';
 import { sessions } from './sessions';
 import { steadinessDecision } from './steadiness_decision';
 
-export const en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };
+export const en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision, patient };

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// The patient screen: short, calm words that a patient reads from 3 m. No measures, no warnings, no diagnosis.
+import type { patient as english } from '../en/patient';
+
+export const patient: typeof english = {
+  title: 'Patientenbildschirm',
+  open: 'Patientenbildschirm',
+  feedbackNote: 'Durchgang mit Rückmeldung',
+  noRig: (name) => `Kein Messplatz namens ${name}. Den Patientenbildschirm von der Seite des Messplatzes aus öffnen.`,
+  states: {
+    noData: 'Einen Moment bitte',
+    idle: 'Willkommen',
+    wait: 'Einen Moment',
+    nobody: { floor: 'Auf die Platte stellen', chair: 'Bitte hinsetzen' },
+    middle: 'Zur Mitte gehen',
+    ready: { floor: 'Ruhig stehen', chair: 'Bereit machen' },
+    settle: 'Ruhig stehen',
+    measure: 'Ruhig stehen',
+    go: 'LOS',
+    back: 'Zurück',
+    rest: 'Pause',
+    done: 'Fertig',
+  },
+  hints: {
+    noData: 'Die Messung ist unterbrochen. Der Grund steht auf dem anderen Bildschirm.',
+    noDataSince: (time) => `Keine Daten seit ${time}`,
+    idle: 'Gleich geht es los.',
+    wait: { floor: 'In die Mitte der Platte stellen.', chair: 'Anlehnen. Hände auf die Oberschenkel.' },
+    nobody: { floor: 'In die Mitte stellen.', chair: 'In die Mitte des Stuhls setzen.' },
+    middle: 'Dann ruhig stehen.',
+    ready: { floor: 'Arme hängen lassen.', chair: 'Auf LOS warten.' },
+    settle: '',
+    measure: '',
+    feedback: 'Den Punkt in der Mitte halten.',
+    go: 'Zum Ziel greifen.',
+    back: 'Die Hand zurücknehmen.',
+    rest: { floor: 'Gleich geht es weiter.', chair: 'Anlehnen. Hände auf die Oberschenkel.' },
+    done: 'Vielen Dank.',
+  },
+  seconds: (seconds) => `${seconds} s`,
+  next: (condition) => `Als Nächstes: ${condition}`,
+  picture: {
+    target: 'Ziel',
+    feedback: 'Ziel, und ein Punkt, der sich mit dem Schwanken bewegt',
+    reach: 'Eine Person, die zu einem Ziel greift',
+    trunk: (what) => `Die letzte Reichbewegung. ${what}`,
+  },
+  helped: {
+    none: 'Der Rumpf blieb aufrecht',
+    noneOrMinor: 'Der Rumpf hat wenig oder nicht geholfen',
+    minor: 'Der Rumpf hat ein wenig geholfen',
+    moderate: 'Der Rumpf hat geholfen',
+    maximum: 'Der Rumpf hat viel geholfen',
+    uncertain: 'Diesmal nicht sicher',
+    noReach: 'Keine Reichbewegung gesehen',
+  },
+  angle: (deg) => `etwa ${deg}°`,
+  sound: {
+    turnOn: 'Ton einschalten',
+    turnOff: 'Ton ausschalten',
+    why: 'Der Ton ist aus. Einmal drücken: Erst danach darf der Browser Töne spielen.',
+  },
+};

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "report/chair_data.h"
 #include "report/page_content.h"
 #include "report/session_data.h"
 
@@ -27,23 +28,35 @@ namespace dts::report {
 [[nodiscard]] std::string stance_text(const std::string& stance);
 /// Describes the filter of the analysis in words.
 [[nodiscard]] std::string filter_text(const posturography::Analysis& analysis);
-/// Returns the files, devices and programs from which the numbers originate, for the parts [first_part, end_part).
+/// Returns the files, devices and programs from which the numbers originate, for the parts [first_part, end_part). `of_rig`: how the rig
+/// computed its values.
+[[nodiscard]] std::vector<Fact> provenance_of(const SessionInfo& session, std::size_t first_part, std::size_t end_part,
+                                              std::vector<Fact> of_rig);
 [[nodiscard]] std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_part, std::size_t end_part);
+/// Returns the same as a block.
+[[nodiscard]] Notes provenance_notes(const std::vector<Fact>& facts);
 /// Returns a paragraph for a paper: device, rate, filter, definitions, versions, and the literature to cite. `trials`: those that the page
 /// is about; without an analysed one, returns nothing.
 [[nodiscard]] std::optional<Notes> methods_of(const SessionData& session, std::span<const TrialData> trials);
 /// Returns warnings for every page of the session: synthetic data, damaged files.
+[[nodiscard]] std::vector<std::string> session_alerts(const SessionInfo& session);
 [[nodiscard]] std::vector<std::string> session_alerts(const SessionData& session);
+/// Returns the facts at the top of the session's page. `of_rig` follows the fields of the protocol.
+[[nodiscard]] std::vector<Fact> session_facts(const SessionInfo& session, std::size_t valid_trials, const std::vector<Fact>& of_rig);
+/// Lists what people corrected; empty if nothing. A deletion is not listed: a deleted session has no report.
+[[nodiscard]] Notes corrections_of(const SessionInfo& session);
 /// Describes how this platform differs from a metrological platform (posturography sheet section 2).
 [[nodiscard]] std::string accuracy_note(const SessionData& session);
 
 /// Returns the page of a trial.
 [[nodiscard]] PageContent trial_content(const SessionData& session, const TrialData& trial);
+[[nodiscard]] PageContent trial_content(const ChairData& chair, const ChairTrial& trial);
 struct SessionPageLimits {
   std::size_t trials = 0;
   std::size_t pictures = 0;
 };
 [[nodiscard]] PageContent session_content(const SessionData& session, const SessionPageLimits& limits);
+[[nodiscard]] PageContent session_content(const ChairData& chair, const SessionPageLimits& limits);
 
 /// Returns the page as HTML that is also valid XML and complete in itself: no script, nothing to download.
 [[nodiscard]] std::string html_of(const PageContent& content);

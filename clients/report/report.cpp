@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <span>
 
+#include "record/recording.h"
+#include "report/chair_data.h"
 #include "report/page_parts.h"
 #include "report/pdf.h"
 #include "report/session_data.h"
@@ -16,7 +18,6 @@ constexpr SessionPageLimits kHtmlLimits{.trials = 10'000, .pictures = 60};
 constexpr SessionPageLimits kSvgLimits{.trials = 24, .pictures = 14};      // limits of an A4 page
 constexpr SessionPageLimits kPdfLimits{.trials = 10'000, .pictures = 49};  // one picture of all trials must fit on an A4 page
 constexpr std::size_t kMostPdfTrials = 150;
-constexpr std::string_view kPdfName = "report.pdf";
 
 /// Renders pages; the document ends with the mark of our pages, as a comment.
 template <class Data>
@@ -62,17 +63,30 @@ core::Result<Report> pages_of(const Data& session, const ReportSource& source, c
   return report;
 }
 
+/// Reads the session of the rig's kind and passes it to `make`.
+template <class Made, class Make>
+core::Result<Made> with_session(const ReportSource& source, const ReportProgress& progress, const Make& make) {
+  if (source.files.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no recording for the report");
+  const auto facts = record::read_session_facts(leading_files(source.files).front());
+  if (facts && facts->kind == "chair") {
+    DTS_TRY_ASSIGN(const auto chair, read_chair_session(source, progress));
+    return make(chair);
+  }
+  DTS_TRY_ASSIGN(const auto session, read_session(source, progress));
+  return make(session);
+}
+
 }  // namespace
 
 core::Result<Report> make_report(const ReportSource& source, const ReportProgress& progress) {
-  DTS_TRY_ASSIGN(const auto session, read_session(source, progress));
-  return pages_of(session, source, progress);
+  return with_session<Report>(source, progress, [&](const auto& session) { return pages_of(session, source, progress); });
 }
 
 core::Result<std::string> make_session_pdf(const ReportSource& source, const ReportProgress& progress) {
-  DTS_TRY_ASSIGN(const auto session, read_session(source, progress));
-  const std::vector<PageContent> contents{session_content(session, kPdfLimits)};
-  return pdf_with_mark(session, contents, progress);
+  return with_session<std::string>(source, progress, [&](const auto& session) {
+    const std::vector<PageContent> contents{session_content(session, kPdfLimits)};
+    return pdf_with_mark(session, contents, progress);
+  });
 }
 
 }  // namespace dts::report

@@ -16,6 +16,8 @@ struct Page {
   std::string text;
 };
 
+inline constexpr std::string_view kPdfName = "report.pdf";
+
 /// Input of a report.
 struct ReportSource {
   std::vector<std::string> files;  ///< The parts of one session, in order; or one recording. Parts of companions are left out.

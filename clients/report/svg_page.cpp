@@ -116,7 +116,7 @@ class Flow {
     column_heads(table, widths);
     for (const Row& row : table.rows) {
       const std::size_t page = page_;
-      if (!has_room(kRowPitch)) break;
+      if (!has_room(kRowPitch * static_cast<double>(lines_of_row(table, row, widths)))) break;
       if (page_ != page) column_heads(table, widths);
       put_row(table, row, widths);
     }
@@ -183,7 +183,8 @@ class Flow {
       for (std::size_t index = 0; index < table.columns.size(); ++index) {
         const std::size_t above = most - heads[index].size();  // aligns heads at the bottom
         if (line >= above)
-          put_cell(table.columns[index], x, widths[index], heads[index][line - above], {.size = kTextSize, .colour = colour::kDarkGrey});
+          put_cell(table.columns[index], x + indent_of(table, index), widths[index], heads[index][line - above],
+                   {.size = kTextSize, .colour = colour::kDarkGrey});
         x += widths[index];
       }
       y_ += kLinePitch;
@@ -191,20 +192,38 @@ class Flow {
     canvas().line(left_, y_ + 0.2, left_ + width_, y_ + 0.2, {.colour = colour::kGrey, .width = 0.2});
     y_ += 0.5;
   }
+  /// Text after a column of numbers needs a gap: numbers end at the right edge of their column.
+  [[nodiscard]] static double indent_of(const Table& table, std::size_t index) {
+    return index > 0 && !table.columns[index].is_number && table.columns[index - 1].is_number ? 1.2 : 0.0;
+  }
+  [[nodiscard]] static std::vector<std::string> lines_of_cell(const Table& table, const Row& row, std::size_t index, double width) {
+    if (table.columns[index].is_number) return {row.cells[index]};
+    return lines_of(row.cells[index], width - 0.5 - indent_of(table, index), kTextSize);
+  }
+  [[nodiscard]] static std::size_t lines_of_row(const Table& table, const Row& row, const std::vector<double>& widths) {
+    std::size_t most = 1;
+    if (row.is_heading) return most;
+    for (std::size_t index = 0; index < std::min(row.cells.size(), table.columns.size()); ++index)
+      most = std::max(most, lines_of_cell(table, row, index, widths[index]).size());
+    return most;
+  }
   void put_row(const Table& table, const Row& row, const std::vector<double>& widths) {
     if (row.is_heading) {
       canvas().text(left_, y_ + kTextSize, row.cells.front(), {.size = kTextSize, .colour = colour::kDarkGrey, .is_bold = true});
       y_ += kRowPitch;
       return;
     }
+    const double top = y_;
     double x = left_;
     for (std::size_t index = 0; index < std::min(row.cells.size(), table.columns.size()); ++index) {
-      std::string text = row.cells[index];
-      if (!table.columns[index].is_number) text = lines_of(text, widths[index] - 0.5, kTextSize).front();
-      put_cell(table.columns[index], x, widths[index], text, {.size = kTextSize});
+      y_ = top;
+      for (const std::string& line : lines_of_cell(table, row, index, widths[index])) {
+        put_cell(table.columns[index], x + indent_of(table, index), widths[index], line, {.size = kTextSize});
+        y_ += kRowPitch;
+      }
       x += widths[index];
     }
-    y_ += kRowPitch;
+    y_ = top + kRowPitch * static_cast<double>(lines_of_row(table, row, widths));
   }
 
   Paper& paper_;

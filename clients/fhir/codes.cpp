@@ -69,7 +69,7 @@ constexpr std::array<FixedCode, 16> kReaches{
      {"trunk_deg", "Trunk flexion at P3, estimated by the rig's model", "deg"},
      {"trunk-interval90_deg", "Limits of the 90 % interval of the trunk flexion", "deg"},
      {"trunk-none", "No trunk movement"},
-     {"trunk-none-or-minor", "No or minor trunk movement: the reach is too small to tell them apart"},
+     {"trunk-none-or-minor", "No or minor trunk movement: the reach is too small to distinguish them"},
      {"trunk-minor", "Minor trunk movement"},
      {"trunk-moderate", "Moderate trunk movement"},
      {"trunk-maximum", "Maximum trunk movement"}}};

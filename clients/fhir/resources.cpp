@@ -58,7 +58,7 @@ Resource patient(const RecordedPart& part) {
   if (subject.empty() || subject == record::kErasedText) return resource;
   // Without a system: the clinic has assigned the ID. The same ID of another clinic is another person.
   resource.json["identifier"] =
-      list_of({{"use", "secondary"}, {"type", {{"text", "Subject ID of the clinic, a pseudonym"}}}, {"value", core::printable(subject)}});
+      list_of({{"use", "secondary"}, {"type", {{"text", "Subject ID, assigned by the clinic"}}}, {"value", core::printable(subject)}});
   return resource;
 }
 

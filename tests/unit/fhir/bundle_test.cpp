@@ -226,8 +226,7 @@ TEST_F(BundleTest, ThePatient_IsTheSubjectIdAndNothingElse) {
 
   const Json patient = resources_of(Json::parse(text), "Patient").front();
   EXPECT_EQ(patient.size(), 3U) << patient.dump();
-  EXPECT_EQ(patient["identifier"].dump(),
-            R"([{"use":"secondary","type":{"text":"Subject ID of the clinic, a pseudonym"},"value":"P017"}])");
+  EXPECT_EQ(patient["identifier"].dump(), R"([{"use":"secondary","type":{"text":"Subject ID, assigned by the clinic"},"value":"P017"}])");
   EXPECT_THAT(text, Not(HasSubstr("Example")));
   EXPECT_THAT(text, Not(HasSubstr("weight")));
 }

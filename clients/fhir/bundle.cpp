@@ -67,8 +67,6 @@ core::Result<Bundle> make_bundle(const BundleSource& source, const BundleProgres
 core::Result<Bundle> make_session_bundle(const std::vector<std::string>& files, const std::string& software,
                                          const BundleProgress& progress) {
   const auto page = report::make_session_pdf({.files = files, .software = software}, [&](double done) { return progress(0.5 * done); });
-  const bool has_no_page = !page && (page.error().code == core::ErrorCode::Unsupported || page.error().code == core::ErrorCode::NotFound);
-  if (!page && !has_no_page) return tl::make_unexpected(page.error());
   BundleSource source{.files = files};
   if (page) source.pdf = *page;
   DTS_TRY_ASSIGN(auto bundle, make_bundle(source, [&](double done) { return progress(0.5 + 0.5 * done); }));

@@ -29,9 +29,8 @@ struct Bundle {
 /// with the same corrections and the same PDF gives the same bytes on every machine. Fails like `read_recorded_session`. Thread: any.
 [[nodiscard]] core::Result<Bundle> make_bundle(const BundleSource& source, const BundleProgress& progress);
 
-/// Makes the bundle of a session with the PDF of its page. `software`: as for `dtsctl report`, "dtsctl 0.2.0". If no PDF can be made
-/// because its program is not installed, or because such sessions have no page, the bundle has none: see `without_pdf`. Fails like
-/// `make_bundle`, and as the page fails otherwise. Thread: any.
+/// Makes the bundle of a session with the PDF of its page. `software`: as for `dtsctl report`, "dtsctl 0.2.0". If the PDF cannot be made,
+/// the bundle has none: see `without_pdf`. Fails like `make_bundle`. Thread: any.
 [[nodiscard]] core::Result<Bundle> make_session_bundle(const std::vector<std::string>& files, const std::string& software,
                                                        const BundleProgress& progress);
 

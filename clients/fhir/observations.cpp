@@ -223,10 +223,17 @@ core::Result<Resource> trial_observation(const RecordedPart& part, const Recorde
 
 bool is_romberg(const std::string& group) { return group == kRombergGroup || group.starts_with(std::string(kRombergGroup) + "/"); }
 
+/// Returns the code of a group of results; the group itself, which is no code, for one that this version does not know.
+std::string_view group_code(const std::string& group, bool has_trials) {
+  if (group.empty()) return "session-summary";
+  if (is_romberg(group)) return "romberg-quotient";
+  return has_trials ? std::string_view("condition-mean") : std::string_view(group);
+}
+
 /// Results of the session that belong together: of one condition, of one stance, or of the whole session.
 Resource result_observation(const RecordedPart& part, const About& about, const std::string& group,
                             const std::vector<record::ResultRow>& rows, const std::vector<std::string>& trial_ids) {
-  const std::string_view code = group.empty() ? "session-summary" : is_romberg(group) ? "romberg-quotient" : "condition-mean";
+  const std::string_view code = group_code(group, !trial_ids.empty());
   Resource resource =
       begin_observation(part, about, "result/" + group, code, part.has_corrected_outcomes ? "amended" : "final", part.period);
   Components components(resource.json);

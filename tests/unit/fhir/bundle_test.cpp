@@ -110,6 +110,17 @@ TEST_F(BundleTest, ResultsOfTheSession_NameTheirTrials) {
   EXPECT_EQ(quotient["derivedFrom"].size(), 2U);
 }
 
+TEST_F(BundleTest, AResultThatThisVersionDoesNotKnow_IsText) {
+  report::MadeStanding made = made_session();
+  made.events.push_back(session::to_event(session::SessionFigure{.name = "later/thing", .value = 1.5, .unit = "furlong"}));
+  made.events.back().set_scan(4900);
+
+  const Json one = observation_of(bundle_of(made), "later");
+
+  EXPECT_EQ(one["code"].dump(), R"({"text":"later"})");
+  EXPECT_EQ(component(one, "thing")["valueQuantity"].dump(), R"({"value":1.5,"unit":"furlong"})");
+}
+
 TEST_F(BundleTest, APersonWhoSteppedOff_HasNoValues) {
   report::MadeStanding made = made_session();
   made.events[1] =

@@ -13,8 +13,9 @@
 namespace dts::report {
 namespace {
 
-constexpr double kReadShare = 0.9;     // fraction of the work, for the progress bar
-constexpr double kBeforeCueS = 1.0;    // shown before the cue
+constexpr double kReadShare = 0.9;   // fraction of the work, for the progress bar
+constexpr double kBeforeCueS = 1.0;  // shown before the cue
+constexpr double kMostBeforeCueS = 5.0;
 constexpr double kBeforeOnsetS = 0.5;  // shown before P1, if that is earlier
 
 core::ScanIndex earlier(core::ScanIndex scan, double seconds, double rate_hz) {
@@ -26,8 +27,10 @@ core::ScanIndex earlier(core::ScanIndex scan, double seconds, double rate_hz) {
 TraceWindow window_of(const session::RecordedReachTrial& trial, double raw_rate_hz) {
   TraceWindow window{.segment = trial.segment, .begin = earlier(trial.go, kBeforeCueS, raw_rate_hz), .cue = trial.go, .end = trial.end};
   if (trial.end_segment != trial.segment) window.end = {trial.go.value + static_cast<std::uint64_t>(10.0 * raw_rate_hz)};
-  if (trial.result && trial.result->reach)
-    window.begin = std::min(window.begin, earlier(trial.result->reach->p1.scan, kBeforeOnsetS, raw_rate_hz));
+  if (trial.result && trial.result->reach) {
+    const core::ScanIndex before_onset = earlier(trial.result->reach->p1.scan, kBeforeOnsetS, raw_rate_hz);
+    window.begin = std::clamp(before_onset, earlier(trial.go, kMostBeforeCueS, raw_rate_hz), window.begin);
+  }
   return window;
 }
 

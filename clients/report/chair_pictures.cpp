@@ -107,26 +107,25 @@ struct PointMark {
 };
 
 void draw_points(Canvas& canvas, const Axes& axes, const ChairTrial& trial, const core::ReachEvent& reach) {
-  const double p2_s = trial.after_cue_s(reach.p2.scan);
-  const double p3_s = trial.after_cue_s(reach.p3.scan);
-  canvas.line(axes.left, axes.y(reach.p1.value_mm), axes.right(), axes.y(reach.p1.value_mm),
+  const auto x = [&](const core::ReachPoint& point) { return axes.x(std::clamp(trial.after_cue_s(point.scan), axes.x_low, axes.x_high)); };
+  const auto y = [&](double mm) { return axes.y(std::clamp(mm, axes.y_low, axes.y_high)); };
+  canvas.line(axes.left, y(reach.p1.value_mm), axes.right(), y(reach.p1.value_mm),
               {.colour = colour::kDarkGrey, .width = 0.15, .dash = "1 0.8"});
   // d1 and d2 are heights above and below the level of P1: as arrows without heads, beside the points.
   const Stroke height{.colour = colour::kVermillion, .width = 0.3};
   if (reach.p2.scan.value > reach.p1.scan.value) {
-    canvas.line(axes.x(p2_s), axes.y(reach.p1.value_mm), axes.x(p2_s), axes.y(reach.p2.value_mm), height);
-    canvas.text(axes.x(p2_s) + 1.0, axes.y((reach.p1.value_mm + reach.p2.value_mm) / 2.0) + 0.8, "d1",
+    canvas.line(x(reach.p2), y(reach.p1.value_mm), x(reach.p2), y(reach.p2.value_mm), height);
+    canvas.text(x(reach.p2) + 1.0, y((reach.p1.value_mm + reach.p2.value_mm) / 2.0) + 0.8, "d1",
                 {.size = kSmallText, .colour = colour::kVermillion});
   }
-  canvas.line(axes.x(p3_s), axes.y(reach.p1.value_mm), axes.x(p3_s), axes.y(reach.p3.value_mm), height);
-  canvas.text(axes.x(p3_s) + 1.0, axes.y((reach.p1.value_mm + reach.p3.value_mm) / 2.0) + 0.8, "d2",
+  canvas.line(x(reach.p3), y(reach.p1.value_mm), x(reach.p3), y(reach.p3.value_mm), height);
+  canvas.text(x(reach.p3) + 1.0, y((reach.p1.value_mm + reach.p3.value_mm) / 2.0) + 0.8, "d2",
               {.size = kSmallText, .colour = colour::kVermillion});
   for (const PointMark& mark : {PointMark{"P1", reach.p1, -1.2, -1.4, Anchor::End}, PointMark{"P2", reach.p2, 0.0, 3.4, Anchor::Middle},
                                 PointMark{"P3", reach.p3, 0.0, -1.6, Anchor::Middle}}) {
-    const double x = axes.x(std::clamp(trial.after_cue_s(mark.point.scan), axes.x_low, axes.x_high));
-    const double y = axes.y(std::clamp(mark.point.value_mm, axes.y_low, axes.y_high));
-    canvas.circle(x, y, 0.8, "#FFFFFF", {.colour = colour::kVermillion, .width = 0.4});
-    canvas.text(x + mark.dx, y + mark.dy, mark.name, {.size = 2.6, .anchor = mark.anchor, .colour = colour::kVermillion, .is_bold = true});
+    canvas.circle(x(mark.point), y(mark.point.value_mm), 0.8, "#FFFFFF", {.colour = colour::kVermillion, .width = 0.4});
+    canvas.text(x(mark.point) + mark.dx, y(mark.point.value_mm) + mark.dy, mark.name,
+                {.size = 2.6, .anchor = mark.anchor, .colour = colour::kVermillion, .is_bold = true});
   }
 }
 

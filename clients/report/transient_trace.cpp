@@ -93,6 +93,7 @@ std::vector<double> TransientTrace::smoothed() const {
 
 core::Result<std::vector<TransientTrace>> read_traces(record::Recording& recording, std::span<const TraceWindow> windows,
                                                       const std::function<void(double)>& progress) {
+  if (windows.empty()) return std::vector<TransientTrace>{};
   const auto column = find_transient(recording);
   if (!column) {
     return core::fail(core::ErrorCode::NotFound, "the recording has no stream \"transient\": it is no session of a chair",

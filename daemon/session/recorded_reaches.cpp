@@ -90,7 +90,6 @@ class Attempts {
                                                     .attempt = event.attempt,
                                                     .block = event.block,
                                                     .condition = event.condition,
-                                                    .labels = event.labels,
                                                     .target_cm = event.target_cm,
                                                     .segment = segment,
                                                     .go = scan,

@@ -22,7 +22,6 @@ struct RecordedReachTrial {
   std::uint32_t attempt = 1;
   std::uint32_t block = 1;
   std::string condition{};
-  std::vector<std::pair<std::string, std::string>> labels{};
   std::optional<double> target_cm;
   std::string outcome{};  ///< "done", "redone", "rejected", "aborted"; empty: it did not end.
   std::uint32_t segment = 0;

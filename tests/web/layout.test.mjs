@@ -123,7 +123,7 @@ describe('layout', () => {
     await check('sessions', true);
     await goTo(page, `sessions/${id}`);
     await by(page, 'report-frame').waitFor();
-    await by(page, 'export-fhir').waitFor();
+    await by(page, 'export-bids').waitFor();
     await check('a session', true);
     await goTo(page, `compare/${id}/${id}`);
     await by(page, 'comparison-table').waitFor();

@@ -99,7 +99,8 @@ int run_report(const Arguments& arguments, cli::Console& console) {
     console.out << cli::document(json);
   } else {
     for (const std::string& name : written->files) console.out << cli::printable(name) << '\n';
-    cli::print_hint(console, std::to_string(written->files.size()) + " pages, " + bytes_text(written->bytes));
+    cli::print_hint(console, (written->files.size() == 1 ? "1 file" : std::to_string(written->files.size()) + " pages") + ", " +
+                                 bytes_text(written->bytes));
   }
   console.out.flush();
   return cli::kOk;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "classifier/trunk_model.h"
 #include "cli/exit_status.h"
 #include "cli/json.h"
 #include "cli/progress.h"
@@ -12,6 +13,7 @@
 #include "lab/base/figure_json.h"
 #include "lab/base/problems.h"
 #include "lab/base/rig.h"
+#include "record/recording.h"
 #include "session/recorded_reaches.h"
 
 namespace dts::lab::results {

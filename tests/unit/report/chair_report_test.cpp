@@ -58,8 +58,8 @@ class ChairReportTest : public ::testing::Test {
     made.reaches[1].movement = {.trunk_class = core::TrunkClass::Maximum,
                                 .probability = {0.0, 0.02, 0.98},
                                 .trunk_deg = 52.5,
-                                .trunk_lo_deg = 44.25,
-                                .trunk_hi_deg = 60.75};
+                                .trunk_lo_deg = 44.3,
+                                .trunk_hi_deg = 60.8};
     made.reaches[2].movement.trunk_deg = 27.0;
     return made;
   }

@@ -4,6 +4,7 @@ import { common } from './common';
 import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
+import { report } from './report';
 import { sessions } from './sessions';
 
-export const en = { common, floor, chair, sessions, health, fleet };
+export const en = { common, floor, chair, sessions, report, health, fleet };

@@ -22,7 +22,7 @@ struct SessionArguments {
   std::vector<std::string> ids;  ///< Sessions to compare.
   std::string action;            ///< For a trial: next, redo, reject.
   std::string language;          ///< Of a report: en, de; empty: en.
-  std::string format;            ///< For an export: csv, bids, c3d.
+  std::string format;            ///< For an export: csv, bids, c3d, fhir.
   std::string out;               ///< File or folder; empty: the command's default.
   std::uint32_t limit = 0;       ///< For a list; 0: the daemon's default.
   bool is_deleted = false;       ///< List the deleted sessions.

@@ -269,18 +269,22 @@ void add_files(CommandTree& tree, CLI::App& session) {
       ->add_option("--out", wishes.out,
                    "File to write; an existing file is never overwritten. Default: NAME.recovered.xdf beside the recording")
       ->option_text("FILE");
-  CLI::App* exported = add(tree, session, "export", "Write a recording as CSV, as a BIDS dataset or as C3D",
-                           "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | one table per stream, plus events, "
-                           "trials and session data\n"
-                           "dtsctl session export floor.xdf --format bids --out study | one file, added to the BIDS dataset in study\n",
-                           run_session_export);
+  CLI::App* exported =
+      add(tree, session, "export", "Write a recording as CSV, as a BIDS dataset, as C3D or as a FHIR Bundle",
+          "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | one table per stream, plus events, "
+          "trials and session data\n"
+          "dtsctl session export floor.xdf --format bids --out study | one file, added to the BIDS dataset in study\n"
+          "dtsctl session export 20261121T144525Z-floor-1 --format fhir | results and report for the record of a hospital\n",
+          run_session_export);
   add_id(*exported, tree, "ID|FILE",
          "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
-  exported->add_option("--format", wishes.format, "Format: csv, bids or c3d (centre of pressure and force as a force plate)")
+  exported
+      ->add_option("--format", wishes.format,
+                   "Format: csv, bids, c3d (centre of pressure and force as a force plate) or fhir (results, FHIR R4)")
       ->option_text("NAME")
       ->required()
-      ->check(CLI::IsMember({"csv", "bids", "c3d"}));
-  exported->add_option("--out", wishes.out, "Folder to write to. Default: this folder for csv and c3d, bids for bids")->option_text("DIR");
+      ->check(CLI::IsMember({"csv", "bids", "c3d", "fhir"}));
+  exported->add_option("--out", wishes.out, "Folder to write to. Default: bids for bids, else this folder")->option_text("DIR");
 }
 
 void add_report(CommandTree& tree) {

@@ -186,7 +186,8 @@ describe('sessions', () => {
     const { parts } = await daemon.session(id);
 
     const taken = {};
-    for (const name of ['xdf-1', 'csv', 'bids']) {
+    await by(page, 'export-fhir-prepare').click(); // it has a PDF, which is made on request only
+    for (const name of ['xdf-1', 'csv', 'bids', 'fhir']) {
       const button = by(page, `export-${name}`);
       const label = await button.innerText();
       const [download] = await Promise.all([page.waitForEvent('download'), button.click()]);
@@ -196,7 +197,7 @@ describe('sessions', () => {
     }
 
     assert.deepEqual(readFileSync(taken['xdf-1']), readFileSync(parts[0].file));
-    for (const name of ['csv', 'bids']) assert.equal(readFileSync(taken[name]).subarray(0, 4).toString('latin1'), 'PK\x03\x04');
+    for (const name of ['csv', 'bids', 'fhir']) assert.equal(readFileSync(taken[name]).subarray(0, 4).toString('latin1'), 'PK\x03\x04');
     await page.close();
   });
 

@@ -11,7 +11,9 @@
 #include "ctl/recording_view.h"
 #include "ctl/sessions/recorded_files.h"
 #include "ctl/sessions/work_bar.h"
+#include "fhir/bundle.h"
 #include "record/export/export.h"
+#include "record/export/output_files.h"
 #include "record/xdf/recovery.h"
 
 namespace dts::ctl {
@@ -41,11 +43,48 @@ core::Result<record::Exported> export_one(const RecordedFile& file, const Sessio
   return record::export_bids(*recording, wishes.out.empty() ? "bids" : wishes.out, work.progress(), corrections);
 }
 
+/// Writes one bundle with all parts of the session.
+int run_fhir_export(const std::vector<RecordedFile>& recorded, const Arguments& arguments, cli::Console& console) {
+  std::vector<std::string> paths;
+  for (const RecordedFile& file : recorded) paths.push_back(file.path);
+  WorkBar work(console, "exporting");
+  const auto progress = work.progress();
+  constexpr std::uint64_t kSteps = 1000;
+  const auto made = fhir::make_session_bundle(paths, "dtsctl " + std::string(client::version()), [&](double fraction) {
+    return progress(static_cast<std::uint64_t>(fraction * static_cast<double>(kSteps)), kSteps);
+  });
+  const auto written = made.and_then([&](const fhir::Bundle& bundle) -> core::Result<record::OutputFiles::Written> {
+    record::OutputFiles files(arguments.session.out);
+    DTS_TRY(files.put(bundle.file, bundle.text));
+    return files.commit();
+  });
+  if (!written) {
+    const int status = cli::fail_with(console, written.error());
+    return work.is_interrupted() ? cli::kInterrupted : status;
+  }
+  for (const std::string& damage : made->damage) console.talk << console.program << ": " << cli::printable(damage) << std::endl;
+  if (!made->without_pdf.empty()) {
+    console.talk << console.program << ": the bundle has no PDF: " << cli::printable(made->without_pdf) << std::endl;
+  }
+  if (arguments.is_json) {
+    cli::Json json{
+        {"files", written->files}, {"resources", made->resources}, {"bytes", written->bytes}, {"has_pdf", made->without_pdf.empty()}};
+    if (!made->damage.empty()) json["damaged"] = made->damage;
+    console.out << cli::document(json);
+  } else {
+    for (const std::string& name : written->files) console.out << cli::printable(name) << '\n';
+    cli::print_hint(console, std::to_string(made->resources) + " resources, " + bytes_text(written->bytes));
+  }
+  console.out.flush();
+  return cli::kOk;
+}
+
 }  // namespace
 
 int run_session_export(const Arguments& arguments, cli::Console& console) {
   const auto files = find_recordings(arguments);
   if (!files) return cli::fail_with(console, files.error());
+  if (arguments.session.format == "fhir") return run_fhir_export(*files, arguments, console);
   WorkBar work(console, "exporting");
   record::Exported all;
   cli::Json damaged = cli::Json::array();  // reported, so that a program does not mistake a partial export for a complete one

@@ -6,8 +6,8 @@
 
 namespace dts::ctl {
 
-/// Writes the recordings of all parts of a session as CSV, as a BIDS dataset or as C3D. Overwrites nothing; an interrupted export leaves no
-/// files.
+/// Writes the recordings of all parts of a session as CSV, as a BIDS dataset, as C3D or as a FHIR Bundle. Overwrites nothing; an
+/// interrupted export leaves no files.
 [[nodiscard]] int run_session_export(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -138,6 +138,7 @@ class ArchiveImpl final : public Archive {
       case ArchivePath::Kind::Csv: return send_export(session, ExportFormat::Csv, std::move(*files), respond);
       case ArchivePath::Kind::Bids: return send_export(session, ExportFormat::Bids, std::move(*files), respond);
       case ArchivePath::Kind::C3d: return send_export(session, ExportFormat::C3d, std::move(*files), respond);
+      case ArchivePath::Kind::Fhir: return send_export(session, ExportFormat::Fhir, std::move(*files), respond);
       default: return send_report(session, path, std::move(*files), respond);
     }
   }

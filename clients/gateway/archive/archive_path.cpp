@@ -58,7 +58,7 @@ std::optional<ArchivePath> read_archive_path(std::string_view path) {
   }
   if (steps.size() != 3) return std::nullopt;
   constexpr std::array kFormats{std::pair{"csv", ArchivePath::Kind::Csv}, std::pair{"bids", ArchivePath::Kind::Bids},
-                                std::pair{"c3d", ArchivePath::Kind::C3d}};
+                                std::pair{"c3d", ArchivePath::Kind::C3d}, std::pair{"fhir", ArchivePath::Kind::Fhir}};
   const auto format = std::ranges::find(kFormats, steps[2], [](const auto& one) { return std::string_view(one.first); });
   if (format == kFormats.end()) return std::nullopt;
   asked.kind = format->second;

@@ -12,7 +12,7 @@ namespace dts::gateway {
 
 /// The parsed path below /api/sessions/.
 struct ArchivePath {
-  enum class Kind : std::uint8_t { Report, Page, Recording, Csv, Bids, C3d };
+  enum class Kind : std::uint8_t { Report, Page, Recording, Csv, Bids, C3d, Fhir };
 
   std::string session_id;
   Kind kind = Kind::Report;

@@ -6,6 +6,8 @@
 #include <system_error>
 
 #include "cli/try.h"
+#include "dts/error.h"
+#include "fhir/bundle.h"
 #include "gateway/archive/work_folder.h"
 #include "gateway/archive/zip_file.h"
 #include "record/export/export.h"
@@ -63,15 +65,38 @@ core::Status export_parts(const ExportOrder& order, const fs::path& data, const 
   return core::fail(core::ErrorCode::Failed, "cannot write into '" + data.string() + "'");
 }
 
+/// Writes one bundle with all parts, as `dtsctl session export --format fhir` does.
+core::Status export_bundle(const ExportOrder& order, const fs::path& data, const std::stop_token& stop) {
+  const auto bundle = fhir::make_session_bundle(order.files, "dtsctl " + std::string(client::version()),
+                                                [&stop](double) { return !stop.stop_requested(); });
+  if (!bundle) return tl::make_unexpected(bundle.error());
+  DTS_TRY(check_size(order, bundle->text.size()));
+  const fs::path folder = data / (record::fit_for_file_name(order.session_id) + "-" + name(order.format));
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  const auto put = [](const fs::path& file, const std::string& text) -> core::Status {
+    if (std::ofstream(file, std::ios::binary) << text << std::flush) return {};
+    return core::fail(core::ErrorCode::Failed, "cannot write '" + file.string() + "'");
+  };
+  DTS_TRY(put(folder / bundle->file, bundle->text));
+  if (!bundle->without_pdf.empty()) {
+    DTS_TRY(put(data / "NOTES.txt", "The bundle has no PDF: " + bundle->without_pdf + "\n"));
+  }
+  std::string damage;
+  for (const std::string& one : bundle->damage) damage += one + "\n";
+  return damage.empty() ? core::Status{} : put(data / "DAMAGE.txt", damage);
+}
+
 }  // namespace
 
 std::string name(ExportFormat format) {
   switch (format) {
     case ExportFormat::Csv: return "csv";
     case ExportFormat::Bids: return "bids";
-    case ExportFormat::C3d: break;
+    case ExportFormat::C3d: return "c3d";
+    case ExportFormat::Fhir: break;
   }
-  return "c3d";
+  return "fhir";
 }
 
 core::Result<std::uint64_t> make_export(const ExportOrder& order, const fs::path& folder, const std::stop_token& stop) {
@@ -79,7 +104,7 @@ core::Result<std::uint64_t> make_export(const ExportOrder& order, const fs::path
   std::error_code failed;
   fs::create_directories(data, failed);
   if (failed) return core::fail_errno(failed.value(), "cannot make the folder '" + data.string() + "'");
-  DTS_TRY(export_parts(order, data, stop));
+  DTS_TRY(order.format == ExportFormat::Fhir ? export_bundle(order, data, stop) : export_parts(order, data, stop));
   const std::uint64_t rest = order.most_bytes - std::min(order.most_bytes, bytes_below(data));
   auto zip = write_zip(data, folder / "export.zip", rest, [&stop] { return !stop.stop_requested(); });
   fs::remove_all(data, failed);

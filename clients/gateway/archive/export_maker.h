@@ -11,8 +11,8 @@
 
 namespace dts::gateway {
 
-enum class ExportFormat : std::uint8_t { Csv, Bids, C3d };
-/// Returns "csv", "bids" or "c3d".
+enum class ExportFormat : std::uint8_t { Csv, Bids, C3d, Fhir };
+/// Returns "csv", "bids", "c3d" or "fhir".
 [[nodiscard]] std::string name(ExportFormat format);
 
 struct ExportOrder {
@@ -23,7 +23,8 @@ struct ExportOrder {
 };
 
 /// Writes the export into "data" below `folder`, which it creates, and packs it into `folder`/export.zip. Returns the size of the zip file.
-/// In the zip, all files are below "SESSION-FORMAT"; if a recording is incomplete, there is also a file DAMAGE.txt. Fails with DataDamaged
+/// In the zip, all files are below "SESSION-FORMAT"; if a recording is incomplete, there is also a file DAMAGE.txt; without
+/// the PDF of a FHIR Bundle, a file NOTES.txt. Fails with DataDamaged
 /// if a recording contradicts its checksums, with LimitExceeded if the export is too large; `folder` may then hold some files. Thread: any.
 [[nodiscard]] core::Result<std::uint64_t> make_export(const ExportOrder& order, const std::filesystem::path& folder,
                                                       const std::stop_token& stop);

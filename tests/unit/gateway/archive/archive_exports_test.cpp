@@ -2,6 +2,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "fhir/bundle.h"
 #include "unit/gateway/archive/archive_fixture.h"
 #include "unit/gateway/archive/unpacked.h"
 
@@ -50,6 +51,30 @@ TEST_F(ArchiveExportsTest, Bids_IsADatasetInAFolder) {
   const auto files = testing::unpacked(file_of(answer).path);
   EXPECT_TRUE(files.contains(kId + "-bids/dataset_description.json"));
   EXPECT_TRUE(files.contains(kId + "-bids/participants.tsv"));
+}
+
+TEST_F(ArchiveExportsTest, Fhir_IsOneBundleOfAllPartsAndSaysThatItHasNoPdf) {
+  add_two_parts();
+
+  const HttpResponse answer = get("export/fhir");
+
+  ASSERT_EQ(answer.status, 200U) << text_of(answer);
+  EXPECT_EQ(header_of(answer, "Content-Disposition"), "attachment; filename=\"" + kId + "-fhir.zip\"");
+  const auto files = testing::unpacked(file_of(answer).path);
+  ASSERT_EQ(files.size(), 2U);
+  const auto bundle = fhir::make_session_bundle({path("a.xdf"), path("b.xdf")}, "any", [](double) { return true; });
+  ASSERT_TRUE(bundle.has_value());
+  EXPECT_EQ(files.at(kId + "-fhir/" + kId + ".fhir.json"), bundle->text);
+  EXPECT_THAT(files.at("NOTES.txt"), HasSubstr("The bundle has no PDF: "));
+}
+
+TEST_F(ArchiveExportsTest, FhirOfATornRecording_SaysWhatIsMissing) {
+  add_session({ctl::make_recording(path("a.xdf"), ctl::Ending::Killed)}).mutable_parts(0)->set_state(v1::PART_STATE_INTERRUPTED);
+
+  const auto files = testing::unpacked(file_of(get("export/fhir")).path);
+
+  ASSERT_TRUE(files.contains("DAMAGE.txt"));
+  EXPECT_THAT(files.at("DAMAGE.txt"), HasSubstr("a.xdf.part: "));
 }
 
 TEST_F(ArchiveExportsTest, C3dOfARecordingWithoutCentreOfPressure_SaysWhy) {

@@ -50,7 +50,7 @@ export const Download = (props: { label: string; url: string; isPrepared: boolea
 };
 
 export const Exports = ({ session }: { session: SessionRecord }): JSX.Element => {
-  const { csv, bids, xdf } = strings.sessions.exports;
+  const { csv, bids, fhir, xdf } = strings.sessions.exports;
   const files = session.parts.filter((part) => part.state !== PartState.MISSING);
   const isPrepared = files.reduce((sum, part) => sum + part.bytes, 0n) <= madeUnaskedBytes;
   const url = (path: string): string => archiveUrl(session.sessionId, `export/${path}`);
@@ -61,6 +61,7 @@ export const Exports = ({ session }: { session: SessionRecord }): JSX.Element =>
       ))}
       <Download label={csv} url={url('csv')} isPrepared={isPrepared} testId="export-csv" />
       <Download label={bids} url={url('bids')} isPrepared={isPrepared} testId="export-bids" />
+      <Download label={fhir} url={url('fhir')} isPrepared={false} testId="export-fhir" />
     </div>
   );
 };

@@ -244,6 +244,7 @@ export const sessions: typeof english = {
     xdf: (part) => `Aufzeichnung (XDF), Teil ${part}`,
     csv: 'Tabellen (CSV, zip)',
     bids: 'BIDS (zip)',
+    fhir: 'Patientenakte (FHIR, zip)',
     sized: (name, size) => `${name}, ${size}`,
     prepare: (name) => `${name} vorbereiten`,
     preparing: (name) => `${name} wird vorbereitet …`,

@@ -215,6 +215,7 @@ export const sessions = {
     xdf: (part: string) => `Recording (XDF), part ${part}`,
     csv: 'Tables (CSV, zip)',
     bids: 'BIDS (zip)',
+    fhir: 'Patient record (FHIR, zip)',
     sized: (name: string, size: string) => `${name}, ${size}`,
     prepare: (name: string) => `Prepare ${name}`,
     preparing: (name: string) => `Preparing ${name} …`,

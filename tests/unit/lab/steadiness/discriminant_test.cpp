@@ -160,6 +160,7 @@ TEST(Evaluation, RandomLabels_AreNoBetterThanChance) {
 
 /// Each person sways in an own way, and the label is drawn by person: rows of one person on both sides would tell it apart.
 TEST(Evaluation, PeopleAreLeftOutWhole_AndCounted) {
+  RecordProperty("requirement", "SWAY-9");
   std::mt19937_64 random(9);
   std::normal_distribution<double> normal;
   Samples samples{.measures = {Measure::Mvelo, Measure::Rdist, Measure::AreaSw}, .values = {}, .labels = {}, .subjects = {}};

@@ -52,6 +52,7 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
 }
 
 TEST_F(SteadinessTest, RandomLabels_AreSaidToBeChance) {
+  RecordProperty("requirement", "SWAY-9");
   ASSERT_EQ(run_with({"steadiness", "train", table("random.csv", 6, 0.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
   EXPECT_THAT(out(), HasSubstr("No better than chance"));
   EXPECT_THAT(out(), HasSubstr("Only 6 subjects: too few for any claim"));

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Compares docs/requirements.md with the IDs that the tests carry.
+"""Compares docs/requirements.md with the IDs that the tests carry and that docs/device/hazards.md names.
 
-    requirements.py check ROOT     fails if a requirement has no test, or a test has an ID that is not in the document
+    requirements.py check ROOT     fails if a requirement has no test, if a test or hazard has an ID that is not in the document, or if a
+                                   hazard has none
     requirements.py matrix ROOT    prints the matrix of requirements and tests as Markdown
 
 Exit status 0: nothing found, 1: findings, 2: wrong use.
@@ -15,8 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 DOCUMENT = Path("docs/requirements.md")
+HAZARDS = Path("docs/device/hazards.md")
 ROW = re.compile(r"\| (?P<id>[A-Z]+-\d+) \| (?P<text>.+) \| (?P<source>.+) \|")
-ID = re.compile(r"[A-Z]+-\d+")
 # A test of GoogleTest, of unittest or of node:test begins; or an ID, which belongs to the test around it.
 CPP = re.compile(r'^(?:TEST|TEST_F|TEST_P)\(\s*(?P<suite>\w+),\s*(?P<name>\w+)\s*\)|RecordProperty\("requirement", "(?P<ids>[^"]*)"\)', re.M)
 PYTHON = re.compile(r"^ *def (?P<name>test_\w+)|^ *# requirement: (?P<ids>.*)$", re.M)
@@ -76,6 +77,18 @@ def all_evidence(root: Path) -> list[Evidence]:
     return [evidence for file in files(root) for evidence in evidence_of(file, root)]
 
 
+def hazard_findings(root: Path, known: set[str]) -> Iterator[str]:
+    """The requirements of a hazard are in the last column but one."""
+    for number, line in enumerate((root / HAZARDS).read_text(encoding="utf-8").splitlines(), 1):
+        cells = [cell.strip() for cell in line.strip("|").split("|")]
+        if not cells[0].startswith("HAZ-"):
+            continue
+        ids = cells[-2].split()
+        if not ids:
+            yield f"{HAZARDS}:{number}: {cells[0]} names no requirement"
+        yield from (f"{HAZARDS}:{number}: {id} is not in {DOCUMENT}" for id in ids if id not in known)
+
+
 def findings(root: Path) -> list[str]:
     listed = requirements(root)
     evidence = all_evidence(root)
@@ -87,7 +100,7 @@ def findings(root: Path) -> list[str]:
     result += [f"{DOCUMENT}: {item.id} has no test: let a test carry this ID" for item in listed if item.id not in tested]
     result += [f"{item.file}:{item.line}: {item.id} is not in {DOCUMENT}" for item in evidence if item.id not in known]
     result += [f"{item.file}:{item.line}: {item.id} belongs to no test" for item in evidence if not item.name]
-    return result
+    return result + list(hazard_findings(root, known))
 
 
 def matrix(root: Path) -> Iterator[str]:

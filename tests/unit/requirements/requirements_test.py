@@ -18,10 +18,14 @@ class Requirements(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
 
+        self.hazards = "| HAZ-1 | wrong side | mirrored | harm | rejected | COP-1 REP-2 | none |\n"
+
     def findings(self, document: str = TABLE, **tests: str) -> list[str]:
         """The findings in a tree with this document and these files: their names have "_" before the suffix."""
         (self.root / "docs").mkdir(exist_ok=True)
         (self.root / requirements.DOCUMENT).write_text(document)
+        (self.root / "docs/device").mkdir(exist_ok=True)
+        (self.root / requirements.HAZARDS).write_text(self.hazards)
         (self.root / "tests").mkdir(exist_ok=True)
         for name, text in tests.items():
             (self.root / "tests" / name.replace("_", ".")).write_text(text)
@@ -46,12 +50,20 @@ class Requirements(unittest.TestCase):
         self.assertEqual(self.findings(a_cpp=CPP, b_py=loose), ["tests/b.py:1: REP-2 belongs to no test"])
 
     def test_DocumentWithoutRequirementsIsFound(self) -> None:
+        self.hazards = ""
         self.assertEqual(self.findings("# Requirements\n"), ["docs/requirements.md: no requirement found"])
 
     def test_CommentOfAScriptBelongsToTheNextTest(self) -> None:
         script = "test('one', () => {});\n  // requirement: REP-2\n  test('it\\'s two', () => {});\n"
         self.assertEqual(self.findings(a_cpp=CPP, b_mjs=script), [])
         self.assertEqual([item.name for item in requirements.all_evidence(self.root) if item.id == "REP-2"], ["it\\'s two"])
+
+    def test_HazardWithoutARequirementOrWithAnUnknownOneIsFound(self) -> None:
+        self.hazards += self.hazards.replace("COP-1 REP-2", "") + self.hazards.replace("COP-1", "COP-9")
+        self.assertEqual(
+            self.findings(a_cpp=CPP, b_py=PYTHON),
+            ["docs/device/hazards.md:2: HAZ-1 names no requirement", "docs/device/hazards.md:3: COP-9 is not in docs/requirements.md"],
+        )
 
     def test_MatrixNamesEachTest(self) -> None:
         self.findings(a_cpp=CPP, b_py=PYTHON)

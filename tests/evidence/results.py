@@ -10,8 +10,9 @@ from pathlib import Path
 
 # "[       OK ] Kinds/DeviceContract.Deadline_IsKept/sim (12 ms)": the case without the names of its parameters.
 GTEST = re.compile(r"^\[ +(OK|FAILED|SKIPPED) +\] (?:[^/\s]+/)?(\w+\.\w+)", re.M)
-NODE = re.compile(r"^\s*([✔✖﹣]) (.*?)(?: \([\d.]+ms\))?(?: # SKIP.*)?$", re.M)
-WORDS = {"OK": "passed", "FAILED": "failed", "SKIPPED": "skipped", "✔": "passed", "✖": "failed", "﹣": "skipped"}
+# node:test prints TAP if nobody watches: "    ok 2 - name", "not ok 1 - name", "ok 3 - name # SKIP".
+TAP = re.compile(r"^\s*((?:not )?ok) \d+ - (.*?)( # SKIP.*)?$", re.M)
+WORDS = {"OK": "passed", "FAILED": "failed", "SKIPPED": "skipped", "ok": "passed", "not ok": "failed"}
 WORST_FIRST = ("failed", "passed", "skipped", "not run")
 
 
@@ -47,9 +48,10 @@ def read(junit: Path, build: Path) -> Results:
         results.tests[name] = status_of(case)
         results.seconds[name] = float(case.get("time", 0))
         output = case.findtext("system-out") or ""
-        for pattern in (GTEST, NODE):
-            for word, found in pattern.findall(output):
-                words.setdefault(found, []).append(WORDS[word])
+        for word, found in GTEST.findall(output):
+            words.setdefault(found, []).append(WORDS[word])
+        for word, found, skipped in TAP.findall(output):
+            words.setdefault(found, []).append("skipped" if skipped else WORDS[word])
     results.cases = {name: worst(found) for name, found in words.items()}
     listed = subprocess.run(
         ["ctest", "--test-dir", str(build), "--show-only=json-v1"], check=True, capture_output=True, text=True

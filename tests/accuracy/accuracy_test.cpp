@@ -52,6 +52,7 @@ std::vector<Evaluation> run(const std::vector<Case>& cases) {
 }
 
 TEST(PublishedCop, QuietStance_FollowsTheTruth) {
+  RecordProperty("requirement", "COP-5");
   const std::vector<Case> cases = {stance_case(thesis_daq(), "poly3", {}, kSeconds), stance_case(thesis_daq(), "thesis", {}, kSeconds),
                                    stance_case(thesis_daq(), "poly3", {30.0, -30.0}, kSeconds),
                                    stance_case(modern_daq(), "poly3", {}, kSeconds)};
@@ -62,6 +63,7 @@ TEST(PublishedCop, QuietStance_FollowsTheTruth) {
 }
 
 TEST(PublishedCop, RecordedSway_FollowsTheTruth) {
+  RecordProperty("requirement", "COP-5");
   const std::string path =
       std::filesystem::path(DTS_SOURCE_DIR).parent_path() / "shared" / "data" / "cop" / "d01_bds00073_young_eo_firm.csv";
   const auto file = read_recording(path);
@@ -82,6 +84,7 @@ double total_rmse_mm(std::span<const Evaluation> evaluations) {
 }
 
 TEST(PublishedCop, PointLoad_IsWhereTheWeightIs) {
+  RecordProperty("requirement", "COP-6");
   const std::vector<Place> places = {{0.0, 0.0}, {60.0, -40.0}, {-100.0, 80.0}};
   std::vector<Case> cases;
   for (const char* estimator : {"poly3", "thesis"}) {

@@ -51,6 +51,7 @@ class ReachAccuracy : public testing::Test {
 };
 
 TEST_F(ReachAccuracy, DevelopmentSet_MeetsTheAcceptanceLimits) {
+  RecordProperty("requirement", "REACH-2");
   const auto reaches = lab::reach::find_reaches(set_, nullptr);
 
   std::cout << table_head();
@@ -82,6 +83,7 @@ TEST_F(ReachAccuracy, DevelopmentSet_MeetsTheAcceptanceLimits) {
 
 /// Issue: never a confident wrong answer. A dead sensor is measured around and said; sensors swapped from front to rear are said.
 TEST_F(ReachAccuracy, BrokenSensors_AreSaidAndMeasuredAround) {
+  RecordProperty("requirement", "REACH-6");
   const auto broken = [&](auto&& damage) {
     lab::reach::TrialSet damaged = set_;
     for (lab::reach::Trial& trial : damaged.trials) std::ranges::for_each(trial.volts, damage);

@@ -218,6 +218,7 @@ class Tally {
 };
 
 TEST_P(ReachRobustness, NoAnswer_ContradictsTheTrueAngle) {
+  RecordProperty("requirement", "CLS-2");
   Tally tally(GetParam());
   for (int seed = 1; seed <= kSeeds; ++seed) tally.add(examine(seed), seed);
   tally.expect_outcome();

@@ -228,6 +228,7 @@ std::array<Spread, 3> spreads_of(const std::vector<PersonErrors>& people) {
 class TwoFeetAccuracy : public testing::TestWithParam<JudgedPlate> {};
 
 TEST_P(TwoFeetAccuracy, OfUnseenPeopleOnOtherFeet_IsWithinTheLimits) {
+  RecordProperty("requirement", "COP-7");
   const auto& [name, rig, most_ap_percent, most_ap_percent_p95] = GetParam();
   const auto correction = TwoFeetCorrection::from_form(fit_two_feet(CopMethod::Poly3, rig).value().form).value();
   const auto points = CopEstimator::from_model(CopMethod::Poly3, rig).value();

@@ -52,6 +52,7 @@ class Datasets(unittest.TestCase):
             process.dtsctl("session", "export", session.session_id, "--format", "bids", "--out", str(cls.dataset))
 
     def test_EveryKindOfSessionIsValid(self) -> None:
+        # requirement: REP-5
         errors, warnings = issues_of(self.dataset)
 
         self.assertEqual(errors, {})

@@ -133,6 +133,7 @@ class Reader(unittest.TestCase):
         octave(f"dump_recordings('{cls.folder}')")  # one run: Octave takes seconds to start
 
     def test_EveryNumberIsThatOfPython(self) -> None:
+        # requirement: LIB-3
         files = sorted(self.folder.glob("*.xdf"))
         self.assertGreaterEqual(len(files), 16)
         for file in files:

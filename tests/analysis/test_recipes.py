@@ -119,6 +119,7 @@ class Recipes(WithDaemon):
         self.assertEqual(out.splitlines()[-1], f"{len(self.recording['cop'])} ['eyes closed']")
 
     def test_PyxdfHasEveryScan(self) -> None:
+        # requirement: REC-1
         self.needs("pyxdf")
         cop = self.recording["cop"]
 

@@ -29,6 +29,7 @@ bool bring_up(Device& device, core::Clock& clock) {
 }
 
 TEST(SerialFaults, BadLineResetsAndReplugs_HideNothing) {
+  RecordProperty("requirement", "ACQ-14");
   const char* const wanted = std::getenv("DTS_SERIAL_SCANS");
   const std::uint64_t scans = wanted != nullptr ? std::stoull(wanted) : 40'000;
   core::SystemClock clock;

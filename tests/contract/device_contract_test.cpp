@@ -116,6 +116,7 @@ TEST_P(DeviceContract, PluggedInAgain_StreamsFromIndexZero) {
 }
 
 TEST_P(DeviceContract, RandomSequences_FollowTheStateTable) {
+  RecordProperty("requirement", "ACQ-3");
   bool has_left = false;
   for (std::uint32_t seed = 1; seed <= 40; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -227,6 +228,7 @@ TEST_P(DeviceContract, ConvertedValues_WithinTheDescribedRange) {
 }
 
 TEST_P(DeviceContract, Gap_IndexRestartsAndTheCountFillsTheHole) {
+  RecordProperty("requirement", "ACQ-4");
   if (GetParam().gapping_uri[0] == '\0') GTEST_SKIP() << "cannot be made to lose scans on request";
   const auto device = streaming(GetParam().gapping_uri);
   core::Block block = block_for(*device, 64);
@@ -336,6 +338,7 @@ TEST_P(DeviceContract, DestroyedWhileStreaming_CanBeOpenedAnew) {
 }
 
 TEST_P(DeviceContract, Read_AllocatesNothing) {
+  RecordProperty("requirement", "ACQ-11");
   if (is_on_usb()) GTEST_SKIP() << "the bus in the test allocates in this thread: see usb_umockdev";
   for (const char* uri : {GetParam().uri, GetParam().unplugging_uri, GetParam().gapping_uri}) {
     if (uri[0] == '\0') continue;

@@ -64,6 +64,7 @@ TEST_P(StageContract, PreparedOutput_NamesItsChannelsAndUnits) {
 }
 
 TEST_P(StageContract, BlockSizes_ChangeNeitherResultNorState) {
+  RecordProperty("requirement", "SIG-4");
   for (const Options& options : option_sets(description())) {
     PreparedStage stage(GetParam(), options);
     if (!stage.is_prepared()) continue;
@@ -99,6 +100,7 @@ TEST_P(StageContract, FiniteInputInContact_GivesFiniteOutput) {
 }
 
 TEST_P(StageContract, NotFiniteOutput_IsNaNWithAQualityBit) {
+  RecordProperty("requirement", "SIG-5");
   PreparedStage stage(GetParam(), {});
   if (stage.output_channels() == 0) return;  // makes no values
 
@@ -155,6 +157,7 @@ TEST_P(StageContract, ResetAndPrepare_EqualFresh) {
 }
 
 TEST_P(StageContract, ProcessAndReset_DoNotTouchTheHeap) {
+  RecordProperty("requirement", "ACQ-11");
   PreparedStage stage(GetParam(), {});
   const Signal signal = stage.signal(640, 11, Faults::Some);
   core::Block in(signal.values.size(), kLargestBlock);

@@ -42,6 +42,7 @@ ReadResult read_until_trouble(Device& device, core::Block& block, const core::Cl
 }
 
 TEST(UsbDevices, EveryOneThatTheProgramKnows_IsUnderThisContract) {
+  RecordProperty("requirement", "ACQ-3");
   const std::vector<DeviceUnderTest> tested = usb_devices();
   for (const RegistryEntry& entry : registry()) {
     const bool is_on_usb = !entry.usb_models.empty() || entry.scheme_and_name.find("pair") != std::string::npos;

@@ -150,7 +150,10 @@ void expect_nothing_wrong(const std::function<std::string()>& work) {
   EXPECT_EQ(problem, "");
 }
 
-TEST(DiskFull, ToTheLastByte_DaemonStreamsOnAndSessionIsIncomplete) { expect_nothing_wrong(fill_to_the_last_byte); }
+TEST(DiskFull, ToTheLastByte_DaemonStreamsOnAndSessionIsIncomplete) {
+  RecordProperty("requirement", "REC-4");
+  expect_nothing_wrong(fill_to_the_last_byte);
+}
 TEST(DiskFull, NearTheLimit_RecordingIsClosedInOrder) { expect_nothing_wrong(stop_near_the_limit); }
 
 }  // namespace

@@ -10,6 +10,7 @@ namespace dts::fault {
 namespace {
 
 TEST(Erasure, KilledBeforeEachCallToTheDisk_TheSubjectIsCompleteOrGone) {
+  RecordProperty("requirement", "SES-10");
   const TemporaryFolder folder("/dev/shm");
   ErasedFolder erased(folder.path());
   ASSERT_EQ(erased.problem(), "");

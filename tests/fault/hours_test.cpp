@@ -12,6 +12,7 @@ namespace dts::fault {
 namespace {
 
 TEST(LongRecording, TwoMinutes_FileIsWholeAndMemoryStaysFlat) {
+  RecordProperty("requirement", "REC-12");
   const TemporaryFolder folder;
 
   const LongRecording recorded = record_hours(2.0 / 60.0, folder.path());

@@ -36,6 +36,7 @@ std::string only_recording(const std::string& folder) {
 
 /// Whoever looks afterwards must be able to find something.
 TEST(Afterwards, OneByteOfACompleteRecordingChanged_IsFound) {
+  RecordProperty("requirement", "REC-5");
   const TemporaryFolder folder;
   const Reference reference = little_reference();
   ASSERT_EQ(record_little_session(folder.path()), "");

@@ -24,6 +24,7 @@ TEST(Restart, SeveralWithinASecond_EverySessionStarts) {
 }
 
 TEST(Kill, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {
+  RecordProperty("requirement", "REC-2");
   const Reference reference = Reference::compute(floor16_rig(), 60.0);
   KillLine line(reference, std::random_device()());
 
@@ -35,6 +36,7 @@ TEST(Kill, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {
 }
 
 TEST(Kill, OfASessionOverTwoRigs_ContinuesOnBothAndLeavesBothRecordingsWhole) {
+  RecordProperty("requirement", "SES-6");
   const Reference reference = Reference::compute(floor4_rig(), 120.0);
   PairKills pair{std::random_device()()};
 

@@ -39,6 +39,7 @@ TEST(DurableModel, WrittenAfterTheLastSynchronisation_IsGone) {
 }
 
 TEST(PowerCut, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {
+  RecordProperty("requirement", "REC-3");
   const Reference reference = Reference::compute(floor16_rig(), 60.0);
 
   const auto cuts = cut_power(6.0, 20, std::random_device()(), reference);

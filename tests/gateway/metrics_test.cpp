@@ -30,6 +30,7 @@ bool has_more_than(const std::string& page, const std::string& series, double bo
 }
 
 TEST(GatewayMetrics, SayWhatTheDaemonDoes) {
+  RecordProperty("requirement", "CFG-7");
   const DaemonProcess daemon;
   const GatewayProcess gateway(daemon, {});
   ASSERT_NE(gateway.port(), 0) << gateway.log();

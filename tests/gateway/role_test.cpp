@@ -87,6 +87,7 @@ TEST_F(GatewayRoles, WithoutAToken_ThereIsOnlyTheLoginPage) {
 }
 
 TEST_F(GatewayRoles, AViewerCannotStart_WhateverTheRequestSays) {
+  RecordProperty("requirement", "SEC-6");
   const GatewayProcess gateway(daemon_, with_users());
   ASSERT_NE(gateway.port(), 0) << gateway.log();
   auto viewer = open_websocket(gateway.port(), log_in(gateway.port(), "viola", kPassword));

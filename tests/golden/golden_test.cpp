@@ -27,6 +27,7 @@ std::string expected_file(const std::string& name) { return folder() + "/" + nam
 class Golden : public testing::TestWithParam<std::string> {};
 
 TEST_P(Golden, Case_PublishesWhatItDid) {
+  RecordProperty("requirement", "PUB-9");
   const Case golden = read_case(GetParam());
   if (is_asked("DTS_GOLDEN_RECORD") && !golden.sim.empty()) record_scans(golden);
   const std::vector<std::string> got = run(golden, read_scans(golden.name));

@@ -86,6 +86,7 @@ class Uses(unittest.TestCase):
             running.communicate()
 
     def test_FindPackage(self) -> None:
+        # requirement: LIB-2
         folder = built_by_cmake(EXAMPLES, WORK / "find_package", f"-DCMAKE_PREFIX_PATH={PREFIX}")
 
         self.check_prints_cop(folder / "print_cop")
@@ -94,6 +95,7 @@ class Uses(unittest.TestCase):
         self.assertEqual(Path(file).read_bytes()[:4], b"XDF:")
 
     def test_PkgConfigAndTheCompilerAlone(self) -> None:
+        # requirement: LIB-2
         folder = emptied(WORK / "pkg_config")
         paths = {"PKG_CONFIG_PATH": str(installed_library().parent / "pkgconfig")}
         flags = shlex.split(run("pkg-config", "--cflags", "--libs", "dts", environment=paths))
@@ -104,6 +106,7 @@ class Uses(unittest.TestCase):
         self.assertEqual(run("pkg-config", "--modversion", "dts", environment=paths).strip(), os.environ["DTS_VERSION"])
 
     def test_AddSubdirectoryBuildsTheLibraryOnly(self) -> None:
+        # requirement: LIB-2
         project = emptied(WORK / "users_project")
         (project / "CMakeLists.txt").write_text(USERS_PROJECT)
 

@@ -89,6 +89,7 @@ TEST_F(LslEvents, EventsOfDtsd_AreMarkersInLsl) {
 }
 
 TEST_F(LslEvents, Gap_IsAnEventAndAJumpOfTheTimeStamps) {
+  RecordProperty("requirement", "PUB-10");
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready() && has_scans(daemon)) << daemon.log();
   const LslProcess bridge(daemon);
@@ -115,6 +116,7 @@ TEST_F(LslEvents, Gap_IsAnEventAndAJumpOfTheTimeStamps) {
 }
 
 TEST_F(LslEvents, MarkersOfLsl_AreMarkersOfDtsdAtTheirTime) {
+  RecordProperty("requirement", "PUB-10");
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready() && has_scans(daemon)) << daemon.log();
   auto own = daemon.subscribe({"floor/marker"});

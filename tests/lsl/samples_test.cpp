@@ -132,6 +132,7 @@ TEST_F(LslSamples, ClockOfLsl_IsMonotonic) {
 }
 
 TEST_F(LslSamples, EverySample_IsThatOfDtsd) {
+  RecordProperty("requirement", "PUB-10");
   DaemonProcess daemon({.device = "sim:floor?seed=7&extra=12", .acquire = "rate_hz = 1500.0"});
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
   const LslProcess bridge(daemon);

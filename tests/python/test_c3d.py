@@ -105,6 +105,7 @@ class WrittenC3d(unittest.TestCase):
         self.assertEqual(file.parameters["ANALOG:LABELS"], ["Fx1", "Fy1", "Fz1", "Px1", "Py1", "Mz1"])
 
     def test_SessionAsC3dHasTheFloatsOfItsCsv(self) -> None:
+        # requirement: REP-6
         self.run_program("dtslab", "simulate", "floor", "--duration", "10", "--out", "standing.xdf")
         for kind in ("csv", "c3d"):
             self.run_program("dtsctl", "session", "export", "standing.xdf", "--format", kind, "--out", kind)

@@ -40,6 +40,7 @@ class Streams(WithDaemon):
         np.testing.assert_allclose(np.diff(block.time_s), 0.01, atol=1e-6)
 
     def test_ValuesAreWhatDtsctlShows(self) -> None:
+        # requirement: LIB-1
         stream = self.daemon.stream("floor/cop")
         shown = [json.loads(line) for line in self.process.dtsctl("watch", "floor/cop", "--count", "20", "--jsonl").splitlines()]
 

@@ -107,6 +107,7 @@ class Examples(WithDaemon):
 
 class Load(unittest.TestCase):
     def test_NothingIsLostOfSixteenChannelsAt1500Hz(self) -> None:
+        # requirement: ACQ-2
         process = DaemonProcess(chair_streams=("raw", "deflection", "transient", "aux"))
         self.addCleanup(process.close)
         with process.connect() as daemon:

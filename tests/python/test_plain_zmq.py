@@ -33,6 +33,7 @@ class PlainZmq(WithDaemon):
         self.assertEqual(sequences, list(range(sequences[0], sequences[0] + 50)))
 
     def test_ANewSubscriberGetsTheStatusAtOnce(self) -> None:
+        # requirement: PUB-5
         socket = self.subscribe("dtsd/status")
         topic, body = socket.recv_multipart()
         self.assertEqual(topic, b"dtsd/status")

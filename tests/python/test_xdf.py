@@ -33,6 +33,7 @@ class OwnRecording(WithDaemon):
         cls.process.dtsctl("session", "export", cls.file, "--format", "csv", "--out", str(cls.folder))
 
     def test_EveryValueIsThatOfTheCsvExport(self) -> None:
+        # requirement: LIB-1
         recording = dts.load(self.file)
 
         self.assertEqual(recording.damage, "")

@@ -43,6 +43,7 @@ class Installed(unittest.TestCase):
         return run(self.prefix / "sbin/dtsd", "--config", file, "--check-config", environment=environment)
 
     def test_UnitsNameWhatIsThere(self) -> None:
+        # requirement: CFG-6
         fleet = ("dts-forward", "dts-hub", "dts-worker", "dts-fleet-gateway")  # only if their libraries are installed
         installed = [name for name in fleet if (self.prefix / f"lib/systemd/system/{name}.service").exists()]
         for name in ("dtsd", "dts-relay", "dts-lsl", "dts-gateway", *installed):

@@ -39,6 +39,7 @@ class Verified(unittest.TestCase):
                 self.assertNotEqual(units.complaints(self.folder, name, twin), "", f"{name}: {what}")
 
     def test_SandboxKeepsItsScore(self) -> None:
+        # requirement: SEC-8
         for name in units.UNITS:
             is_kept, report = units.exposure_report(self.folder, name, units.runnable_text(name))
             self.assertTrue(is_kept, report)
@@ -79,6 +80,7 @@ class Daemon(unittest.TestCase):
         self.assertEqual(self.settings["NoNewPrivileges"], ["yes"])
 
     def test_HasNoNetwork(self) -> None:
+        # requirement: SEC-8
         """What comes from other machines ends in dts-relay or dts-gateway."""
         self.assertEqual(self.settings["RestrictAddressFamilies"], ["AF_UNIX AF_NETLINK"])
         self.assertEqual(self.settings["IPAddressDeny"], ["any"])
@@ -108,6 +110,7 @@ class Daemon(unittest.TestCase):
 
 class Together(unittest.TestCase):
     def test_EveryUserAndGroupIsMade(self) -> None:
+        # requirement: CFG-6
         made = "".join(file.read_text() for file in sorted((units.SOURCE / "systemd/sysusers.d").glob("*.conf")))
         users = set(re.findall(r"^u (\S+)", made, re.MULTILINE))
         groups = users | set(re.findall(r"^g (\S+)", made, re.MULTILINE))

@@ -240,6 +240,7 @@ TEST_F(AttackTest, Strangers_WhoStopInTheMiddleOfTheHandshake) {
 }
 
 TEST_F(AttackTest, Strangers_WhoSpeakNonsense) {
+  RecordProperty("requirement", "SEC-3");
   under(
       "malformed ZMTP",
       [&](const std::atomic<bool>& is_over) {
@@ -379,6 +380,7 @@ TEST_F(AttackTest, AViewer_WithLongMessagesToBothSockets) {
 
 /// libzmq bounds no subscriptions: they may cost the relay its memory and delay remote subscribers, but nobody on the daemon's machine.
 TEST_F(AttackTest, AViewer_WithAFloodOfSubscriptions) {
+  RecordProperty("requirement", "SEC-3");
   constexpr long kMostSubscriptionKb = 512 * 1024;  // MemoryMax= of its unit; 60,000 need more
   constexpr int kSubscriptions = 20'000;
   under(

@@ -11,6 +11,7 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(BadConfiguration, CheckConfig_ExitsTwoAndSaysWhere) {
+  RecordProperty("requirement", "CFG-1");
   const DaemonProcess daemon({.daemon = "[log]\nlevl = \"info\""});
 
   const Finished checked = run_program({DTSD_PROGRAM, "--config", daemon.config_file(), "--check-config"});
@@ -41,6 +42,7 @@ TEST(BadConfiguration, MissingFile_ExitsTwo) {
 TEST(BadConfiguration, UnknownSwitch_ExitsTwo) { EXPECT_EQ(run_program({DTSD_PROGRAM, "--verbose"}).status, 2); }
 
 TEST(RuntimeDirectory, InUse_SecondDaemonEndsAndTheFirstGoesOn) {
+  RecordProperty("requirement", "CFG-3");
   DaemonProcess first;
   ASSERT_TRUE(first.is_ready());
 

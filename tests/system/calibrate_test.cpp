@@ -86,6 +86,7 @@ class CalibrateTest : public ::testing::Test {
 };
 
 TEST_F(CalibrateTest, CopByTheThesis_WritesAFileThatMeetsItsPointsAndTheDaemonTakes) {
+  RecordProperty("requirement", "COP-10");
   auto weights = mid_lines(490.0);
   weights.push_back({-kHalfMm, -kHalfMm, 490.0});  // first and last point of Table 4.1
   weights.push_back({0.0, 0.0, 490.0});
@@ -120,6 +121,7 @@ TEST_F(CalibrateTest, CopByTheThesis_WritesAFileThatMeetsItsPointsAndTheDaemonTa
 }
 
 TEST_F(CalibrateTest, KilledInTheMiddle_ResumesWhereItWas) {
+  RecordProperty("requirement", "COP-10");
   const auto weights = mid_lines(490.0);
   {
     const DaemonProcess daemon(placing({weights.begin(), weights.begin() + 4}));

@@ -57,6 +57,7 @@ WatchedFault watched_fault(const std::string& fault, const std::vector<std::stri
 }
 
 TEST(Daemon, Sigterm_EndsWithZeroAndStopsTheSession) {
+  RecordProperty("requirement", "CFG-4");
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready());
   auto control = daemon.control();
@@ -92,6 +93,7 @@ TEST(Daemon, Sighup_IsHarmless) {
 }
 
 TEST(Daemon, Streams_ArriveWithoutHolesAndInStep) {
+  RecordProperty("requirement", "SES-4");
   DaemonProcess daemon;
   auto subscriber = daemon.subscribe({"floor/"});
   std::map<std::string, std::uint64_t, std::less<>> next_scan;
@@ -115,6 +117,7 @@ TEST(Daemon, Streams_ArriveWithoutHolesAndInStep) {
 }
 
 TEST(Daemon, Marker_StandsAtAScanThatWasPublished) {
+  RecordProperty("requirement", "SES-7");
   DaemonProcess daemon;
   auto subscriber = daemon.subscribe({"floor/raw", "floor/marker"});
   std::uint64_t newest = 0;
@@ -170,6 +173,7 @@ TEST(Daemon, Unplug_IsToldAndTheSessionGoesOnInTheNextSegment) {
 }
 
 TEST(Daemon, Overrun_IsAGapWithItsExactCount) {
+  RecordProperty("requirement", "ACQ-4");
   WatchedFault watched = watched_fault("fault=overrun&fault_for_s=0.25", {"floor/gap", "floor/cop"});
   v1::Gap gap;
 
@@ -185,6 +189,7 @@ TEST(Daemon, Overrun_IsAGapWithItsExactCount) {
 }
 
 TEST(Daemon, SubscriberThatNeverReads_DisturbsNobodyAndCostsBoundedMemory) {
+  RecordProperty("requirement", "PUB-4");
   DaemonProcess daemon({.acquire = "rate_hz = 1500.0\nlow_latency = true"});
   zmq::context_t context(1);
   zmq::socket_t stuck(context, zmq::socket_type::sub);

@@ -107,6 +107,7 @@ TEST_F(EraseTest, Killed_TheSubjectIsCompleteOrGone) {
 }
 
 TEST_F(EraseTest, WhatIsErasedIsNowhereInTheStateFolder) {
+  RecordProperty("requirement", "SES-10");
   const std::string id = record("SUBJECTXYZ", "eyes closed");
   const std::string other = record("P018");
   EXPECT_EQ(daemon_.ctl({"session", "edit", other, "--notes", "SUBJECTXYZ was meant", "--reason", "note"}).status, 0);
@@ -127,6 +128,7 @@ TEST_F(EraseTest, WhatIsErasedIsNowhereInTheStateFolder) {
 }
 
 TEST_F(EraseTest, CorrectedValuesAreInListShowExportAndReport) {
+  RecordProperty("requirement", "SES-9");
   EXPECT_EQ(daemon_.ctl({"session", "start", "--rig", "floor", "--protocol", "free", "--label", "Anna Schmidt, born 1950"}).status, 2);
   const std::string id = record("P071", "Baseline 2");
   EXPECT_EQ(daemon_.ctl({"session", "edit", id, "--subject", "P017", "--reason", "=cmd|' /C calc'!A0"}).status, 2) << "no words";

@@ -83,6 +83,7 @@ void expect_reported_and_survived(const std::string& device, const std::string& 
 }
 
 TEST(ProgramAsDevice, WithoutPermission_TheConfigurationIsRejectedAtItsPlace) {
+  RecordProperty("requirement", "ACQ-15");
   DaemonProcess::Options options;
   options.device = example();
   options.acquire = "rate_hz = 100\n";

@@ -33,6 +33,7 @@ class KeysTest : public NetworkedDaemon {
 };
 
 TEST_F(KeysTest, EachRole_MayWhatItMayAndNoMore) {
+  RecordProperty("requirement", "SEC-1");
   const std::string viewer = new_key("eve", "viewer");
   const std::string mate = new_key("otto", "operator");
   const std::string engineer = new_key("ina", "engineer");
@@ -50,6 +51,7 @@ TEST_F(KeysTest, EachRole_MayWhatItMayAndNoMore) {
 }
 
 TEST_F(KeysTest, WithoutAKeyOfItsOwn_NobodyGetsIn) {
+  RecordProperty("requirement", "SEC-2");
   const std::string good = new_key("eve", "viewer");
   EXPECT_EQ(run_program({DTSCTL_PROGRAM, "--endpoint", address_of(control_), "--timeout", "1", "status"}).status, kUnreachable);
 
@@ -69,6 +71,7 @@ TEST_F(KeysTest, WithoutAKeyOfItsOwn_NobodyGetsIn) {
 }
 
 TEST_F(KeysTest, Revoked_LosesItsRunningSubscription_OthersComeBack) {
+  RecordProperty("requirement", "SEC-2");
   const client::Key eve = key("eve", "viewer");
   const client::Key otto = key("otto", "operator");
   const auto subscribed = [](const client::Key& key) {

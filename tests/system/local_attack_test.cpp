@@ -183,7 +183,10 @@ TEST_F(LocalAttackTest, SubscriptionsOf500Bytes) { under("long-subscriptions"); 
 TEST_F(LocalAttackTest, SubscriptionsThatChangeAllTheTime) { under("changes", 2); }
 /// The bound is that of the prefixes: 64 connections with 256 of them, each with less than 100 bytes of overhead.
 TEST_F(LocalAttackTest, AsManySubscriptionsAsAllowed) { under("all-subscriptions", 1, kMostKb + 64 * 256 * 300 / 1024); }
-TEST_F(LocalAttackTest, MessagesWithoutEnd) { under("multi-part"); }
+TEST_F(LocalAttackTest, MessagesWithoutEnd) {
+  RecordProperty("requirement", "SEC-3");
+  under("multi-part");
+}
 TEST_F(LocalAttackTest, WritesOfOneByte) { under("one-byte", 2); }
 TEST_F(LocalAttackTest, ManyConnectionsThatComeAndGo) { under("connections", 4); }
 TEST_F(LocalAttackTest, HalfOpenConnections) { under("half-open", 4); }

@@ -56,6 +56,7 @@ class LocalInteroperabilityTest : public ::testing::Test {
 };
 
 TEST_F(LocalInteroperabilityTest, Libzmq_SubscribesAndUnsubscribesWhileConnected) {
+  RecordProperty("requirement", "PUB-6");
   socket_.connect(daemon_.data_endpoint());
   socket_.set(zmq::sockopt::subscribe, "floor/cop");
   EXPECT_TRUE(gets({"floor/cop"}));

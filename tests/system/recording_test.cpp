@@ -112,6 +112,7 @@ TEST(Recording, OfTheShippedConfiguration_OpensInLibxdfWithNamesUnitsRatesAndSta
 }
 
 TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {
+  RecordProperty("requirement", "REC-6");
   if (!std::filesystem::exists(DTSLAB_PROGRAM)) GTEST_SKIP() << "built without dtslab";
   // A filter that keeps every third scan: which ones depends on the index at which the recording began.
   const std::string stages =
@@ -148,6 +149,7 @@ TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {
 }
 
 TEST(Recording, DaemonKilled_ListsTheSessionAsInterruptedAndResumesIt) {
+  RecordProperty("requirement", "SES-5");
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
   const std::string id = record(daemon, 150, {"--subject", "P1"});
@@ -172,6 +174,7 @@ TEST(Recording, DaemonKilled_ListsTheSessionAsInterruptedAndResumesIt) {
 
 /// Somebody tries to write a patient's name and date of birth wherever the daemon takes a text that is not free by design.
 TEST(Recording, NothingIdentifying_ReachesFilesLogsOrTheBus) {
+  RecordProperty("requirement", "SES-11");
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
   zmq::context_t context;
@@ -200,6 +203,7 @@ TEST(Recording, NothingIdentifying_ReachesFilesLogsOrTheBus) {
 }
 
 TEST(Recording, OfADaemonThatStoodStill_SaysEverywhereWhatIsMissing) {
+  RecordProperty("requirement", "REC-7");
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
   const std::string id = record(daemon, 50);

@@ -54,6 +54,7 @@ class RelayTest : public NetworkedDaemon {
 };
 
 TEST_F(RelayTest, KilledInASession_CostsNoScan_AndItsClientsComeBack) {
+  RecordProperty("requirement", "SEC-4");
   const client::Key eve = key("eve", "viewer");
   client::ControlClient mate = commanding(key("otto", "operator"));
   client::Subscriber local = daemon_.subscribe({"floor/cop"});

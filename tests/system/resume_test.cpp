@@ -40,6 +40,7 @@ class ResumeTest : public ::testing::Test {
 };
 
 TEST_F(ResumeTest, AfterACrash_TheSessionGoesOnAsItsNextPart_WithWhatIsLeft) {
+  RecordProperty("requirement", "SES-5");
   const std::string id = start(600.0);
   ASSERT_TRUE(eventually([&] { return session().elapsed_s() > 1.2; }));
 

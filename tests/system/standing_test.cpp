@@ -119,6 +119,7 @@ Heard heard_sway(client::Subscriber& subscriber) {
 }
 
 TEST_F(QuietStanding, LiveCataloguedReportedAndInTheLaboratory_AreTheSame) {
+  RecordProperty("requirement", "SWAY-3");
   ASSERT_TRUE(daemon_.is_ready()) << daemon_.log();
   stand_still();
   client::Subscriber subscriber = daemon_.subscribe({"floor/sway"});

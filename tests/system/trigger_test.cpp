@@ -25,6 +25,7 @@ DaemonProcess::Options stepping_on() {
 }
 
 TEST(Trigger, IsToldOnceAtTheFirstScanBeyondTheLevel) {
+  RecordProperty("requirement", "ACQ-17");
   DaemonProcess daemon(stepping_on());
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
   auto subscriber = daemon.subscribe({"floor/aux", "floor/trigger"});

@@ -106,6 +106,7 @@ describe('accessibility', () => {
     assert.deepEqual(await findings(page), []);
   });
 
+  // requirement: UI-4
   test('Tab reaches every control of every page, and shows where it is', async () => {
     for (const name of Object.keys(pages)) {
       await show(name);

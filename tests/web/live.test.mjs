@@ -41,6 +41,7 @@ describe('live pages', () => {
     await page.close();
   });
 
+  // requirement: UI-3
   test('floor: tiles of steadiness are those of one sway event', async () => {
     const watch = daemon.watch('floor/sway');
     const page = await tabs.open('floor');
@@ -65,6 +66,7 @@ describe('live pages', () => {
     await page.close();
   });
 
+  // requirement: UI-3
   test('chair: points, class and angle of a reach are those of its events', async () => {
     const watch = daemon.watch('chair/reach', 'chair/class');
     const page = await tabs.open('chair');
@@ -148,5 +150,6 @@ describe('live pages', () => {
     await page.close();
   });
 
+  // requirement: UI-5
   test('no request went to another host, and nothing violated the policy', () => tabs.close());
 });

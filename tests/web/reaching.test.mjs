@@ -66,6 +66,7 @@ describe('a session of the reaching task', () => {
     assert.equal(await textOf(page, 'trial-counter'), 'Ready for trial 1 of 6');
   });
 
+  // requirement: UI-6
   test('runs by keys, with each prompt in order', { timeout: 600_000 }, async () => {
     const trialWatch = daemon.watch('chair/trial');
     await remember(page, 'prompt', 'data-step');

@@ -90,6 +90,7 @@ describe('recovery', () => {
     await watch.close();
   };
 
+  // requirement: UI-2
   test('the daemon is killed: shown within 2 s, and live again with the new one', async (context) => {
     const killedMs = Date.now();
     await daemon.kill();
@@ -115,6 +116,7 @@ describe('recovery', () => {
     await checkLive();
   });
 
+  // requirement: UI-1
   test('a rig is unplugged: "no data since", and the gap is shown when it is back', async () => {
     let seen;
     const lost = await waitFor(async () => {

@@ -113,6 +113,7 @@ describe('roles', () => {
     await page.close();
   });
 
+  // requirement: SEC-6
   test('forged commands over the connection of the page are rejected', async () => {
     const before = (await daemon.json('session', 'list')).sessions.length;
     const page = await tabs.context.newPage();

@@ -201,6 +201,7 @@ describe('sessions', () => {
     await page.close();
   });
 
+  // requirement: UI-7
   test('a stop is undone with U, and sent at once when the page is left', async () => {
     const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'free', '--subject', 'Q3')).trim();
     const page = await tabs.open('floor');

@@ -59,6 +59,7 @@ class GateTest : public KeyFixture {
 };
 
 TEST_F(GateTest, EveryCommandAndEveryRole) {
+  RecordProperty("requirement", "SEC-1");
   const auto* commands = v1::Request::descriptor()->FindOneofByName("command");
   ASSERT_EQ(static_cast<std::size_t>(commands->field_count()), kNeeded.size());
   for (int index = 0; index < commands->field_count(); ++index) {

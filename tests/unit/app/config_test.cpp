@@ -84,6 +84,7 @@ TEST_F(ConfigFiles, Complete_HasNoProblemAndTheDefaults) {
 }
 
 TEST_F(ConfigFiles, ProgramsAsDevices_AreOffUntilAllowed) {
+  RecordProperty("requirement", "ACQ-15");
   EXPECT_FALSE(load_config(write("dtsd.toml", kRig)).config.allows_programs);
   EXPECT_FALSE(load_config(write("dtsd.toml", std::string("[devices]\n") + kRig)).config.allows_programs);
   EXPECT_TRUE(load_config(write("dtsd.toml", std::string("[devices]\nallow_exec = true\n") + kRig)).config.allows_programs);
@@ -127,11 +128,13 @@ TEST_F(ConfigFiles, MissingFile_IsOneProblem) { EXPECT_EQ(load_config((folder_ /
 TEST_F(ConfigFiles, SyntaxError_NamesLineAndColumn) { EXPECT_THAT(problems_of("[log]\nlevel = \n"), Contains(HasSubstr("dtsd.toml:2:"))); }
 
 TEST_F(ConfigFiles, MisspeltKey_NamesPositionAndSuggestion) {
+  RecordProperty("requirement", "CFG-2");
   EXPECT_THAT(problems_of(std::string("[log]\nlevl = \"info\"\n") + kRig),
               Contains(std::string("dtsd.toml:2:1: unknown key 'levl' in [log]; did you mean 'level'?")));
 }
 
 TEST_F(ConfigFiles, SeveralProblems_AreReportedTogether) {
+  RecordProperty("requirement", "CFG-1");
   const auto problems = problems_of(
       "[log]\nlevel = \"loud\"\n[realtime]\nfifo_priority = 120\nlock_memory = 3\n[endpoints]\ndata = \"tcp://0.0.0.0:5555\"\n"
       "[[rig]]\nname = \"Floor One\"\nfile = \"rig.toml\"\ndevice = \"sim:floor\"\nextra = 1\n");

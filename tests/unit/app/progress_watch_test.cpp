@@ -65,6 +65,7 @@ TEST_F(ProgressWatchTest, WhatMoves_IsNotStuck) {
 }
 
 TEST_F(ProgressWatchTest, AFrozenPipeline_IsNamed_AndForgivenWhenItGoesOn) {
+  RecordProperty("requirement", "CFG-5");
   ASSERT_EQ(after(3, [&] { acquire(100), process(), ++turns_; }), "");
   EXPECT_EQ(after(4, [&] { acquire(100), ++turns_; }), "");
   EXPECT_EQ(after(1, [&] { acquire(100), ++turns_; }), "a stage of rig 'floor'");
@@ -72,6 +73,7 @@ TEST_F(ProgressWatchTest, AFrozenPipeline_IsNamed_AndForgivenWhenItGoesOn) {
 }
 
 TEST_F(ProgressWatchTest, AFrozenAcquireThread_IsNamed) {
+  RecordProperty("requirement", "CFG-5");
   ASSERT_EQ(after(3, [&] { acquire(100), process(), ++turns_; }), "");
   EXPECT_EQ(after(5, [&] { ++turns_; }), "the device of rig 'floor'");
 }

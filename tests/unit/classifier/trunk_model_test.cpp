@@ -36,6 +36,7 @@ TrunkModelForm raw5_form() {
 static_assert(kModerateFromDeg == physics::kModerateFromDeg && kMaximumFromDeg == physics::kMaximumFromDeg);
 
 TEST(TrunkModel, Reaches_AreOfTheirClassOrRejectedWithTheReasons) {
+  RecordProperty("requirement", "CLS-3");
   struct Row {
     double d2;  // of P1
     double p1_mm;

@@ -7,6 +7,7 @@ namespace dts::core {
 namespace {
 
 TEST(CsvCell, TextThatASpreadsheetWouldCompute_GetsAnApostrophe) {
+  RecordProperty("requirement", "SEC-7");
   EXPECT_EQ(csv_cell("=1+1"), "'=1+1");
   EXPECT_EQ(csv_cell("=HYPERLINK(\"http://x\",1)"), "\"'=HYPERLINK(\"\"http://x\"\",1)\"");
   EXPECT_EQ(csv_cell("@SUM(A1)"), "'@SUM(A1)");

@@ -102,6 +102,7 @@ std::string rest_of(FrameReader& reader) {
 }
 
 TEST(FrameRing, ReaderThatIsLate_SkipsToNewerFrames_AndKnowsExactlyWhatItLost) {
+  RecordProperty("requirement", "ACQ-12");
   FrameRing ring(8, prototype(), kShort);
   FrameReader patient(ring, 8);
   FrameReader hurried(ring, 4);

@@ -40,6 +40,7 @@ TEST_P(HostTimeOfClock, IsWithinOneMillisecondAfterAMinuteAndKnowsTheDriftAfterF
 INSTANTIATE_TEST_SUITE_P(Clocks, HostTimeOfClock, testing::Values(-80.0, 0.0, 80.0));
 
 TEST(HostTime, IsWithinItsUncertaintyFromTheFirstArrivalOn) {
+  RecordProperty("requirement", "ACQ-10");
   Machine machine{.rate = *Rate::create(100, 1), .clock_error = 80e-6, .scans_per_transfer = 1};
   HostTime time(machine.rate, kFrameNs);
   for (int i = 0; i < 6000; ++i) {
@@ -78,6 +79,7 @@ TEST(HostTime, ClockThatIsFarTooFast_IsDriftAndNoLoss) {
 }
 
 TEST(HostTime, NeverGoesBack) {
+  RecordProperty("requirement", "ACQ-10");
   Machine machine{.rate = rate_1500(), .clock_error = 120e-6, .busy_ms = 20.0};
   HostTime time(machine.rate, kFrameNs);
   std::int64_t last_ns = 0;

@@ -76,6 +76,7 @@ struct SmallestHole {
 };
 
 TEST(LossWatch, HolesAtAnyMoment_ToldWithinThreeSeconds) {
+  RecordProperty("requirement", "ACQ-7");
   std::mt19937_64 random{19};
   std::map<std::string, SmallestHole> table;
   for (int i = 0; i < 200; ++i) {

@@ -50,6 +50,7 @@ TEST(Rate, FromHzOutsideRange_IsRefused) {
 }
 
 TEST(Rate, DayAt1500Hz_DoesNotDrift) {
+  RecordProperty("requirement", "ACQ-9");
   const Rate rate = Rate::create(1500, 1).value();
 
   EXPECT_EQ(rate.time_ns({0}), 0);

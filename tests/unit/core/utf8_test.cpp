@@ -21,6 +21,7 @@ TEST(Utf8, Characters_AreCountedAndFound) {
 }
 
 TEST(Printable, ControlCharactersAndDirections_BecomeSpaces) {
+  RecordProperty("requirement", "SEC-7");
   EXPECT_EQ(printable("a\x1b[2Jb\n\tc\x7f"), "a [2Jb  c ");
   EXPECT_EQ(printable("a\xC2\x9B"
                       "2Jb\xC2\x80"),

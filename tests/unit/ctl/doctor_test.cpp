@@ -70,6 +70,7 @@ TEST(SystemFacts, OfThisMachine_AreWhatAThreadFinds) {
 }
 
 TEST_F(RunTest, DoctorWithoutDaemon_FailsAndSaysHowToStartIt) {
+  RecordProperty("requirement", "UI-9");
   EXPECT_EQ(run_with({"doctor"}), cli::kFailed);
 
   EXPECT_THAT(out(), ::testing::HasSubstr("wrong  daemon: no daemon at " + control_ + ": the socket does not exist; try: start it"));

@@ -27,6 +27,7 @@ class JsonLinesTest : public ::testing::Test {
 };
 
 TEST_F(JsonLinesTest, Block_HasExactlyTheShapeOfTheContract) {
+  RecordProperty("requirement", "PUB-1");
   CopBlock cop({1.5F, -2.25F, 700.0F, kUndefined});
   cop.block.lost_scans = 12;
   cop.block.age_ns = 1'234'567;

@@ -21,6 +21,7 @@ TEST(BitWords, OfALaterVersion_AreUnknown) {
 }
 
 TEST(QualityWords, EachBitIsAWord) {
+  RecordProperty("requirement", "SIG-5");
   EXPECT_EQ(quality_words(0xff), (std::vector<std::string>{"rail", "stuck", "out_of_range", "rotation", "no_contact", "uncalibrated",
                                                            "untared", "substituted"}));
 }

@@ -100,6 +100,7 @@ TEST_F(LiveViewTest, Table_CountsTheRateOverASecondWithoutTheFirstBlock) {
 }
 
 TEST_F(LiveViewTest, Table_FrozenStreamDoesNotLookAlive) {
+  RecordProperty("requirement", "UI-1");
   LiveTable table(console_);
   CopBlock cop({1.0F, 2.0F});
   cop.block.age_ns = 1'500'000;

@@ -9,6 +9,7 @@ namespace dts::ctl {
 namespace {
 
 TEST_F(RunTest, EveryCommand_HasHelpWithExamplesBeforeOptions) {
+  RecordProperty("requirement", "UI-8");
   const auto tree = make_command_tree();
 
   for (const CLI::App* command : cli::commands_of(tree->line.app)) {
@@ -24,6 +25,7 @@ TEST_F(RunTest, EveryCommand_HasHelpWithExamplesBeforeOptions) {
 }
 
 TEST(Examples, OfEveryCommand_AreUnderstood) {
+  RecordProperty("requirement", "UI-8");
   const auto tree = make_command_tree();
 
   for (const CLI::App* command : cli::commands_of(tree->line.app)) {

@@ -124,6 +124,7 @@ TEST_F(WatchTest, ReaderLeavesWhileNothingComes_WatchAndTopEndQuietly) {
 }
 
 TEST(Silence, IsExplainedByTheStatus) {
+  RecordProperty("requirement", "UI-9");
   const v1::StatusSnapshot well = floor_status();
   v1::StatusSnapshot gone = floor_status();
   gone.mutable_rigs(0)->set_device(v1::DEVICE_STATE_GONE);

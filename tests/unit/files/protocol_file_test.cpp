@@ -77,6 +77,7 @@ TEST_F(ProtocolFiles, German_OfAnotherNumberOfChoicesOrUnknownKeysIsReported) {
 }
 
 TEST_F(ProtocolFiles, QuietStanding_IsTheOneOfTheThesis) {
+  RecordProperty("requirement", "SES-2");
   const auto protocol = shipped("quiet-standing");
   ASSERT_TRUE(protocol.trials.has_value());
   EXPECT_EQ(protocol.trials->settle_s, 5.0);
@@ -90,6 +91,7 @@ TEST_F(ProtocolFiles, QuietStanding_IsTheOneOfTheThesis) {
 }
 
 TEST_F(ProtocolFiles, ReachingTask_TakesTheVolunteersOfTheThesis) {
+  RecordProperty("requirement", "SES-2");
   const auto protocol = shipped("reaching-task");
   ASSERT_TRUE(protocol.trials.has_value());
   EXPECT_EQ(protocol.trials->trials_per_block, 15U);

@@ -222,6 +222,7 @@ TEST_F(TrunkModelFile, Checksum_IsOfTheValuesAndMayBeMissing) {
 }
 
 TEST_F(TrunkModelFile, EveryPrefixOfAFile_RefusedWithoutACrash) {
+  RecordProperty("requirement", "CLS-7");
   const std::string text = trunk_model_text(model());
   for (std::size_t length = 0; length + 2 < text.size(); length += 97) {
     Problems problems;

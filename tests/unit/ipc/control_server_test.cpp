@@ -165,6 +165,7 @@ TEST_F(ControlTest, WhatIsNoRequest_IsAnsweredCountedAndOneLineOfTheLogASecond) 
 }
 
 TEST_F(ControlTest, CommandWithAnIdOfBefore_IsNotExecutedAgain) {
+  RecordProperty("requirement", "PUB-7");
   zmq::socket_t local = client();
   zmq::socket_t other = client();
   zmq::socket_t relay = client();

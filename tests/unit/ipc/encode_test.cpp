@@ -14,6 +14,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(StreamEncoder, Block_ArrivesColumnByColumnWithItsPosition_AndWithoutAnythingOfALongerOneBefore) {
+  RecordProperty("requirement", "PUB-1");
   StreamEncoder encoder(42, "floor",
                         {.name = "cop", .rate = core::Rate::create(3000, 2).value(), .channels = {{"ml_mm", "mm"}, {"ap_mm", "mm"}}});
   core::Block block(2, 8);

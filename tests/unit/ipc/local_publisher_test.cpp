@@ -295,6 +295,7 @@ TEST_F(LocalPublisherTest, FloodOfSubscriptions_EndsThePeerAndOthersMissNothing)
 }
 
 TEST_F(LocalPublisherTest, SubscriberThatDoesNotRead_LosesWholeMessagesAndDelaysNobody) {
+  RecordProperty("requirement", "PUB-4");
   const RawPeer stopped = subscriber("a");
   const RawPeer good = subscriber("a");
   dts::v1::StreamBlock sent = block_of_1_kb();

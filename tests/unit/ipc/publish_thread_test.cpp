@@ -131,6 +131,7 @@ TEST_F(PublishTest, Latency_IsThatOfTheNewestScanOfEachRawBlock) {
 }
 
 TEST_F(PublishTest, RetainedMessages_AreRepeatedForANewSubscriber_OncePerTenthOfASecond) {
+  RecordProperty("requirement", "PUB-5");
   post_status("1");
   post_session("a");
   post_marker("x");

@@ -40,6 +40,7 @@ TEST_F(RunTest, WrongUsage_ExitsWithTwoAndSaysWhatWasMeant) {
 }
 
 TEST_F(RunTest, EveryCommand_HasHelpWithExamplesBeforeOptions) {
+  RecordProperty("requirement", "UI-8");
   const auto tree = make_command_tree();
 
   for (const CLI::App* command : cli::commands_of(tree->app)) {
@@ -70,6 +71,7 @@ TEST_F(RunTest, HelpAndManualOfSway_NameEveryMeasureWithItsUnitAndEveryFlag) {
 }
 
 TEST(Examples, OfEveryCommand_AreUnderstood) {
+  RecordProperty("requirement", "UI-8");
   const auto tree = make_command_tree();
 
   for (const CLI::App* command : cli::commands_of(tree->app)) {

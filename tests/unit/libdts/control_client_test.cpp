@@ -52,6 +52,7 @@ TEST_F(ControlClientTest, SeveralCommands_EachHasItsOwnRequestId) {
 }
 
 TEST_F(ControlClientTest, FirstReplyLost_SameRequestIsSentAgainAndExecutedOnce) {
+  RecordProperty("requirement", "PUB-7");
   std::set<std::string> executed;
   int resent = 0;
   {

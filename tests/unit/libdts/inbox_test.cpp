@@ -148,6 +148,7 @@ TEST_F(InboxTest, RestartWithOtherChannelsAndWithoutAStream_OldFormatsAreForgott
 }
 
 TEST_F(InboxTest, SameBoot_AgeIsKnown_OtherwiseAbsent) {
+  RecordProperty("requirement", "PUB-3");
   v1::StatusSnapshot status = floor_status();
   v1::StreamBlock message = block(1, 0, 3, 1);
   message.mutable_rate()->set_denominator(3);

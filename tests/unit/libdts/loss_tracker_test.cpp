@@ -13,6 +13,7 @@ ScanGap gap_between(const Position& first, const Position& second) {
 }
 
 TEST(LossTracker, GapBetweenTwoBlocks_IsCountedInScans) {
+  RecordProperty("requirement", "PUB-2");
   struct Row {
     Position first;
     Position second;

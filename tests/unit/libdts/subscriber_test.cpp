@@ -80,6 +80,7 @@ TEST_F(SubscriberTest, MalformedMessagesOfEveryShape_AreCountedAndTheNextBlockAr
 }
 
 TEST_F(SubscriberTest, AllModeStalledBeyondItsQueue_DeliveredPlusLostIsEverything) {
+  RecordProperty("requirement", "PUB-2");
   // A short queue overflows and libzmq drops what comes then. Which block is the last to get through is not known
   // beforehand, so more follow until one does.
   constexpr std::uint64_t kScans = 20'000;

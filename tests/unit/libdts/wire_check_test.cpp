@@ -67,6 +67,7 @@ TEST(WireCheck, ListOfTheGreatestLength_IsAcceptedAndALongerOneIsRefused) {
 }
 
 TEST(WireCheck, EachValue_IsAcceptedOrRefusedWithTheReason) {
+  RecordProperty("requirement", "SEC-9");
   const std::string longest(64, 'x');
   const std::string rig = "rigs { rigs { name: 'floor' streams { name: 'cop' ";
   const std::string rate = "rate { numerator: 1 denominator: 1 } ";

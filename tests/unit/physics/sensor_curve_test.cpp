@@ -76,6 +76,7 @@ TEST(SensorCurve, TwoPoints_AreAStraightLine) {
 }
 
 TEST(SensorCurve, Hoa1405_FollowsItsParabolaOverItsWorkingRange) {
+  RecordProperty("requirement", "SIG-1");
   // Monotone cubics lose an order of accuracy at the ends only; 0.25 mm apart that is far below the sensor's noise of 3 mV.
   const SensorCurve curve = SensorCurve::hoa1405_assumed();
 

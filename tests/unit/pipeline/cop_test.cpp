@@ -47,6 +47,7 @@ class CopTest : public testing::Test {
 };
 
 TEST_F(CopTest, Axes_AreRightAndForwardFromThePlateCentreAndLoadIsInNewtons) {
+  RecordProperty("requirement", "COP-1");
   const std::vector<PointLoad> loads{
       {}, {.ml_mm = 60}, {.ml_mm = -20, .ap_mm = 50, .load_n = 300}, {.ml_mm = 40, .ap_mm = -70, .load_n = 600}};
   const Output output = run(under(loads));
@@ -60,6 +61,7 @@ TEST_F(CopTest, Axes_AreRightAndForwardFromThePlateCentreAndLoadIsInNewtons) {
 }
 
 TEST_F(CopTest, BelowTheThreshold_GivesTheLoadButNoPosition) {
+  RecordProperty("requirement", "COP-2");
   const Output output = run(under({{.load_n = 30.0}}));
 
   EXPECT_TRUE(std::isnan(output.values[0][0]));
@@ -92,6 +94,7 @@ TEST_F(CopTest, PlateBentUpwards_IsNoContactAtZeroLoad) {
 }
 
 TEST_F(CopTest, FaultOnOneSensor_MakesTheWholeScanNaNWithAllBits) {
+  RecordProperty("requirement", "COP-12");
   Signal signal = under({{}, {}, {}});
   signal.bits[1][0] = kRail;
   signal.bits[2][0] = kRotation | kUntared;
@@ -121,6 +124,7 @@ TEST_F(CopTest, UntaredDeflection_GivesValuesMarkedUntared) {
 }
 
 TEST_F(CopTest, LoadOutsideTheCalibration_GivesValuesMarkedUncalibrated) {
+  RecordProperty("requirement", "COP-8");
   const Output output =
       run(under({{.ml_mm = 180.0}, {.ml_mm = 30.0, .load_n = 100.0}, {.ml_mm = 30.0, .load_n = 600.0}, {.ml_mm = 30.0, .load_n = 1150.0}}));
 

@@ -58,6 +58,7 @@ class CopTwoFeetTest : public testing::Test {
 };
 
 TEST_F(CopTwoFeetTest, PersonWhoHasSettled_IsCorrected) {
+  RecordProperty("requirement", "COP-7");
   const Output output = prepare_and_run(*make(), standing(100));
 
   EXPECT_NEAR(output.values[0][10], 10.0, 0.5) << "while stepping on, the point calibration applies";

@@ -36,6 +36,7 @@ std::vector<core::TriggerEvent> edges(EdgeDetector& detector, const std::vector<
 }
 
 TEST(EdgeDetector, Edges_AreFoundAtTheirScanWhateverTheBlocks) {
+  RecordProperty("requirement", "ACQ-17");
   std::vector<double> volts(100, 0.1);
   for (std::size_t scan = 37; scan < 64; ++scan) volts[scan] = 4.9;
   for (const std::size_t block_scans : {1U, 7U, 37U, 100U}) {

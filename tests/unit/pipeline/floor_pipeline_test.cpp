@@ -96,6 +96,7 @@ class FloorPipelineTest : public testing::Test {
 };
 
 TEST_F(FloorPipelineTest, Poly3AtThePointsOfTable41_ErrsByAFifthOfAMillimetre) {
+  RecordProperty("requirement", "COP-4");
   create("poly3");
   stand({}, 0.0, kTareScans);
 
@@ -132,6 +133,7 @@ TEST_F(FloorPipelineTest, SensorsAwayFromTheirNominalGap_AreCuredByTheTare) {
 }
 
 TEST_F(FloorPipelineTest, EmptyPlateWithSensorNoise_NeverMakesContact) {
+  RecordProperty("requirement", "COP-2");
   create("poly3");
   std::mt19937_64 random(7);
   std::normal_distribution<double> noise_v(0.0, 0.003);  // plate-model section 5

@@ -174,6 +174,7 @@ TEST(ForcePlateStage, ATare_IsRejectedUnderALoadWhileThePlateMovesAndWithAFault)
 }
 
 TEST(ForcePlateStage, ARejectedTare_LeavesTheEarlierOneInUse) {
+  RecordProperty("requirement", "SIG-6");
   ForcePlateStage stage(cell_plate());
   (void)stage.run(10, cells_under(8.0));
   (void)stage.tare().request();

@@ -72,6 +72,7 @@ TEST(Guard, Values_AreMarkedOneByOne) {
 }
 
 TEST(Guard, SameValueForLong_IsStuckUntilItMoves) {
+  RecordProperty("requirement", "SIG-7");
   struct Row {
     double hz;
     double stuck_ms;

@@ -65,6 +65,7 @@ class Linearise {
 };
 
 TEST(LineariseStage, Volts_BecomeDeflectionFromTheUnloadedGap) {
+  RecordProperty("requirement", "SIG-1");
   Linearise linearise(kNoTareAtStart);
 
   const Output output = linearise.run(make_signal(100, "V", {{1.0, 2.0, 4.75}, {1.0, 0.5, 1.25}}));
@@ -78,6 +79,7 @@ TEST(LineariseStage, Volts_BecomeDeflectionFromTheUnloadedGap) {
 }
 
 TEST(LineariseStage, VoltsBeyondTheCurve_CountAsItsEndAndAreMarked) {
+  RecordProperty("requirement", "SIG-1");
   Linearise linearise(kNoTareAtStart);
 
   const Output output = linearise.run(make_signal(100, "V", {{5.0, 5.01, 0.0, -0.01}, {1.0, 1.0, 1.0, 1.0}}));
@@ -98,6 +100,7 @@ TEST(LineariseStage, NotFinite_BecomesNaNOutOfRange) {
 }
 
 TEST(LineariseStage, Tare_TakesTheMeanOfAnEmptyPlateThatIsStill) {
+  RecordProperty("requirement", "SIG-6");
   enum class Act { None, Tare, Reset, Prepare };
   constexpr auto kTare = Act::Tare;
   struct Part {

@@ -16,6 +16,7 @@ using core::ReachStep;
 double seconds(core::ScanIndex scan, double hz = 100.0) { return static_cast<double>(scan.value) / hz; }
 
 TEST(Reach, At1500Hz_FindsTheSameAsAt100) {
+  RecordProperty("requirement", "REACH-4");
   const SeatedPerson person{.noise_mm = 0.002, .reaches = {{.start_s = 2.0}, {.start_s = 6.0, .rise_mm = 0.6}}};
 
   const auto slow = finals_of(reaches_of(transient_of(person, 10.0)));
@@ -44,6 +45,7 @@ TEST(Reach, DelayOfTheInput_IsTakenOff) {
 }
 
 TEST(Reach, QuietSittingOrNobody_TellsNothing) {
+  RecordProperty("requirement", "REACH-3");
   for (const double noise_mm : {0.012, 0.025}) {
     EXPECT_THAT(reaches_of(transient_of({.noise_mm = noise_mm}, 60.0)), testing::IsEmpty()) << noise_mm;
     EXPECT_THAT(reaches_of(transient_of({.rest_mm = 0.0, .noise_mm = noise_mm}, 20.0)), testing::IsEmpty()) << noise_mm;
@@ -150,6 +152,7 @@ TEST_F(ReachOfSensors, RowDead_FindsNothing) {
 }
 
 TEST_F(ReachOfSensors, RearAndFrontSwapped_AreImplausible) {
+  RecordProperty("requirement", "REACH-6");
   for (const auto& [one, other] : {std::pair{0U, 2U}, {1U, 3U}, {0U, 3U}, {1U, 2U}}) {
     Signal signal = deflections();
     std::swap(signal.values[one], signal.values[other]);

@@ -148,6 +148,7 @@ TEST(SteadinessAndFinal, RecordingsOfPeopleOrAllOfThem_AreNearTheFinalValues) {
 }
 
 TEST(SteadinessAndFinal, SyntheticSway_IsNearTheFinalValues) {
+  RecordProperty("requirement", "SWAY-8");
   for (const double hz : {100.0, 400.0, 1000.0}) {
     SCOPED_TRACE(hz);
     Comparison(swaying_cop(hz, static_cast<std::size_t>(60.0 * hz), 11)).expect_within({.path = 0.005, .moments = 0.001});

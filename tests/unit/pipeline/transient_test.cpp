@@ -25,6 +25,7 @@ Signal steady(std::vector<double> levels_mm, std::size_t scans) {
 }
 
 TEST(Transient, FourGoodSensors_GiveMeanRatioAndTwist) {
+  RecordProperty("requirement", "REACH-1");
   const Signal out = transient_from(steady({4.0, 4.4, 3.0, 3.2}, 20));
 
   EXPECT_NEAR(out.values[0][10], 3.65, 0.002);
@@ -61,6 +62,7 @@ TEST(Transient, StepOfTheSeat_IsFollowedWithinThreeScans) {
 }
 
 TEST(Transient, SensorThatDies_IsReplacedByItsPartnersChange) {
+  RecordProperty("requirement", "REACH-1");
   Signal in = steady({4.0, 4.2, 3.0, 3.1}, 400);
   for (std::size_t i = 200; i < 400; ++i) {
     in.values[0][i] = kNaN;

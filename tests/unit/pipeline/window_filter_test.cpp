@@ -32,6 +32,7 @@ std::vector<double> counting_up(std::size_t scans) {
 }
 
 TEST(WindowFilter, Window_IsAveragedChannelByChannel) {
+  RecordProperty("requirement", "SIG-2");
   struct Row {
     std::map<std::string, OptionValue, std::less<>> options;
     std::vector<std::uint64_t> scans;
@@ -56,6 +57,7 @@ TEST(WindowFilter, Window_IsAveragedChannelByChannel) {
 }
 
 TEST(WindowFilter, Delay_IsHalfTheWindowBehindTheLastScan) {
+  RecordProperty("requirement", "SIG-3");
   core::StreamFormat input = make_signal(1500, "V", {{}}).format;
   input.delay_ns = 7;
 
@@ -65,6 +67,7 @@ TEST(WindowFilter, Delay_IsHalfTheWindowBehindTheLastScan) {
 }
 
 TEST(WindowFilter, Shift_GivesScansWhoseIndexItDivides) {
+  RecordProperty("requirement", "SIG-2");
   const auto filter = window_filter({{"window_scans", 3.0}, {"shift_scans", 4.0}});
   const Signal signal = make_signal(100, "V", {counting_up(13)});
 

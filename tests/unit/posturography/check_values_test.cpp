@@ -98,6 +98,7 @@ constexpr std::array kRecords = {CheckedRecord{"d01_bds00073_young_eo_firm.csv",
 constexpr double kTolerance = 1e-9 + kPrinted;
 
 TEST(CheckValues, AgreeToTheirLastDigit) {
+  RecordProperty("requirement", "SWAY-1");
   for (std::size_t column = 0; column < kRecords.size(); ++column) {
     const CheckedRecord& record = kRecords[column];
     SCOPED_TRACE(record.file);

@@ -11,6 +11,7 @@ namespace dts::posturography {
 namespace {
 
 TEST(Measure, EachHasASymbolOfItsOwnAKnownUnitAndASentence) {
+  RecordProperty("requirement", "SWAY-1");
   const std::set<std::string_view> units = {"mm", "mm/s", "mm2", "mm2/s", "Hz", "s", "deg", "deg/s", "1", "1/mm", "%"};
   std::set<std::string_view> symbols;
   for (std::size_t index = 0; index < kMeasureCount; ++index) {

@@ -63,6 +63,7 @@ TEST(Prepare, GapOf50ms_IsInterpolated) {
 }
 
 TEST(Prepare, GapOfMoreThan50ms_IsCutAtAndTheLongestStretchKept) {
+  RecordProperty("requirement", "SWAY-5");
   const auto prepared = prepare(with_gap(with_gap(ramp(), 300, 6), 900, 3), kPrepareAsIs);
 
   ASSERT_TRUE(prepared);
@@ -224,6 +225,7 @@ TEST(Prepare, LoadThatGoesAway_IsSteppingOff) {
 }
 
 TEST(Prepare, JumpOfThePosition_IsAFootThatMoved) {
+  RecordProperty("requirement", "SWAY-4");
   const auto moved = [](double shift_mm, double within_s, double back_after_s = 1e9) {
     CopSeries series = standing(3, 100.0, 3000);
     for (std::size_t i = 0; i < 3000; ++i) {

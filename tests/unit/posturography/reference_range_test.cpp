@@ -10,6 +10,7 @@ namespace dts::posturography {
 namespace {
 
 TEST(ReferenceRange, EachSaysWhoWasMeasuredHowAndByWhom) {
+  RecordProperty("requirement", "SWAY-7");
   std::set<std::string_view> ids;
   for (const ReferenceProtocol& protocol : reference_protocols()) {
     EXPECT_TRUE(ids.insert(protocol.id).second) << protocol.id;

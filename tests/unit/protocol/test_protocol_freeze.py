@@ -40,6 +40,7 @@ class Freeze(unittest.TestCase):
         self.assertEqual(self.call("check"), (0, ""))
 
     def test_EveryBreakingChangeFailsAndIsNotAdded(self) -> None:
+        # requirement: PUB-8
         original = (self.root / "proto" / "dts" / "v1" / "a.proto").read_text()
         for old, new, named in [
             ("x = 1", "x = 9", "field dts.v1.A 1 x: float"),  # another number
@@ -68,6 +69,7 @@ class Freeze(unittest.TestCase):
         self.assertEqual(self.call("check"), (0, ""))
 
     def test_TheListHasTheProtocolOfThisTree(self) -> None:
+        # requirement: PUB-8
         lines = (SOURCE / protocol_freeze.FROZEN).read_text().splitlines()
 
         self.assertIn("field dts.v1.StreamBlock", "\n".join(lines))

@@ -291,6 +291,7 @@ TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
 }
 
 TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
+  RecordProperty("requirement", "REC-7");
   auto recorder = this->recorder();
   ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
   ASSERT_TRUE(recorder->take(frame(0, 41, 40, host_ns(41)), {}));

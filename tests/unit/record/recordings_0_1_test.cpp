@@ -19,6 +19,7 @@ namespace {
 std::string recorded(const std::string& name) { return test::committed_file("unit/record/recordings_0_1/" + name + ".xdf"); }
 
 TEST(Recordings01, OpenAndVerify_WithEveryEvent) {
+  RecordProperty("requirement", "REC-9");
   for (const auto& [name, events] : std::vector<std::pair<std::string, int>>{{"standing", 34}, {"reaching", 66}, {"free", 6}}) {
     const auto verified = verify(recorded(name));
     ASSERT_TRUE(verified) << verified.error().what;
@@ -37,6 +38,7 @@ TEST(Recordings01, OpenAndVerify_WithEveryEvent) {
 }
 
 TEST(Recordings01, Export_ToTheSameBytes) {
+  RecordProperty("requirement", "REC-9");
   const xdf_test::Folder temporary;
   const std::filesystem::path folder = temporary / "exports";
   for (const std::string name : {"standing", "reaching", "free"}) {

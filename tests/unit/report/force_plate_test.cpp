@@ -64,6 +64,7 @@ TEST(Methods, ThePlatform_IsTheInstrumentAndNotItsDataAcquisition) {
 }
 
 TEST(Methods, SimulatedData_AreNotDescribedAsAMeasurement) {
+  RecordProperty("requirement", "REP-3");
   const std::string text = methods({.is_force_plate = true}, "sim:floor");
   EXPECT_THAT(text, HasSubstr("synthetic, no person was measured: the centre of pressure was simulated for a force plate"));
   EXPECT_THAT(text, Not(HasSubstr("was recorded")));

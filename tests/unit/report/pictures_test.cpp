@@ -96,6 +96,7 @@ TEST(Stabilogram, EllipseOnPaper_IsToScaleWithTheGrid) {
 }
 
 TEST(Stabilogram, FrontIsUpAndRightIsRight) {
+  RecordProperty("requirement", "COP-1");
   Prepared prepared{.rate_hz = 100.0, .ml_mm = {0.0, 10.0}, .ap_mm = {0.0, 20.0}};
   const std::string text = drawn([&](Canvas& canvas) { draw_path(canvas, 50.0, 50.0, 1.0, prepared, 100, 0.2); });
 

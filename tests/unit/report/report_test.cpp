@@ -85,6 +85,7 @@ TEST_F(ReportTest, OfTrials_IsAPageForEachAndOneForTheSession) {
 }
 
 TEST_F(ReportTest, TheSameRecording_GivesTheSameBytes) {
+  RecordProperty("requirement", "REP-1");
   const std::string file = write(two_trials());
   const std::string elsewhere = directory_ / "folder";
   std::filesystem::create_directory(elsewhere);
@@ -101,6 +102,7 @@ TEST_F(ReportTest, TheSameRecording_GivesTheSameBytes) {
 }
 
 TEST_F(ReportTest, ValuesOfAPage_AreThoseOfTheAnalysis) {
+  RecordProperty("requirement", "REP-2");
   const std::string file = write(two_trials());
   const auto session = read_session({.files = {file}, .software = "test"}, always);
   ASSERT_TRUE(session.has_value());
@@ -163,6 +165,7 @@ TEST_F(ReportTest, RepairedCopy_SaysSoBesideItsChecksum) {
 }
 
 TEST_F(ReportTest, SimulatedData_AreCalledSynthetic) {
+  RecordProperty("requirement", "REP-3");
   MadeStanding made = two_trials();
   made.facts.device_uri = "sim:floor?seed=3";
   const Report report = report_of(write(made));
@@ -171,6 +174,7 @@ TEST_F(ReportTest, SimulatedData_AreCalledSynthetic) {
 }
 
 TEST_F(ReportTest, References_AreShownOnlyWhereTheLabelsMatch) {
+  RecordProperty("requirement", "SWAY-7");
   MadeStanding made{.length_s = 100.0};
   add_trial(made, 1, 1.0, 20.0, "a", kOpen);
   add_trial(made, 2, 25.0, 20.0, "b", {{"eyes", "open"}, {"feet", "one"}});
@@ -303,6 +307,7 @@ TEST_F(ReportTest, WithoutTrials_EveryStandingIsAPage) {
 }
 
 TEST_F(ReportTest, HostileTexts_AreEscaped) {
+  RecordProperty("requirement", "SEC-7");
   const std::string bad = "</title><script>alert(\"1\")</script> ' & \x01\x1b[31m \xff\xfe {{title}} {{{svg}}}";
   MadeStanding made{.length_s = 30.0};
   made.facts.subject = made.facts.label = made.facts.protocol = made.facts.device_model = made.facts.session_id = bad;

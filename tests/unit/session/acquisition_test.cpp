@@ -56,6 +56,7 @@ struct Playback : Live {
 };
 
 TEST(Acquisition, Gaps_AreToldOnceWithTheirLengthAndStartASegmentAtZero) {
+  RecordProperty("requirement", "ACQ-4");
   const auto gap = [](core::GapReason reason, std::uint64_t missing, bool is_exact) {
     return ScriptedDevice::Step{.outcome = ReadOutcome::Gap, .gap = {.reason = reason, .missing_scans = missing, .is_exact = is_exact}};
   };
@@ -269,6 +270,7 @@ std::string report_after_reads_that_took(std::int64_t read_ns, int reads) {
 }
 
 TEST(Acquisition, DeviceThatDeliversNothing_IsToldAfterASecond) {
+  RecordProperty("requirement", "ACQ-13");
   EXPECT_EQ(report_after_reads_that_took(200'000'000, 8), "device is connected but delivers no scans; check its cable and power");
 }
 
@@ -287,6 +289,7 @@ TEST(Acquisition, UnitThatIsPluggedIn_EndsThePauseBeforeTheNextTry) {
 }
 
 TEST(Acquisition, DeviceThatRunsAtAnotherRateThanItPromised_IsNotBelieved) {
+  RecordProperty("requirement", "ACQ-8");
   Live live(std::deque<ScriptedDevice::Step>(1, {.scans = 1}));
   live.device.starts_at_rate_factor = 1.01;
   live.device.on_arrival_question = [&] {

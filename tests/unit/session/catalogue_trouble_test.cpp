@@ -26,6 +26,7 @@ class CatalogueTroubleTest : public RecordingsTest {
 };
 
 TEST_F(CatalogueTroubleTest, DamagedCatalogue_IsSetAsideAndMadeAnewFromTheRecordings) {
+  RecordProperty("requirement", "REC-10");
   start();
   const std::string id = record(300, {.subject = "P017"});
   ASSERT_TRUE(stop());

@@ -120,6 +120,7 @@ class CompanionsTest : public SupervisorTest {
 };
 
 TEST_F(CompanionsTest, Session_BeginsAndEndsOnAllItsRigsTogether) {
+  RecordProperty("requirement", "SES-6");
   start_both();
   const std::string id = begin_both({.subject = "P017"});
   EXPECT_EQ(of("plate").session.id, id);

@@ -92,6 +92,7 @@ class EditTest : public SupervisorTest {
 };
 
 TEST_F(EditTest, ACorrectionChangesTheSession_AndNotTheRecording) {
+  RecordProperty("requirement", "SES-9");
   start({Protocol{}, standing()});
   const std::string id = brief("P071");
   const std::string sha256 = row(id).parts.at(0).sha256;
@@ -128,6 +129,7 @@ TEST_F(EditTest, ResultsFollowTheOutcomesOfTheTrials) {
 }
 
 TEST_F(EditTest, CorrectionsSurviveTheLossOfTheCatalogue) {
+  RecordProperty("requirement", "REC-10");
   start({Protocol{}, standing()});
   const std::string id = stand();
   ASSERT_TRUE(
@@ -779,6 +781,7 @@ TEST_F(EditTest, NotesAndReasonsFollowTheRuleOfLabels) {
 }
 
 TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
+  RecordProperty("requirement", "SES-11");
   const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};
   for (const std::string good :
        {"", "eyes closed", "Baseline 2", "T1 OP", "cough",

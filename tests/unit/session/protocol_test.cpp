@@ -65,6 +65,7 @@ TEST(ProtocolFields, WhatDoesNotFit_IsToldAndNotRepeated) {
 }
 
 TEST(ProtocolFields, SeveralWrongOrMissing_AreToldTogether) {
+  RecordProperty("requirement", "SES-8");
   Protocol protocol = reaching();
   protocol.fields.push_back({.name = "weight_kg", .is_required = true, .minimum = 20.0, .maximum = 250.0});
   const std::string message = refusal(protocol, {{"age_years", "500"}, {"arm_length_cm", "tall"}, {"hat", "red"}});
@@ -89,6 +90,7 @@ TEST(ProtocolFields, TargetAtMaximumReach_NeedsTheReach) {
 }
 
 TEST(ProtocolFields, TargetBeyondTheMaximumReach_IsRefusedAsInTheThesis) {
+  RecordProperty("requirement", "SES-8");
   const auto protocol = reaching({{.name = "80", .target_percent = 80}, {.name = "max", .is_maximum_reach = true}});
   // Table 6.1: S1 reaches 43 cm with an arm of 68 cm, H1 132 cm with 71 cm.
   EXPECT_THAT(refusal(protocol, {{"side", "right"}, {"arm_length_cm", "68"}, {"max_reach_cm", "43"}}),

@@ -298,6 +298,7 @@ TEST_F(RecordingsTest, NoRoom_NoSessionStarts) {
 }
 
 TEST_F(RecordingsTest, DiskNearlyFull_ClosesInOrderWhileTheStreamGoesOn) {
+  RecordProperty("requirement", "SES-4");
   storage_.stop_below_mib = 1e9;  // more than any disk has
   start();
   const auto started = supervisor_->start_session("floor", {});

@@ -297,6 +297,7 @@ TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEn
 }
 
 TEST_F(RigSessionTest, TrialInWhichTheSubjectSteppedOff_IsDoneAndNotValid) {
+  RecordProperty("requirement", "SWAY-4");
   start({standing()});
   const std::string id = record(kBlock, {.protocol = "standing"});
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));

@@ -32,6 +32,7 @@ bool read_until(core::FrameReader& frames, core::Doorbell& bell, const std::func
 }
 
 TEST(Rig, AfterStart_ItsThreadAllocatesNothing) {
+  RecordProperty("requirement", "ACQ-11");
   core::SystemClock clock;
   core::Doorbell bell;
   auto rig = Rig::create(floor_config("sim:floor?seed=3&step_on_s=0.5"), clock, bell).value();
@@ -82,6 +83,7 @@ TEST(Rig, FramesThatItsPublisherLeaves_RingTheBell) {
 }
 
 TEST(Rig, ReaderThatStalls_LosesFramesButNeitherTheCountNorTheGap) {
+  RecordProperty("requirement", "ACQ-12");
   test::PatientClock clock;  // on a busy machine, the device would have more overruns than the test causes
   core::Doorbell bell;
   // The overrun happens while nobody reads: the reader has lost the frame with its gap.

@@ -53,6 +53,7 @@ TEST(SensorProblems, SensorsThatMeasure_HaveNone) {
 }
 
 TEST(SensorProblems, EachSensorIsNamedOnceWithItsReason) {
+  RecordProperty("requirement", "SIG-7");
   const SensorDoubts doubts{.sensor_count = 4,
                             .bits = {quality::kStuck | quality::kOutOfRange, quality::kOutOfRange, quality::kRail | quality::kOutOfRange,
                                      quality::kStuck | quality::kRail}};

@@ -170,6 +170,7 @@ TEST(SessionEvents, Sway_ReadsBack) {
 }
 
 TEST(SessionEvents, RunningSway_ArePreliminaryAndComplete) {
+  RecordProperty("requirement", "SWAY-8");
   core::SwayEvent event{.segment = 1, .scan = {900}, .host_time_ns = 77, .first_scan = {100}, .trial = 3};
   event.values = {.samples = 5,
                   .rate_hz = 0.5,

@@ -20,6 +20,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST_F(SupervisorTest, MarkerWithATime_StandsAtTheScanOfThatTime) {
+  RecordProperty("requirement", "SES-7");
   open();
   run();
   feed(2 * kBlock);
@@ -310,6 +311,7 @@ TEST_F(SupervisorTest, SyncPulse_RisesWithTheFirstScanOfASessionAndFallsAfterIts
 }
 
 TEST_F(SupervisorTest, SyncPulseTrain_RepeatsWithItsPeriodUntilTheSessionEnds) {
+  RecordProperty("requirement", "ACQ-18");
   config_.sync_pulse_ms = 100.0;
   config_.sync_pulse_every_ms = 1000.0;
   start();

@@ -283,6 +283,7 @@ std::string missing(const std::vector<SwayTrialResult>& trials) {
 }
 
 TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
+  RecordProperty("requirement", "SWAY-6");
   SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-two-feet", 1.0);
   measure(results, 2, 2040, "eyes-closed-two-feet", 2.0);
@@ -304,6 +305,7 @@ TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
 }
 
 TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
+  RecordProperty("requirement", "SWAY-6");
   SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-two-feet");
   results.take(standing_step(Measure, 2, "eyes-closed-two-feet"), 0, {2040});

@@ -48,6 +48,7 @@ TEST(MakePlan, AsListed_TakesTheConditionsInTurnOverAllBlocks) {
 }
 
 TEST(MakePlan, AnyShape_IsBalancedInEachBlockAndOverAll) {
+  RecordProperty("requirement", "SES-1");
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     for (std::size_t conditions = 1; conditions <= 6; ++conditions) {
       for (const std::uint32_t trials_per_block : {1U, 2U, 4U, 5U, 7U, 15U}) {

@@ -96,6 +96,7 @@ struct Script {
 };
 
 TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
+  RecordProperty("requirement", "SES-1");
   for (const auto& [why, plan, commands, expected, earlier] : std::vector<Script>{
            {"waits for the first command", timed(), "tick@100", " | waiting 0.1 of 4 block 1, next a, 0 s"},
            {"all phases", timed(), "next@0 tick@1.999999999 tick@2 tick@7 tick@27 tick@37",
@@ -178,6 +179,7 @@ TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
 }
 
 TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
+  RecordProperty("requirement", "SES-3");
   const std::string to_measuring = " ready 1.1a@0 go 1.1a@2 measure 1.1a@7";
   const std::string to_rest = to_measuring + " done 1.1a@27 rest 1.1a@27(10s)";
   const std::string next_b = " of 4 block 1, next b at 105 cm, ";
@@ -300,6 +302,7 @@ TEST(TrialPlanLength, IsTheSumOfAllTimesOrUnknown) {
 }
 
 TEST(TrialRun, RedoRejectAndAbort_InEachPhase) {
+  RecordProperty("requirement", "SES-3");
   for (const int second : {1, 3, 10, 30, 50}) {
     const auto at = [second](int later) { return "@" + std::to_string(second + later); };
     const auto after = [&at](std::string commands) {

@@ -144,6 +144,7 @@ TEST(SeatedPerson, AtAnyTime_MovesWithoutJumps) {
 }
 
 TEST(SeatedPerson, SameSeed_GivesTheSameDataAsEver) {
+  RecordProperty("requirement", "LAB-6");
   for (const auto& [is_healthy, force_n, y_mm, reaction_s] :
        {std::tuple{true, 469.860300324, 66.799340844, 0.263686867}, std::tuple{false, 468.348042329, 68.461622950, 0.272565116}}) {
     SeatedPersonOptions options = somebody(ReachMode::Auto);

@@ -110,6 +110,7 @@ TEST(Sway, Acceleration_IsThatOfThePendulumWithThisCop) {
 }
 
 TEST(Sway, SameSeed_GivesTheSameDataAsEver) {
+  RecordProperty("requirement", "LAB-6");
   Sway seven(7);
   const CopPosition at_once = seven.at(0.0);
   EXPECT_NEAR(at_once.ml_mm, 1.073874076, 1e-6);

@@ -83,6 +83,7 @@ TEST(Frame, WrongFlags_AreFaults) {
 }
 
 TEST(Frame, AnnouncedGigabytes_AreRefusedBeforeTheyArrive) {
+  RecordProperty("requirement", "SEC-9");
   EXPECT_EQ(described(std::string("\x02\xff\xff\xff\xff\xff\xff\xff\xff", 9)), "a frame that is too long");
   EXPECT_EQ(described(std::string("\x02\x00\x00\x00\x00\x00\x00\x03\xe9", 9)), "a frame that is too long");
   EXPECT_EQ(described(std::string("\x02\x00\x00\x00\x00\x00\x00\x03\xe8", 9)), "incomplete");

@@ -60,6 +60,7 @@ std::string weights_for_minutes() {
 }
 
 TEST(UsbEndToEndTest, TheWatchedCopFollowsTheWeightsOnThePlate) {
+  RecordProperty("requirement", "COP-6");
   EmulatorProcess emulator({.scene = "sim:floor?contact=weights&weights=$DIR/weights.csv&step_on_s=3&hold_s=1.5&pause_s=0.5&ramp_s=0.2",
                             .weights = weights_for_minutes()});
   ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
@@ -79,6 +80,7 @@ TEST(UsbEndToEndTest, TheWatchedCopFollowsTheWeightsOnThePlate) {
 }
 
 TEST(UsbEndToEndTest, ASessionSurvivesThePlug) {
+  RecordProperty("requirement", "ACQ-5");
   EmulatorProcess emulator({.scene = "sim:floor?contact=point&step_on_s=3600"});
   ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
   ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor", "--protocol", "free"}).status, 0);
@@ -102,6 +104,7 @@ TEST(UsbEndToEndTest, ASessionSurvivesThePlug) {
 }
 
 TEST(UsbEndToEndTest, TheSyncPulseOfASessionIsSeenInTheDataAtItsScan) {
+  RecordProperty("requirement", "ACQ-18");
   EmulatorProcess emulator({.uri = "mcc:1608fs-plus?channels=0,1,2,3,4&range_v=10&sync_output_bit=0",
                             .scene = "sim:floor?contact=point&step_on_s=3600",
                             .rig_tables = "[trigger]\nchannel = 4\n[session]\nsync_pulse_ms = 200\n",

@@ -239,11 +239,20 @@ void expect_16_bit(const Errors& errors) {
   EXPECT_LE(errors.cop_700_mm, 0.1);
 }
 
-TEST(UsbForcePlateTest, KnownLoadsOnAKistlerPlate_AreMeasured) { expect_16_bit(errors_of<Kistler>("1608fs-plus")); }
+TEST(UsbForcePlateTest, KnownLoadsOnAKistlerPlate_AreMeasured) {
+  RecordProperty("requirement", "ACQ-16");
+  expect_16_bit(errors_of<Kistler>("1608fs-plus"));
+}
 
-TEST(UsbForcePlateTest, KnownLoadsOnAPlateOfSixComponents_AreMeasured) { expect_16_bit(errors_of<SixComponents>("1608fs-plus")); }
+TEST(UsbForcePlateTest, KnownLoadsOnAPlateOfSixComponents_AreMeasured) {
+  RecordProperty("requirement", "ACQ-16");
+  expect_16_bit(errors_of<SixComponents>("1608fs-plus"));
+}
 
-TEST(UsbForcePlateTest, KnownLoadsOnLoadCells_AreMeasured) { expect_16_bit(errors_of<LoadCells>("1608fs-plus")); }
+TEST(UsbForcePlateTest, KnownLoadsOnLoadCells_AreMeasured) {
+  RecordProperty("requirement", "ACQ-16");
+  expect_16_bit(errors_of<LoadCells>("1608fs-plus"));
+}
 
 /// With 12 bit, a plate at 5 kN is too coarse for posture: one code is 1.25 N in each vertical channel. A voltage at rest stays at one
 /// code.

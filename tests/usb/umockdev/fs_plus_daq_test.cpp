@@ -53,6 +53,7 @@ class FsPlusDaqTest : public DaqFixture {
 };
 
 TEST_F(FsPlusDaqTest, EightChannelsAt1500HzArriveWhole) {
+  RecordProperty("requirement", "ACQ-1");
   run();
 
   const Heard& heard = listen(3000);
@@ -65,6 +66,7 @@ TEST_F(FsPlusDaqTest, EightChannelsAt1500HzArriveWhole) {
 }
 
 TEST_F(FsPlusDaqTest, FourChannelsAt100HzArriveWhole) {
+  RecordProperty("requirement", "ACQ-1");
   run("mcc:1608fs-plus?channels=0,1,2,3", 100.0);
 
   const Heard& heard = listen(200);
@@ -122,6 +124,7 @@ TEST_F(FsPlusDaqTest, BabbleIsTold) {
 }
 
 TEST_F(FsPlusDaqTest, ARotationByOneSampleIsToldByTheMarkerBeforeAWrongScanIsDelivered) {
+  RecordProperty("requirement", "ACQ-6");
   stairs_.marked = 7;
   daq_.faults.drop_code_at = code_in(900);
   run("mcc:1608fs-plus?marker=7&marker_v=4.5");
@@ -160,6 +163,7 @@ TEST_F(FsPlusDaqTest, ARequestWithoutAnswerIsToldAndTheNextOpenWorks) {
 }
 
 TEST_F(FsPlusDaqTest, UnpluggingWhileStreamingIsToldAndTheSameUnitStreamsAgain) {
+  RecordProperty("requirement", "ACQ-5");
   run();
   EXPECT_EQ(listen(600).wrong, 0U);
   const std::int64_t pulled_ns = clock_.now_ns();

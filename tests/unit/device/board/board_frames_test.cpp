@@ -217,6 +217,7 @@ TEST(BoardFrames, CommandBehindNoise_IsUnderstood) {
 }
 
 TEST(BoardFrames, LostScans_AreAnExactGapWithItsReason) {
+  RecordProperty("requirement", "ACQ-14");
   BoardRig rig({.loses_at_s = 1.0, .lost_scans = 33});
   rig.start(1000.0);
   const ReadResult gap = rig.read_until_trouble(5.0);

@@ -95,6 +95,7 @@ TEST(FrameDecoder, FirstFrameCut_IsNotCountedAsDamage) {
 }
 
 TEST(FrameDecoder, TenThousandWrongBaudRates_GiveNoFrame) {
+  RecordProperty("requirement", "ACQ-14");
   std::mt19937 random(1);
   FrameDecoder decoder;
   for (int i = 0; i < 10'000; ++i) {

@@ -32,6 +32,7 @@ bool hears_sync(const Device& pair) {
 }
 
 TEST(JoinedPair, SixteenChannelsAt1500Hz_EverySampleRightAtTheMastersTime) {
+  RecordProperty("requirement", "ACQ-2");
   Wired units;
   PairBench bench(units);
   bench.start(1500);

@@ -18,6 +18,7 @@ std::vector<double> rotated(std::vector<double> values, std::size_t by) {
 }
 
 TEST(StartChecks, EveryRotation_Found) {
+  RecordProperty("requirement", "ACQ-6");
   for (std::size_t by = 1; by < kSingle.size(); ++by) {
     std::vector<double> scan = rotated(kSingle, by);
     for (double& volts : scan) volts += 0.05;

@@ -117,6 +117,7 @@ TEST(UsbDaqFaults, LostSampleInEveryPosition_FoundInTheScanWhereItHappened) {
 }
 
 TEST(UsbDaqFaults, RotatedFromTheStart_NothingDelivered) {
+  RecordProperty("requirement", "ACQ-6");
   for (std::size_t rotation = 1; rotation < kChannels; ++rotation) {
     for (const bool has_marker : {false, true}) {
       ToyBench bench({.driver = {.channels = kChannels}, .has_marker = has_marker});
@@ -147,6 +148,7 @@ TEST(UsbDaqFaults, SomebodyMovesDuringTheStart_WarningOnly) {
 }
 
 TEST(UsbDaqFaults, WrongRate_FoundInSeconds) {
+  RecordProperty("requirement", "ACQ-8");
   for (const double factor : {0.97, 1.03}) {
     ToyBench bench;
     bench.device.faults.rate_factor = factor;

@@ -44,6 +44,7 @@ DeviceCheck check_named(const UsbDaq& daq, const std::string& name) {
 }
 
 TEST(UsbDaqTime, WallClockSlewedBy300Milliseconds_NoBreakAndTimesFollow) {
+  RecordProperty("requirement", "ACQ-10");
   for (const std::int64_t sign : {1, -1}) {
     ToyBench bench;
     bench.run(1500, 15);

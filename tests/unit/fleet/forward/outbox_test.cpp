@@ -332,6 +332,7 @@ TEST_F(OutboxTest, DeletedSession_IsToldAndNotErased) {
 }
 
 TEST_F(OutboxTest, ErasedSession_IsErasedAtTheCentreAndItsFilesAreNotSent) {
+  RecordProperty("requirement", "FLEET-3");
   clinic_.add_part(clinic_.add("a", kS), "/a.xdf", sha('a'), 100);
   clinic_.add("b", kS);
   look_at_all();

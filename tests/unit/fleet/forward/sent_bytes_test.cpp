@@ -77,6 +77,7 @@ class SentBytesTest : public testing::Test {
 };
 
 TEST_F(SentBytesTest, RecordingWithCanaries_NoneLeaves) {
+  RecordProperty("requirement", "FLEET-2");
   const std::string file = record("canary-reason");
   const std::string bytes = sent(file);
   EXPECT_EQ(bytes.size(), content_of(file).size());

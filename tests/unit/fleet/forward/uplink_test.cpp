@@ -97,6 +97,7 @@ TEST_F(UplinkTest, AskWithoutAConnection_FailsAtOnce) {
 }
 
 TEST_F(UplinkTest, ServerThatIsKilledInBetween_RecordingArrivesOnce) {
+  RecordProperty("requirement", "FLEET-1");
   start_hub();
   test::TemporaryFolder folder;
   FakeClinic clinic;

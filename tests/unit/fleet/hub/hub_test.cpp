@@ -237,6 +237,7 @@ TEST_F(HubTest, LettersWithAForeignReplySubject_AreIgnored) {
 }
 
 TEST_F(HubTest, ClinicThatFloods_IsAskedToWait_AndOthersAreServed) {
+  RecordProperty("requirement", "FLEET-4");
   std::ofstream(config_, std::ios::app) << "[quota]\nmessages_per_s = 2\nsessions = 3\n";
   start_hub();
   const auto kent = add_clinic("kent");
@@ -269,6 +270,7 @@ TEST_F(HubTest, AClinicWithTheKeyOfADashboard_DoesNotStopTheOthers) {
 }
 
 TEST_F(HubTest, OlderDatabase_DoesNotBringBackAnErasedSession) {
+  RecordProperty("requirement", "FLEET-3");
   start_hub();
   const auto kent = add_clinic("kent");
   EXPECT_TRUE(upload(*kent, "kent", "recording of s1", "s1").has_stored());

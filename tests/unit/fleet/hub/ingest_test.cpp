@@ -414,6 +414,7 @@ TEST_F(IngestTest, TwoHubsWithTheSameFile_MakeOneReceipt) {
 
 /// Kills a process after one step of a commit: at every step, there is no receipt without its recording, and the next commit succeeds.
 TEST_F(IngestTest, KilledAtAnyStep_NoReceiptWithoutItsRecording) {
+  RecordProperty("requirement", "FLEET-1");
   for (const std::string last : {"synchronised", "verified", "stored", "entered", "none"}) {
     const std::string bytes = bytes_ + last;
     const std::string session = "session-" + last;

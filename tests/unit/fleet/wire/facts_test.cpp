@@ -30,6 +30,7 @@ const std::set<std::string> kSent{"canary-session_id", "canary-rig",     "canary
                                   "canary-condition",  "canary-outcome", "canary-recorded_outcome", "canary-name",    "canary-unit"};
 
 TEST(FactsOf, CanaryInEveryField_OnlyTheListedOnesLeave) {
+  RecordProperty("requirement", "FLEET-2");
   EXPECT_EQ(canaries_in(facts_of(session_with_canaries(), {}).ShortDebugString()), kSent);
 }
 

@@ -143,12 +143,14 @@ TEST_F(ConfinedProgramTest, CannotStartAProcess) {
 }
 
 TEST_F(ConfinedProgramTest, CannotOpenASocket) {
+  RecordProperty("requirement", "FLEET-5");
   const auto ended = run_script("exec 3<>/dev/tcp/127.0.0.1/9 || exit 5", "/bin/bash");
   ASSERT_TRUE(ended) << ended.error().what;
   EXPECT_THAT(ended->talk, HasSubstr("Operation not permitted"));
 }
 
 TEST_F(ConfinedProgramTest, CannotTakeMoreMemoryThanTheLimit) {
+  RecordProperty("requirement", "FLEET-5");
   limits_.memory_bytes = 256 << 20;
   const auto ended =
       run_script("try:\n  bytearray(1 << 30)\n  print('taken')\nexcept MemoryError:\n  print('refused')", "/usr/bin/python3");

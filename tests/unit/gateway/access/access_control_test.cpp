@@ -108,6 +108,7 @@ TEST_F(AccessControlTest, FromAnotherPage_IsRefused) {
 }
 
 TEST_F(AccessControlTest, FifthFailure_MakesTheNameWaitAtThatAddressOnly) {
+  RecordProperty("requirement", "SEC-5");
   for (int count = 0; count < 5; ++count) begin(login("anna", "incorrect horse"));
   for (const HttpResponse& answer : wait_for(5)) EXPECT_EQ(answer.status, 401U);
 

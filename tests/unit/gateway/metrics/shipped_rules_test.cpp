@@ -196,6 +196,7 @@ TEST(ShippedDashboard, ItsPanels_HaveNumbersAndPlacesOfTheirOwn) {
 }
 
 TEST(ShippedAlerts, AskForWhatIsExported_WithSeverityAndWhatToDo) {
+  RecordProperty("requirement", "CFG-7");
   const std::string text = shipped("prometheus/dtsd-alerts.yml");
   const Page page = exported_page();
   const std::string head = R"re(\n +- alert: [A-Z][A-Za-z]+\n +expr: (.+)\n(?: +for: \d+[sm]\n)? +labels:\n)re";

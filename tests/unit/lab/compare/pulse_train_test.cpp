@@ -43,6 +43,7 @@ double error_at_s(const Alignment& alignment, const Clock& clock_b, double t_b_s
 }
 
 TEST(PulseTrain, HalfAnHourAt100Ppm_IsRightToAMillisecondAtTheEnd) {
+  RecordProperty("requirement", "LAB-4");
   const auto at_s = pulses(0.5, kHalfAnHourS);
 
   const auto alignment = align(with_pulses(kClockA, at_s), with_pulses(kClockB, at_s));

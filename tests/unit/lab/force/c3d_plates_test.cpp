@@ -222,6 +222,7 @@ TEST_F(C3dForce, NoPlates_IsNotReadable) {
 }
 
 TEST_F(C3dForce, EightBytesOfEveryFile_MayBeAnything) {
+  RecordProperty("requirement", "SEC-9");
   const std::string bytes = one_plate({.type = 3, .origin = {120, 200, -48}, .channels = first_channels(8)}, kKistlerChannels).bytes();
   for (std::size_t at = 0; at < bytes.size(); at += 13) {
     std::string changed = bytes;

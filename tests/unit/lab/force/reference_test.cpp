@@ -14,6 +14,7 @@ std::filesystem::path data_folder() {
 }
 
 TEST_F(Reference, EveryPlate_HasTheValuesOfTheReference) {
+  RecordProperty("requirement", "LAB-5");
   std::ifstream file(data_folder() / "reference.csv");
   if (!file) GTEST_SKIP() << data_folder() << " is not there";
   std::string line;

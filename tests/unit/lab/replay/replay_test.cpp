@@ -101,6 +101,7 @@ const nlohmann::json& stream(const nlohmann::json& report, const std::string& na
 }
 
 TEST_F(RunTest, ReplayOfASimulation_IsIdenticalAndTellsTheCentreOfPressure) {
+  RecordProperty("requirement", "REC-6");
   ASSERT_EQ(run_with({"simulate", "floor", "--duration", "20", "--rate", "250", "--seed", "5", "--out", path("a.xdf")}), cli::kOk)
       << talk();
 

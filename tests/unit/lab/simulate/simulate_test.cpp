@@ -65,7 +65,8 @@ TEST_F(RunTest, SimulateWhatIsThereOrCannotBe_IsRefused) {
          "dtslab: simulate: --seed: '-1' is not a whole number from 0 to 4294967295\n  try: dtslab simulate --help\n"},
         {"floor", "--rate", "0", "dtslab: simulate: --rate: '0' is not a number of hertz from 1 to 20000\n  try: dtslab simulate --help\n"},
         {"floor", "--out", there, "dtslab: " + there + " exists already\n  try: choose another name: dtsd never overwrites a recording\n"},
-        {"chair", "--out", there, "dtslab: " + there + " exists already\n  try: choose another name: dtsd never overwrites a recording\n"}}) {
+        {"chair", "--out", there,
+         "dtslab: " + there + " exists already\n  try: choose another name: dtsd never overwrites a recording\n"}}) {
     std::vector<std::string> words{"simulate", kind, option, value};
     if (option != std::string("--duration")) words.insert(words.end(), {"--duration", "1"});
     if (option != std::string("--out")) words.insert(words.end(), {"--out", path("c.xdf")});
@@ -120,6 +121,7 @@ TEST_F(RunTest, SimulateTheChairForASecond_HasNoReachToTellOf) {
 }
 
 TEST_F(RunTest, CompareARecordingWithItsTruth_FindsTheFilterDelayAccountedFor) {
+  RecordProperty("requirement", "SIG-3");
   ASSERT_EQ(run_with({"simulate", "floor", "--duration", "40", "--out", path("a.xdf"), "--truth", path("truth.csv")}), cli::kOk) << talk();
   std::string truth = content("truth.csv");
   truth.replace(0, truth.find('\n'), "t_s,x_mm,y_mm,load_n");

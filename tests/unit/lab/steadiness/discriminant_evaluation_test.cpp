@@ -214,6 +214,7 @@ Groups made_groups(int people, double shift, double age_shift, unsigned seed) {
 
 /// Each person sways in an own way, and the label is drawn by person: rows of one person on both sides would tell it apart.
 TEST(Evaluation, PeopleAreLeftOutWhole) {
+  RecordProperty("requirement", "SWAY-9");
   Groups made = made_groups(12, 0.0, 0.0, 9);
 
   const Evaluation by_person = evaluated(made.samples);

@@ -53,6 +53,7 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
 }
 
 TEST_F(SteadinessTest, RandomLabels_AreNotToldAndGiveNoModel) {
+  RecordProperty("requirement", "SWAY-9");
   const std::string random = table("random.csv", 12, 0.0);
   const std::vector<std::string> words{"steadiness", "train", random, "--label", "eyes", "--out", path("m.json")};
 

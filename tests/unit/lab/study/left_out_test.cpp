@@ -23,7 +23,10 @@ TEST(Coverage, VolunteerUnlikeAllOthers_IsNotCoveredByTheirIntervals) {
   EXPECT_DOUBLE_EQ(coverage_left_out(errors({1.0, 1.0, 1.0, 9.0}), 4), 0.75);  // by their own errors it would be all
 }
 
-TEST(Coverage, PeopleAlike_AreCovered) { EXPECT_DOUBLE_EQ(coverage_left_out(errors({2.0, 2.0, -2.0}), 3), 1.0); }
+TEST(Coverage, PeopleAlike_AreCovered) {
+  RecordProperty("requirement", "CLS-4");
+  EXPECT_DOUBLE_EQ(coverage_left_out(errors({2.0, 2.0, -2.0}), 3), 1.0);
+}
 
 TEST(Coverage, OnePersonAlone_HasNone) {
   EXPECT_TRUE(std::isnan(coverage_left_out(errors({2.0}), 1)));
@@ -32,6 +35,7 @@ TEST(Coverage, OnePersonAlone_HasNone) {
 
 /// The model of config/rigs/chair-sim.toml on people it never saw: made of simulated people of seed 1, these are of another.
 TEST(ShippedModel, PeopleItNeverSaw_GetRightAnswersOrNone) {
+  RecordProperty("requirement", "CLS-2");
   files::Problems problems;
   const auto model = files::load_trunk_model(std::string(DTS_SOURCE_DIR) + "/config/models/trunk-movement.toml", problems);
   ASSERT_TRUE(model.has_value());

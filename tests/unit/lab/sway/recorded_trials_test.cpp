@@ -124,6 +124,7 @@ TEST_F(RecordedTrialsTest, OneRecording_HasTheResultsOfTheSession_OfTheTrialsTha
 }
 
 TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
+  RecordProperty("requirement", "SWAY-5");
   using namespace record::xdf_test;
   auto writer = record::XdfWriter::create(path("divided.xdf"), to_facts(floor_session())).value();
   const auto raw = writer->add_stream(regular_stream("floor/raw", {"w1_v"}, rate_of(100)));

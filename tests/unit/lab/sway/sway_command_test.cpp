@@ -192,6 +192,7 @@ TEST_F(SwayTest, WrongUsage_SaysWhatIsMeant) {
 
 // Sheet section 10, d01: computed independently, and published by the dataset's authors.
 TEST_F(SwayTest, RealRecording_HasThePublishedFigures) {
+  RecordProperty("requirement", "SWAY-2");
   const std::string file = std::string(DTS_SOURCE_DIR) + "/../shared/data/cop/d01_bds00073_young_eo_firm.csv";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no recordings beside this checkout";
 

@@ -56,6 +56,7 @@ TEST(ThesisReachTables, TrunkAngles_ComeFromTheTargetAlone) {
 }
 
 TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
+  RecordProperty("requirement", "CLS-5");
   const auto table = thesis_teachers([](double) {}, 2);
   ASSERT_TRUE(table) << table.error().what;
   ASSERT_EQ(table->rows.size(), 9U);

@@ -28,6 +28,7 @@ TEST(PrintedTable42, TwentyValues_HaveThePrintedMean) {
 }
 
 TEST(ThesisStack, MeanRemoved_WithinTheIssuesLimitsAndRawReportedAsItIs) {
+  RecordProperty("requirement", "COP-11");
   const auto table = thesis_table("4.2");
   ASSERT_TRUE(table) << core::to_string(table.error());
 

@@ -63,6 +63,7 @@ TEST(PrintedTables, AgreeWithThemselves) {
 }
 
 TEST(ThesisTable, Deflections_WithinTheSheetsTolerances) {
+  RecordProperty("requirement", "LAB-1");
   for (const auto& [name, fem_percent] :
        {std::pair("3.2", std::array{1.0, 0.5, 0.3}), {"3.3", std::array{2.5, 1.0, 0.8}}}) {  // plate-model 4 A
     const ThesisTable table = computed(name);

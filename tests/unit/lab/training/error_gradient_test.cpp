@@ -81,6 +81,7 @@ TEST(NetworkError, GradientFixture_Within1e6) {
 }
 
 TEST(ReadNetworkJson, NetworkFixture_OutputsWithin1e6) {
+  RecordProperty("requirement", "CLS-1");
   std::ifstream file(reference("nn_fixture.json"));
   if (!file) GTEST_SKIP() << "the reference data are not here";
   const auto json = nlohmann::json::parse(file);

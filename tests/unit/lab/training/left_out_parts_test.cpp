@@ -35,6 +35,7 @@ class LeftOutParts : public testing::Test {
 };
 
 TEST_F(LeftOutParts, GroupUnlikeTheOthers_DoesNotWidenItsOwnIntervals) {
+  RecordProperty("requirement", "CLS-4");
   EXPECT_DOUBLE_EQ(residuals_of(classified_)[1], 9.0);
   EXPECT_DOUBLE_EQ(residuals_of(classified_, 2)[1], 2.0);
 }

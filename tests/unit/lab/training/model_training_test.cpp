@@ -37,6 +37,7 @@ TEST(TrainModel, Recommended_RightOfPeopleItNeverSaw) {
 }
 
 TEST(TrainModel, Raw5_Has75WeightsAndTheThesisInputs) {
+  RecordProperty("requirement", "CLS-1");
   const auto model = train_model(made_reaches(3, 1), {.kind = ModelKind::Raw5}, {});
 
   ASSERT_TRUE(model) << core::to_string(model.error());
@@ -60,6 +61,7 @@ TEST(TrainModel, SameSeed_SameModelToTheLastDigit) {
 }
 
 TEST(TrainModel, LabelsShuffled_Refused) {
+  RecordProperty("requirement", "CLS-6");
   for (const ModelKind kind : {ModelKind::Raw5, ModelKind::Recommended}) {
     auto set = made_reaches(4, 1);
     const auto order = Random(3).shuffled(set.reaches.size());

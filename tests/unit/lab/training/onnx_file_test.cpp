@@ -60,6 +60,7 @@ TEST_F(OnnxFile, FarMoreNodesThanNetworksHave_Refused) {
 }
 
 TEST_F(OnnxFile, DamagedAnywhere_RefusedOrReadWithoutACrash) {
+  RecordProperty("requirement", "CLS-7");
   const std::string whole = onnx_text(model());
   for (std::size_t place = 0; place < whole.size(); place += 7) {
     std::string damaged = whole;

@@ -43,6 +43,7 @@ CopEstimator two_load_poly3(const RigModel& rig) {
 }
 
 TEST(CopAcceptance, ThesisOnTheLinearPlate_IsAtLeastAsGoodAsTheThesis) {
+  RecordProperty("requirement", "COP-3");
   for (const double inset_mm : {0.0, 10.75}) {
     const RigModel rig = floor_rig(inset_mm);
     const auto estimator = CopEstimator::from_model(CopMethod::Thesis, rig, PlateBehaviour::Linear).value();

@@ -216,6 +216,7 @@ TEST(CopEstimatorFit, PositionsThatDetermineNothing_AreRefusedWithTheirNumber) {
 }
 
 TEST(CopEstimatorFit, SwappedSensors_AreRefusedWithAHint) {
+  RecordProperty("requirement", "COP-9");
   for (const auto method : {CopMethod::Thesis, CopMethod::ThesisPerPair, CopMethod::Poly3}) {
     auto samples = linear_samples(method == CopMethod::Poly3 ? test::sensor_square(7) : test::mid_lines());
     for (auto& sample : samples) std::swap(sample.deflection_mm[0], sample.deflection_mm[1]);
@@ -253,6 +254,7 @@ TEST(CopEstimatorFit, BadSample_IsRefusedWithItsNumber) {
 }
 
 TEST(CopEstimatorFit, MirroredOrSwappedPositions_AreRefusedByPoly3Too) {
+  RecordProperty("requirement", "COP-9");
   for (const bool is_mirrored : {true, false}) {
     auto samples = linear_samples(test::sensor_square(7));
     for (CopSample& sample : samples) {

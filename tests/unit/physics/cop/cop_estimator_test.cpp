@@ -76,6 +76,7 @@ CopEstimator poly3_on_grid(const RefinedPlate& plate) {
 }
 
 TEST(CopEstimatorThesis, Table41_MeetsTheStudyPointByPoint) {
+  RecordProperty("requirement", "COP-3");
   const std::vector<Deviation> expected = {{3.29, 3.29},   {-0.10, 3.64}, {0.37, 0.37}, {-0.45, 3.00},  {-0.08, 0.46},
                                            {-0.15, -0.15}, {-0.16, 1.66}, {0.15, 0.30}, {-0.08, -0.11}, {-0.13, -0.13},
                                            {0.0, 0.0},     {0.29, 0.0},   {0.0, 0.0},   {-0.10, 0.0},   {0.0, 0.0}};
@@ -210,6 +211,7 @@ TEST(CopEstimatorFloor, DeflectionsOfNoForce_AreNoContact) {
 }
 
 TEST(CopEstimatorFloor, BeyondTheCalibration_IsFlaggedAndClampedToTheArea) {
+  RecordProperty("requirement", "COP-8");
   const auto plate = meshed_plate(10.75);
   for (const CopEstimator& estimator : floor_estimators()) {
     const auto& [x_mm, y_mm, load_n] = estimator.validity();

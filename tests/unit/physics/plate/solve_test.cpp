@@ -60,6 +60,7 @@ const Anchor kAnchors[] = {
 };
 
 TEST_P(BothMethods, AnalyticAnchors_AreMetWithinATenthOfAPercent) {
+  RecordProperty("requirement", "LAB-2");
   for (const Anchor& anchor : kAnchors) {
     const Plate plate = unit_plate(anchor.nu);
     const PlateCase plate_case{

@@ -67,6 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Supports, UnseenPlates,
                          testing::Values(SupportKind::Corner, SupportKind::Edges, SupportKind::XEdges, SupportKind::Clamped), name_of);
 
 TEST_P(UnseenPlates, BothMethods_MeetTheReference) {
+  RecordProperty("requirement", "LAB-2");
   std::mt19937 random(20250131);
   for (int plate = 0; plate < kPlatesPerSupport; ++plate) {
     const auto [plate_case, is_point_load] = draw(GetParam(), random);
@@ -96,6 +97,7 @@ const ShellSolution kShell[] = {
 };
 
 TEST(NonlinearPlate, SteelPlatform_MeetsTheShellSolution) {
+  RecordProperty("requirement", "LAB-3");
   for (const auto method : {PlateMethod::Fdm, PlateMethod::Fem}) {
     for (const auto& [load, force_n, expected_mm] : kShell) {
       auto probes = test::floor_sensors();

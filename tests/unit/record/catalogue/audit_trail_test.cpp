@@ -60,6 +60,7 @@ TEST_F(Audit, Empty_IsSound) {
 }
 
 TEST_F(Audit, Entries_AreNumberedChainedAndComeOldestFirst) {
+  RecordProperty("requirement", "REC-11");
   append(5);
   const auto entries = catalogue().audit(3);
   ASSERT_TRUE(entries);
@@ -108,6 +109,7 @@ struct Tampering {
 class AuditTampered : public Audit, public testing::WithParamInterface<Tampering> {};
 
 TEST_P(AuditTampered, Verify_NamesTheFirstEntryThatDoesNotFit) {
+  RecordProperty("requirement", "REC-11");
   append(5);
   close();
   ASSERT_TRUE(tamper(GetParam().sql));

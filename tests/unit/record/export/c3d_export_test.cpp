@@ -19,6 +19,7 @@ class C3dExportTest : public ExportTest {
 };
 
 TEST_F(C3dExportTest, Cop_IsAPlateOfType1WithItsGapsAsNaN) {
+  RecordProperty("requirement", "REP-6");
   const auto exported = run();
   ASSERT_TRUE(exported.has_value()) << exported.error().what;
   EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1.c3d"));

@@ -252,6 +252,7 @@ TEST_F(CsvExportTest, AMarkerHasItsCorrectedText_AndARemovedOneNone) {
 }
 
 TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {
+  RecordProperty("requirement", "REP-4");
   const std::vector<double> hard{0.1,           1.0 / 3.0, -2.5e-308,         5e-324, 1.7976931348623157e308,
                                  123456789.125, -0.0,      65504.0 / 32768.0, 1e21,   9.999999999999999e22};
   recording_.infos = {recording_.infos[0], recording_.infos[1]};
@@ -353,6 +354,7 @@ TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
 }
 
 TEST_F(CsvExportTest, FileThatExists_WrongStateAndNothingIsTouched) {
+  RecordProperty("requirement", "REP-7");
   write("20261121T144525Z-floor-1_events.csv", "mine");
 
   EXPECT_EQ(refusal(run()),
@@ -426,6 +428,7 @@ class FullDisk {
 };
 
 TEST_F(CsvExportTest, DiskFullOnTheWayOrAtTheEnd_FailsWithTheFileAndLeavesNothing) {
+  RecordProperty("requirement", "REP-7");
   recording_ = long_recording();
 
   for (const rlim_t bytes : {1U << 20U, 100U}) {

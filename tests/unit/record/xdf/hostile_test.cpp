@@ -98,6 +98,7 @@ TEST(HostileFile, CutAtEveryByte_NobodyCrashes) {
 }
 
 TEST(HostileFile, EveryByteChanged_NobodyCrashes) {
+  RecordProperty("requirement", "REC-8");
   const Folder folder;
   const std::string bytes = small_bytes(folder);
   for (std::size_t position = 0; position < bytes.size(); position += kByteStep) {
@@ -139,6 +140,7 @@ long peak_mib_of_reading(const std::string& file) {
 }
 
 TEST(HostileFile, DeclaredSizesThatAreNotThere_TakeNoMemory) {
+  RecordProperty("requirement", "REC-8");
   const Folder folder;
   const std::string start = file_start() + header_chunk(1, "double64", "100", "4096") + header_chunk(2, "string", "0", "1");
   const std::string eight_bytes = "\x08" + std::string(6, '\xFF') + std::string(2, '\0');

@@ -74,6 +74,7 @@ void expect_small_recording(const Xdf& xdf) {
 }
 
 TEST(Libxdf, OurRecording_OpensWithLabelsUnitsRatesTimesAndEvents) {
+  RecordProperty("requirement", "REC-1");
   if (kIsTooStrict) GTEST_SKIP() << "libxdf does not run under the address sanitizer";
   const Folder folder;
   auto writer = small_recording(folder / "a.xdf");

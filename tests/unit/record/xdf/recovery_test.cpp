@@ -204,6 +204,7 @@ TEST(Recover, Name_IsBesideTheOriginal) {
 }
 
 TEST(Verify, AnyByteOfAClosedFileChanged_IsFound) {
+  RecordProperty("requirement", "REC-5");
   const Folder folder;
   const std::string file = closed(folder);
   const std::string bytes = bytes_of(file);

@@ -303,6 +303,7 @@ class FullDisk {
 };
 
 TEST(XdfWriter, DiskFull_TornChunkIsCutOffAndTheRestCanStillBeClosed) {
+  RecordProperty("requirement", "REC-4");
   const Folder folder;
   auto writer = small_recording(folder / "a.xdf");
   const std::uint64_t whole = writer->bytes();

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of results.py: what a run printed becomes the result of each case."""
+
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import results
+
+JUNIT = """<testsuite>
+<testcase name="unit_core" status="run" time="1.5"><system-out>[       OK ] Rate.Day (0 ms)
+[       OK ] Kinds/Device.Stop/sim (1 ms)
+[  FAILED  ] Kinds/Device.Stop/usb, where GetParam() = 1 (1 ms)
+[  SKIPPED ] Disk.Full (0 ms)
+</system-out></testcase>
+<testcase name="web_live" status="fail" time="2"><system-out>TAP version 13
+    ok 1 - shows a figure
+    not ok 2 - shows another
+    ok 3 - is left out # SKIP no screen
+</system-out></testcase>
+<testcase name="python_live" status="run" time="3"><system-out>..</system-out></testcase>
+</testsuite>"""
+LISTED = '{"tests": [{"name": "python_live", "command": ["python3", "/tests/python/test_live.py"]}, {"name": "unit_core"}]}'
+
+
+class RunOfTheSuite(unittest.TestCase):
+    def setUp(self) -> None:
+        with tempfile.NamedTemporaryFile("w", suffix=".xml") as file, mock.patch("subprocess.run") as run:
+            file.write(JUNIT)
+            file.flush()
+            run.return_value.stdout = LISTED
+            self.run_of = results.read(Path(file.name), Path("build"))
+
+    def test_TestsHaveTheirStatusAndTime(self) -> None:
+        self.assertEqual(self.run_of.tests, {"unit_core": "passed", "web_live": "failed", "python_live": "passed"})
+        self.assertEqual(self.run_of.seconds["unit_core"], 1.5)
+
+    def test_CasesOfGoogleTest(self) -> None:
+        self.assertEqual(self.run_of.of("Rate.Day", "rate_test.cpp"), "passed")
+        self.assertEqual(self.run_of.of("Disk.Full", "disk_test.cpp"), "skipped")
+        self.assertEqual(self.run_of.of("Rate.Year", "rate_test.cpp"), "not run")
+
+    def test_OneParameterThatFails_FailsTheCase(self) -> None:
+        self.assertEqual(self.run_of.of("Device.Stop", "device_test.cpp"), "failed")
+
+    def test_CasesOfNode(self) -> None:
+        self.assertEqual(self.run_of.of("shows a figure", "live.test.mjs"), "passed")
+        self.assertEqual(self.run_of.of("shows another", "live.test.mjs"), "failed")
+        self.assertEqual(self.run_of.of("is left out", "live.test.mjs"), "skipped")
+
+    def test_ScriptsWithoutCases_HaveTheResultOfTheirFile(self) -> None:
+        self.assertEqual(self.run_of.of("test_Values", "tests/python/test_live.py"), "passed")
+        self.assertEqual(self.run_of.of("test_Values", "tests/python/test_other.py"), "not run")
+
+
+if __name__ == "__main__":
+    unittest.main()

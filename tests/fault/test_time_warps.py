@@ -119,6 +119,7 @@ class WallClock(unittest.TestCase):
             self.assertAlmostEqual(after_s - before_s, 0.01, places=4)
 
     def test_TheEndOf32BitSeconds(self) -> None:
+        # requirement: REC-13
         self.start_daemon("2038-01-19 03:14:06")
         self.assertRegex(self.session(), "^20380119T0314")
 
@@ -136,6 +137,7 @@ class WallClock(unittest.TestCase):
         self.session(lambda: self.set_clock("@2026-11-27 13:00:00"))
 
     def test_AnHourBack(self) -> None:
+        # requirement: REC-13
         self.start_daemon("2026-11-27 12:00:00")
         self.session(lambda: self.set_clock("@2026-11-27 11:00:00"))
 

@@ -147,6 +147,7 @@ class Bundles(unittest.TestCase):
             self.assertEqual(found, {}, name)
 
     def test_BundlesOfBothRigsAreValid(self) -> None:
+        # requirement: REP-10
         floor, standing = self.export(self.floor, "floor")
         chair, reaching = self.export(self.chair, "chair")
 

@@ -83,6 +83,7 @@ id = "steadiness"
 };
 
 TEST_F(SteadinessDecisionOfARig, LiveRecordedAndInTheLaboratory_AreTheSame) {
+  RecordProperty("requirement", "SWAY-10");
   ASSERT_TRUE(daemon_.is_ready()) << daemon_.log();
   client::Subscriber subscriber = daemon_.subscribe({"floor/sway", "floor/trial"});
   const Finished started = daemon_.ctl({"session", "start", "--rig", "floor", "--protocol", "two-trials", "--json"});

@@ -79,6 +79,7 @@ describe('german', () => {
     });
   }
 
+  // requirement: UI-12
   test('the form of a session is German: protocols, fields and choices too', async () => {
     for (const one of [page, english]) {
       await goTo(one, 'floor');

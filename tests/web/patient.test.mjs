@@ -55,6 +55,7 @@ describe('the patient screen', () => {
 
   const startTrial = (rig) => waitFor(() => daemon.ctl('session', 'trial', 'next', '--rig', rig).then(() => true, () => false), `a trial on ${rig}`);
 
+  // requirement: UI-10
   test('opens from the page of a rig, in a window of its own, and shows nothing but the task', async () => {
     const therapist = await tabs.open('floor');
     await by(therapist, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
@@ -78,6 +79,7 @@ describe('the patient screen', () => {
     assert.deepEqual(await page.evaluate(() => window.tones), [high], 'a press is answered by a tone');
   });
 
+  // requirement: UI-11
   test('a Romberg test: the dot is shown in trials with feedback only, and a tone begins and ends each trial', { timeout: 600_000 }, async () => {
     await remember(page, 'patient', 'data-state');
     const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'romberg-feedback', '--subject', 'P31')).trim();
@@ -166,6 +168,7 @@ describe('the patient screen', () => {
     assert.deepEqual(seen, trials.map(wordOf));
   });
 
+  // requirement: UI-10
   test('without data there is no picture, and it comes back', { timeout: 600_000 }, async () => {
     await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'free', '--subject', 'P31');
     await page.goto(`${gateway.url}/#/patient/floor`);

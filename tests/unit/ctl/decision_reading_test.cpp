@@ -57,6 +57,7 @@ TEST(DecisionReading, WithoutADecision_NoGroupIsNamed) {
 }
 
 TEST(DecisionReading, Limits_AreComplete) {
+  RecordProperty("requirement", "SWAY-10");
   EXPECT_EQ(
       decision_limits(made_decision()),
       "group60: trained on 124 people (condition=ec_firm); AUC in people left out of it: 0.81 (0.73..0.88; 0.50 is chance). No better "

@@ -229,6 +229,7 @@ TEST_F(BundleTest, ATrialWithoutAReachWhereNoneWasExpected_SaysSo) {
 }
 
 TEST_F(BundleTest, ThePatient_IsTheSubjectIdAndNothingElse) {
+  RecordProperty("requirement", "REP-10");
   report::MadeStanding made = made_session();
   made.facts.label = "Mrs Example";
   made.facts.fields = {{"weight_kg", "61"}};

@@ -175,6 +175,7 @@ TEST(Decision, WithinTheTraining_IsDecided) {
 }
 
 TEST(Decision, OutsideTheTraining_NamesTheMeasure) {
+  RecordProperty("requirement", "SWAY-11");
   const Decision decision = decide(made_model(), {.measures = made_measures(20.5, 0.0), .profile = "lp10", .rate_hz = 100.0});
 
   EXPECT_EQ(decision.outcome, Outcome::Outside);
@@ -183,6 +184,7 @@ TEST(Decision, OutsideTheTraining_NamesTheMeasure) {
 }
 
 TEST(Decision, MovedFeet_AreNotValid) {
+  RecordProperty("requirement", "SWAY-11");
   const auto measures = made_measures(20.5, 0.0);
   const Trial trial{.measures = measures, .profile = "lp10", .rate_hz = 100.0, .is_valid = false};
 

@@ -98,6 +98,7 @@ TEST_F(ChairReportTest, TheSameRecording_GivesTheSameBytes) {
 }
 
 TEST_F(ChairReportTest, RowOfATrial_HasClassAngleIntervalAndFeatures) {
+  RecordProperty("requirement", "REP-8");
   const std::string html = page(report_of(write(three_reaches())), "session.html");
 
   EXPECT_THAT(row(html, "Trials", "2"),
@@ -124,6 +125,7 @@ TEST_F(ChairReportTest, PageOfATrial_ShowsThePointsAtTheirTimes) {
 }
 
 TEST_F(ChairReportTest, RejectedReach_IsListedWithItsReasons) {
+  RecordProperty("requirement", "REP-8");
   MadeReaching made = three_reaches();
   made.reaches[2].movement.trunk_class = core::TrunkClass::Rejected;
   made.reaches[2].movement.probability = {0.3, 0.6, 0.1};

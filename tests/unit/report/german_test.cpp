@@ -92,6 +92,7 @@ class GermanReport : public ::testing::Test {
 };
 
 TEST_F(GermanReport, Pages_HaveNoEnglishText) {
+  RecordProperty("requirement", "UI-12");
   EXPECT_THAT(english_texts(romberg()), ElementsAre());
   MadeStanding simulated = romberg();
   simulated.facts.device_uri = "sim:floor?noise=0.5";

@@ -87,6 +87,7 @@ class PdfTest : public ::testing::Test {
 };
 
 TEST_F(PdfTest, TheSameRecording_GivesTheSameBytesInEveryTimeZoneAndLanguage) {
+  RecordProperty("requirement", "REP-9");
   const std::string file = chair();
   const std::string first = pdf_of_report(file);
   const Setting zone("TZ", "Asia/Tokyo");

@@ -14,6 +14,7 @@ class MessagesOfASource(unittest.TestCase):
         self.assertEqual(daemon_messages.messages_of('wrong(is_known ? "it is here" : "it is gone")'), {"it is here", "it is gone"})
 
     def test_a_message_without_german_is_found(self):
+        # requirement: UI-12
         known = daemon_messages.catalogue("  ['rig {} is gone', 'weg: {}'],\n  [\n    \"it's here\",\n    'hier',\n  ],\n")
         self.assertEqual(known, {"rig {} is gone", "it's here"})
         self.assertTrue(daemon_messages.has_german("rig {} is gone", known))

@@ -98,6 +98,7 @@ TEST(Series, LeaveOutWhatIsDeletedOrRunningOrOfAnotherPart) {
 }
 
 TEST(Series, NeverMixRigsOrProtocols) {
+  RecordProperty("requirement", "UI-13");
   auto other = standing_on(1, 200, 4);
   other.set_protocol("quiet-standing");
   auto plate = standing_on(2, 200, 4);
@@ -149,6 +150,7 @@ TEST(Series, BadDetailsOfAPeerAreIgnored) {
 }
 
 TEST(PlainWords, SayHowEyesClosedDiffers) {
+  RecordProperty("requirement", "UI-14");
   const auto words = words_of_session(standing_on(0, 200, 4), english());
   EXPECT_EQ(words, std::vector<std::string>{"With eyes closed the ellipse is 23 % larger than with eyes open (246 against 200 mm²)."});
   EXPECT_EQ(words_of_session(standing_on(0, 200, 4), german()),
@@ -189,6 +191,7 @@ TEST(PlainWords, CompareWithTheVisitBeforeAndTheFirst) {
 }
 
 TEST(PlainWords, ADifferenceWithinTheKnownVariationSaysSo) {
+  RecordProperty("requirement", "UI-14");
   const auto series = series_of(subject_with({standing_on(0, 240, 5.0), standing_on(7, 200, 4.0)}));
   const auto words = words_of_changes(series, german());
   ASSERT_FALSE(words.empty());
@@ -211,6 +214,7 @@ TEST(PlainWords, TheTrunkIsComparedInDegrees) {
 }
 
 TEST(Retest, IsKnownOnlyWithASource) {
+  RecordProperty("requirement", "UI-13");
   Series series{.condition = "eyes-open", .measure = "MVELO_ML"};
   ASSERT_NE(retest_of(series), nullptr);
   EXPECT_NE(std::string(retest_of(series)->source).find("doi:"), std::string::npos);

@@ -5,7 +5,8 @@ import { common } from './common';
 import { fleet } from './fleet';
 import { floor } from './floor';
 import { health } from './health';
+import { report } from './report';
 import { sessions } from './sessions';
 import { steadinessDecision } from './steadiness_decision';
 
-export const de: typeof en = { common, floor, chair, sessions, health, fleet, steadinessDecision };
+export const de: typeof en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };

@@ -10,4 +10,7 @@ import { report } from './report';
 import { sessions } from './sessions';
 import { steadinessDecision } from './steadiness_decision';
 
-export const de: typeof en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision, patient };
+export const de: typeof en = { common, floor, chair, sessions, health, fleet, steadinessDecision, patient };
+>>=======
+export const de: typeof en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };
+>>>>>>> theirs

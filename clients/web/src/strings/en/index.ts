@@ -9,4 +9,7 @@ import { report } from './report';
 import { sessions } from './sessions';
 import { steadinessDecision } from './steadiness_decision';
 
-export const en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision, patient };
+export const en = { common, floor, chair, sessions, health, fleet, steadinessDecision, patient };
+>>=======
+export const en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };
+>>>>>>> theirs

@@ -9,6 +9,7 @@ import { FleetPages } from './pages/fleet/fleet_pages';
 import { FloorPage } from './pages/floor/floor_page';
 import { HealthPage } from './pages/health/health_page';
 import { SessionsPage } from './pages/sessions/sessions_page';
+import { SubjectsPage } from './pages/subjects/subjects_page';
 import { LoginPage } from './shell/login_page';
 import { path } from './shell/route';
 import { Shell } from './shell/shell';
@@ -26,8 +27,9 @@ const Page = ({ link }: { link: Link }): JSX.Element => {
       return <ChairPage link={link} />;
     case 'sessions':
     case 'compare':
-    case 'subjects':
       return <SessionsPage link={link} path={path.value} />;
+    case 'subjects':
+      return <SubjectsPage link={link} path={path.value} />;
     case 'health':
       return <HealthPage link={link} />;
     default:

@@ -7,5 +7,6 @@ import { floor } from './floor';
 import { health } from './health';
 import { report } from './report';
 import { sessions } from './sessions';
+import { subjects } from './subjects';
 
-export const de: typeof en = { common, floor, chair, sessions, report, health, fleet };
+export const de: typeof en = { common, floor, chair, sessions, subjects, report, health, fleet };

@@ -6,5 +6,6 @@ import { floor } from './floor';
 import { health } from './health';
 import { report } from './report';
 import { sessions } from './sessions';
+import { subjects } from './subjects';
 
-export const en = { common, floor, chair, sessions, report, health, fleet };
+export const en = { common, floor, chair, sessions, subjects, report, health, fleet };

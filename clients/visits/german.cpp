@@ -86,7 +86,7 @@ class German final : public Sentences {
     return "Das ist mehr als die bekannte Schwankung zwischen zwei Tagen (" + de(percent, 0) + " %).";
   }
   [[nodiscard]] std::string no_retest_known() const override {
-    return "Für Maße ohne diesen Hinweis ist hier keine veröffentlichte Schwankung bekannt: Der Unterschied kann Zufall sein.";
+    return "Für Kenngrößen ohne diesen Hinweis ist hier keine veröffentlichte Schwankung bekannt: Der Unterschied kann Zufall sein.";
   }
 };
 

@@ -161,22 +161,24 @@ core::Status Recordings::remove_mentions(record::Erasure& erasure) {
 }
 
 core::Result<record::SubjectNotes> Recordings::subject_notes(const std::string& subject) const {
-  return record::read_subject_notes(config_.directory, subject);
+  return record::read_subject_notes(sessions_directory(config_), subject);
 }
 
-core::Result<std::vector<std::string>> Recordings::subjects_with_notes() const { return record::subjects_with_notes(config_.directory); }
+core::Result<std::vector<std::string>> Recordings::subjects_with_notes() const {
+  return record::subjects_with_notes(sessions_directory(config_));
+}
 
 core::Status Recordings::keep_notes(const record::SubjectNotes& notes) {
   if (erasure_ && erasure_->subject == notes.subject) {
     return core::fail(ErrorCode::WrongState, "this subject is being erased", "wait a minute, then see dtsctl subject list");
   }
-  return record::write_subject_notes(config_.directory, notes);
+  return record::write_subject_notes(sessions_directory(config_), notes);
 }
 
 core::Status Recordings::erase_rows(record::Erasure& erasure) {
   DTS_TRY(catalogue_->erase(erasure.sessions));
-  DTS_TRY(record::remove_subject_notes(config_.directory, erasure.subject));
-  DTS_TRY(record::remove_mentions_in_notes(config_.directory, erasure.subject));
+  DTS_TRY(record::remove_subject_notes(sessions_directory(config_), erasure.subject));
+  DTS_TRY(record::remove_mentions_in_notes(sessions_directory(config_), erasure.subject));
   return remove_mentions(erasure);
 }
 

@@ -43,6 +43,7 @@ describe('accessibility', () => {
     sessions: async () => void (await by(page, 'session-row').first().waitFor()),
     'sessions/ID': async () => void (await by(page, 'report-frame').waitFor()),
     'compare/ID/ID': async () => void (await by(page, 'comparison-table').waitFor()),
+    subjects: async () => void (await by(page, 'subject-row').first().waitFor()),
     'subjects/P1': async () => void (await by(page, 'session-row').first().waitFor()),
     health: async () => void (await waitForText(page, 'volts-floor-w4', /\d/)),
     'patient/floor': async () => void (await by(page, 'patient').and(page.locator('[data-state="idle"]')).waitFor()),
@@ -147,7 +148,7 @@ describe('accessibility', () => {
     assert.deepEqual(await findings(page), []);
     await page.keyboard.press('Escape');
     await by(page, 'key-help').waitFor({ state: 'detached' });
-    for (const [key, name] of [['1', 'floor'], ['2', 'chair'], ['3', 'sessions'], ['4', 'health']]) {
+    for (const [key, name] of [['1', 'floor'], ['2', 'chair'], ['3', 'sessions'], ['4', 'subjects'], ['5', 'health']]) {
       await page.keyboard.press(key);
       await by(page, `tab-${name}`).and(page.locator('[aria-current="page"]')).waitFor();
       assert.equal(new URL(page.url()).hash, `#/${name}`);

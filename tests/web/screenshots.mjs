@@ -160,6 +160,9 @@ const pictureRecords = async ({ daemon, tabs }, id) => {
   await goTo(page, `compare/${sessions.find(({ session_id: one, rig }) => one !== id && rig === 'floor').session_id}/${id}`);
   await by(page, 'report-1').or(by(page, 'report-1-error')).first().waitFor();
   await shoot(page, 'compare');
+  await goTo(page, 'subjects');
+  await by(page, 'subject-row').first().waitFor();
+  await shoot(page, 'subjects');
   await goTo(page, 'subjects/P017');
   await by(page, 'open-erase').click();
   await shoot(page, 'subject');

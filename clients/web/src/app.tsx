@@ -10,6 +10,7 @@ import { FloorPage } from './pages/floor/floor_page';
 import { HealthPage } from './pages/health/health_page';
 import { PatientPage } from './pages/patient/patient_page';
 import { SessionsPage } from './pages/sessions/sessions_page';
+import { SubjectsPage } from './pages/subjects/subjects_page';
 import { LoginPage } from './shell/login_page';
 import { path } from './shell/route';
 import { Shell } from './shell/shell';
@@ -27,8 +28,9 @@ const Page = ({ link }: { link: Link }): JSX.Element => {
       return <ChairPage link={link} />;
     case 'sessions':
     case 'compare':
-    case 'subjects':
       return <SessionsPage link={link} path={path.value} />;
+    case 'subjects':
+      return <SubjectsPage link={link} path={path.value} />;
     case 'health':
       return <HealthPage link={link} />;
     default:

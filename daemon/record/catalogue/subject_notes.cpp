@@ -30,11 +30,11 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kNotesEnding = ".json";
 constexpr std::uintmax_t kLongestNotesFile = 4U << 20U;
-constexpr const char* kNotesHint = "check the permissions of the state folder and whether its disk is full or read-only";
+constexpr const char* kNotesHint = "check the permissions of the folder of the recordings and whether its disk is full or read-only";
 
-std::string notes_folder(const std::string& state_folder) { return state_folder + "/subjects"; }
-std::string notes_file(const std::string& state_folder, const std::string& subject) {
-  return notes_folder(state_folder) + "/" + subject + std::string(kNotesEnding);
+std::string notes_folder(const std::string& recordings) { return recordings + "/subjects"; }
+std::string notes_file(const std::string& recordings, const std::string& subject) {
+  return notes_folder(recordings) + "/" + subject + std::string(kNotesEnding);
 }
 bool is_subject_id(const std::string& subject) { return !subject.empty() && subject.size() <= kLongestSubject && is_id(subject); }
 
@@ -120,10 +120,10 @@ bool is_date(const std::string& text) {
       .ok();
 }
 
-core::Result<SubjectNotes> read_subject_notes(const std::string& state_folder, const std::string& subject) {
+core::Result<SubjectNotes> read_subject_notes(const std::string& recordings, const std::string& subject) {
   SubjectNotes read{.subject = subject};
   if (!is_subject_id(subject)) return read;
-  const std::string file = notes_file(state_folder, subject);
+  const std::string file = notes_file(recordings, subject);
   std::error_code error;
   const auto status = fs::symlink_status(file, error);
   if (status.type() == fs::file_type::not_found) return read;
@@ -142,12 +142,12 @@ core::Result<SubjectNotes> read_subject_notes(const std::string& state_folder, c
   return read;
 }
 
-core::Status write_subject_notes(const std::string& state_folder, const SubjectNotes& notes) {
+core::Status write_subject_notes(const std::string& recordings, const SubjectNotes& notes) {
   if (!is_subject_id(notes.subject)) return core::fail(ErrorCode::InvalidArgument, "this is no subject ID");
-  if (notes.is_empty()) return remove_subject_notes(state_folder, notes.subject);
-  const std::string folder = notes_folder(state_folder);
+  if (notes.is_empty()) return remove_subject_notes(recordings, notes.subject);
+  const std::string folder = notes_folder(recordings);
   if (::mkdir(folder.c_str(), 0750) == 0) {
-    synchronise_folder(state_folder);
+    synchronise_folder(recordings);
   } else if (errno != EEXIST) {
     return core::fail_errno(errno, "cannot make the folder '" + folder + "'", kNotesHint);
   }
@@ -159,24 +159,24 @@ core::Status write_subject_notes(const std::string& state_folder, const SubjectN
     json["plan"].push_back(
         {{"number", one.number}, {"utc_ns", one.utc_ns}, {"who", one.who}, {"protocol", one.protocol}, {"due_date", one.due_date}});
   }
-  return replace_file(notes_file(state_folder, notes.subject), json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", 0640);
+  return replace_file(notes_file(recordings, notes.subject), json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", 0640);
 }
 
-core::Status remove_subject_notes(const std::string& state_folder, const std::string& subject) {
+core::Status remove_subject_notes(const std::string& recordings, const std::string& subject) {
   if (!is_subject_id(subject)) return {};
-  const std::string file = notes_file(state_folder, subject);
+  const std::string file = notes_file(recordings, subject);
   if (::unlink(file.c_str()) != 0) {
     if (errno == ENOENT) return {};
     return core::fail_errno(errno, "cannot remove '" + file + "'", kNotesHint);
   }
-  synchronise_folder(notes_folder(state_folder));
+  synchronise_folder(notes_folder(recordings));
   return {};
 }
 
-core::Result<std::vector<std::string>> subjects_with_notes(const std::string& state_folder) {
+core::Result<std::vector<std::string>> subjects_with_notes(const std::string& recordings) {
   std::vector<std::string> subjects;
   std::error_code error;
-  fs::directory_iterator entries(notes_folder(state_folder), error);
+  fs::directory_iterator entries(notes_folder(recordings), error);
   if (error == std::errc::no_such_file_or_directory) return subjects;
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
     const std::string name = entries->path().filename().string();
@@ -184,16 +184,16 @@ core::Result<std::vector<std::string>> subjects_with_notes(const std::string& st
     std::string subject = name.substr(0, name.size() - kNotesEnding.size());
     if (is_subject_id(subject)) subjects.push_back(std::move(subject));
   }
-  if (error) return core::fail_errno(error.value(), "cannot read the folder '" + notes_folder(state_folder) + "'", kNotesHint);
+  if (error) return core::fail_errno(error.value(), "cannot read the folder '" + notes_folder(recordings) + "'", kNotesHint);
   std::ranges::sort(subjects);
   return subjects;
 }
 
-core::Status remove_mentions_in_notes(const std::string& state_folder, const std::string& subject) {
-  DTS_TRY_ASSIGN(const auto subjects, subjects_with_notes(state_folder));
+core::Status remove_mentions_in_notes(const std::string& recordings, const std::string& subject) {
+  DTS_TRY_ASSIGN(const auto subjects, subjects_with_notes(recordings));
   for (const std::string& other : subjects) {
     if (other == subject) continue;
-    DTS_TRY_ASSIGN(auto notes, read_subject_notes(state_folder, other));
+    DTS_TRY_ASSIGN(auto notes, read_subject_notes(recordings, other));
     bool is_changed = false;
     for (SubjectNote& note : notes.notes) {
       auto cleaned = without_mention(note.text, subject);
@@ -201,7 +201,7 @@ core::Status remove_mentions_in_notes(const std::string& state_folder, const std
       note.text = std::move(*cleaned);
       is_changed = true;
     }
-    if (is_changed) DTS_TRY(write_subject_notes(state_folder, notes));
+    if (is_changed) DTS_TRY(write_subject_notes(recordings, notes));
   }
   return {};
 }

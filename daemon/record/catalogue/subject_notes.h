@@ -32,7 +32,8 @@ struct PlannedSession {
 };
 
 /// What people wrote about a subject: notes and plan, each in the order in which they were added. They are in one file for each subject,
-/// "subjects/ID.json" in the state folder, so that they survive the loss of the catalogue. No catalogue has a copy.
+/// "subjects/ID.json" in the folder of the recordings, so that they survive the loss of the catalogue and are in the same backup. No
+/// catalogue has a copy.
 struct SubjectNotes {
   std::string subject;
   std::uint32_t next_number = 1;  ///< Numbers of removed entries are not used again.
@@ -50,14 +51,14 @@ inline constexpr std::size_t kMostPlanned = 100;
 [[nodiscard]] bool is_date(const std::string& text);
 
 /// Returns what is in the subject's file; nothing without a file. Fails with DataDamaged, naming the file, if it has something else.
-[[nodiscard]] core::Result<SubjectNotes> read_subject_notes(const std::string& state_folder, const std::string& subject);
+[[nodiscard]] core::Result<SubjectNotes> read_subject_notes(const std::string& recordings, const std::string& subject);
 /// Replaces the file as a whole; removes it if the notes are empty. It is on the disk when this returns. `subject` must be an ID.
-[[nodiscard]] core::Status write_subject_notes(const std::string& state_folder, const SubjectNotes& notes);
+[[nodiscard]] core::Status write_subject_notes(const std::string& recordings, const SubjectNotes& notes);
 /// Removes the file, if there is one.
-[[nodiscard]] core::Status remove_subject_notes(const std::string& state_folder, const std::string& subject);
+[[nodiscard]] core::Status remove_subject_notes(const std::string& recordings, const std::string& subject);
 /// Returns the IDs of the subjects that have a file, sorted.
-[[nodiscard]] core::Result<std::vector<std::string>> subjects_with_notes(const std::string& state_folder);
+[[nodiscard]] core::Result<std::vector<std::string>> subjects_with_notes(const std::string& recordings);
 /// Removes mentions of this subject ID from the texts of other subjects' notes. Fails with the first file that cannot be read.
-[[nodiscard]] core::Status remove_mentions_in_notes(const std::string& state_folder, const std::string& subject);
+[[nodiscard]] core::Status remove_mentions_in_notes(const std::string& recordings, const std::string& subject);
 
 }  // namespace dts::record

@@ -148,6 +148,10 @@ export interface StartSessionProps {
   link: Link;
   rig: string;
   form: StartForm;
+  /** The form begins with these; absent: no subject, and the protocol that the rig used last. */
+  subject?: string;
+  protocol?: string;
+  onStarted?: () => void;
 }
 
 /** Says that the form closed because another session started. */
@@ -156,11 +160,11 @@ export const StartTaken = ({ form, protocol }: { form: StartForm; protocol: stri
     <Notice kind="warning" what={words.taken(protocolName(protocol))} hint={words.takenHint} testId="start-taken" onDismiss={form.close} />
   ) : null;
 
-export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Element => {
-  const typed = useSignal<string | undefined>(undefined);
+export const StartSession = ({ link, rig, form, subject = '', protocol = '', onStarted }: StartSessionProps): JSX.Element => {
+  const typed = useSignal<string | undefined>(protocol === '' ? undefined : protocol);
   const lastUsed = useSignal('');
   const subjects = useSignal<readonly string[]>([]);
-  const values = useSignal<Values>({});
+  const values = useSignal<Values>({ subject });
   const wrong = useSignal<Values>({});
   const companions = useSignal<readonly string[]>([]);
   const first = useRef<HTMLSelectElement>(null);
@@ -215,7 +219,10 @@ export const StartSession = ({ link, rig, form }: StartSessionProps): JSX.Elemen
         companions: companions.value.filter((name) => others.includes(name)),
       },
     });
-    if (answer !== undefined) return form.close();
+    if (answer !== undefined) {
+      form.close();
+      return onStarted?.();
+    }
     form.failed();
     const error = commands.error.peek();
     const name = inputNamedIn(error?.message ?? '', fields);

@@ -18,7 +18,7 @@ import type { ThemeChoice } from './theme';
 import { themeChoice, themeChoices } from './theme';
 
 const words = strings.common;
-const pagesOfDaemon = ['floor', 'chair', 'sessions', 'health'] as const;
+const pagesOfDaemon = ['floor', 'chair', 'sessions', 'subjects', 'health'] as const;
 const pagesOfFleet = ['clinics', 'sessions', 'trends'] as const;
 const pagesOf = (link: Link): readonly (keyof typeof words.pages)[] => (link.me.value.isFleet ? pagesOfFleet : pagesOfDaemon);
 const livePages = new Set(['floor', 'chair']);
@@ -27,7 +27,7 @@ const signs = { good: '●', plain: '○', warning: '▲', error: '✕' } as con
 const Tabs = ({ link }: { link: Link }): JSX.Element => {
   const pages = pagesOf(link);
   const [first = pages[0]] = path.value;
-  const shown = first === 'compare' || first === 'subjects' ? 'sessions' : first;
+  const shown = first === 'compare' ? 'sessions' : first;
   return (
     <nav aria-label={words.navigation} class="tabs">
       {pages.map((page) => (

@@ -6,9 +6,8 @@ import { ComparePage } from './compare_page';
 import { SessionDetail } from './session_detail';
 import { SessionList } from './session_list';
 import './sessions.css';
-import { SubjectPage } from './subject_page';
 
-/** `path`: ["sessions"], ["sessions", ID], ["compare", ID, ID], ["compare", "subject", SUBJECT ID] or ["subjects", SUBJECT ID]. */
+/** `path`: ["sessions"], ["sessions", ID], ["compare", ID, ID] or ["compare", "subject", SUBJECT ID]. */
 export const SessionsPage = ({ link, path }: { link: Link; path: readonly string[] }): JSX.Element => {
   const [page, first, second] = path;
   if (page === 'compare' && first !== undefined && second !== undefined) {
@@ -16,6 +15,5 @@ export const SessionsPage = ({ link, path }: { link: Link; path: readonly string
     return <ComparePage key={path.join('/')} link={link} compared={compared} />;
   }
   if (page === 'sessions' && first !== undefined) return <SessionDetail key={first} link={link} sessionId={first} />;
-  if (page === 'subjects' && first !== undefined) return <SubjectPage key={first} link={link} subject={first} />;
   return <SessionList link={link} />;
 };

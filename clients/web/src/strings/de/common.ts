@@ -6,7 +6,7 @@ import type { common as english } from '../en/common';
 export const common: typeof english = {
   documentTitle: 'Taktile Messung (dtsd)',
   language: 'Sprache',
-  pages: { floor: 'Boden live', chair: 'Stuhl live', sessions: 'Untersuchungen', health: 'Zustand', clinics: 'Kliniken', trends: 'Verläufe' },
+  pages: { floor: 'Boden live', chair: 'Stuhl live', sessions: 'Untersuchungen', subjects: 'Personen', health: 'Zustand', clinics: 'Kliniken', trends: 'Verläufe' },
   navigation: 'Seiten',
   undefinedValue: '–',
   dismiss: 'Ausblenden',
@@ -144,7 +144,7 @@ export const common: typeof english = {
   help: {
     title: 'Tasten',
     everywhere: 'Überall',
-    pages: ['1 2 3 4', 'Boden live, Stuhl live, Untersuchungen, Zustand'],
+    pages: ['1 2 3 4 5', 'Boden live, Stuhl live, Untersuchungen, Personen, Zustand'],
     fleetPages: ['1 2 3', 'Kliniken, Untersuchungen, Verläufe'],
     entries: [
       ['?', 'Diese Liste zeigen oder ausblenden'],

@@ -8,9 +8,9 @@ import { health } from './health';
 import { patient } from './patient';
 import { report } from './report';
 import { sessions } from './sessions';
-import { steadinessDecision } from './steadiness_decision';
+import { steadinessDecisionsubjects } from './steadiness_decisionsubjects';
 
 export const de: typeof en = { common, floor, chair, sessions, health, fleet, steadinessDecision, patient };
 >>=======
-export const de: typeof en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };
+export const de: typeof en = { common, floor, chair, sessionssubjects, report, health, fleet, steadinessDecision };
 >>>>>>> theirs

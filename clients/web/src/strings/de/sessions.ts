@@ -68,7 +68,7 @@ export const sessions: typeof english = {
   },
   subject: {
     title: (subject) => `Person ${subject}`,
-    back: '← Alle Untersuchungen',
+    back: '← Alle Personen',
     page: (subject) => `Alles von Person ${subject}`,
     compare: 'Diese Untersuchungen vergleichen',
     facts: {

@@ -5,7 +5,7 @@ import { byKey } from '../by_key';
 export const common = {
   documentTitle: 'Tactile sensing (dtsd)',
   language: 'Language',
-  pages: { floor: 'Live floor', chair: 'Live chair', sessions: 'Sessions', health: 'Health', clinics: 'Clinics', trends: 'Trends' },
+  pages: { floor: 'Live floor', chair: 'Live chair', sessions: 'Sessions', subjects: 'Subjects', health: 'Health', clinics: 'Clinics', trends: 'Trends' },
   navigation: 'Pages',
   undefinedValue: '–',
   dismiss: 'Dismiss',
@@ -143,7 +143,7 @@ export const common = {
   help: {
     title: 'Keys',
     everywhere: 'Everywhere',
-    pages: ['1 2 3 4', 'Live floor, Live chair, Sessions, Health'],
+    pages: ['1 2 3 4 5', 'Live floor, Live chair, Sessions, Subjects, Health'],
     fleetPages: ['1 2 3', 'Clinics, Sessions, Trends'],
     entries: [
       ['?', 'Show or hide this list'],

@@ -7,9 +7,9 @@ import { health } from './health';
 import { patient } from './patient';
 import { report } from './report';
 import { sessions } from './sessions';
-import { steadinessDecision } from './steadiness_decision';
+import { steadinessDecisionsubjects } from './steadiness_decisionsubjects';
 
 export const en = { common, floor, chair, sessions, health, fleet, steadinessDecision, patient };
 >>=======
-export const en = { common, floor, chair, sessions, report, health, fleet, steadinessDecision };
+export const en = { common, floor, chair, sessionssubjects, report, health, fleet, steadinessDecision };
 >>>>>>> theirs

@@ -64,7 +64,7 @@ export const sessions = {
   },
   subject: {
     title: (subject: string) => `Subject ${subject}`,
-    back: '← All sessions',
+    back: '← All subjects',
     page: (subject: string) => `All of subject ${subject}`,
     compare: 'Compare these sessions',
     facts: { sessions: 'Sessions', deleted: 'of these deleted', first: 'First session', last: 'Last session', size: 'Size of recordings' },

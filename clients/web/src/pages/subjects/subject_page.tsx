@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything about one subject: the sessions, and the erasure.
+// Everything about one subject: start of a session, plan, notes, trend, plain words, sessions, erasure.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 import { useLayoutEffect, useRef } from 'preact/hooks';
@@ -11,8 +11,11 @@ import { Button, CommandNotice, Field, Notice, Panel, useCommands, whyNotOperate
 import { useKeys } from '../../parts/keys';
 import { bytes, dateTime, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
-import { useAsked } from './asking';
-import { SessionTable } from './session_list';
+import { useAsked } from '../sessions/asking';
+import { SessionTable } from '../sessions/session_list';
+import { Care } from './care';
+import { askTrend } from './trend_data';
+import { PlainWords, TrendView } from './trend_view';
 
 const words = strings.sessions.subject;
 
@@ -100,17 +103,39 @@ const Erased = ({ subject, erased }: { subject: string; erased: EraseSubjectResp
   </>
 );
 
+/** Results over the visits. They are asked for again after each session of the subject. */
+const Results = ({ link, subject, record }: { link: Link; subject: string; record: SubjectRecord }): JSX.Element => {
+  const key = link.state.value === 'up' ? `trend ${subject} ${record.sessions.length}` : '';
+  const { answer, error, isBusy } = useAsked(key, (signal) => askTrend(link, subject, signal)).value;
+  return (
+    <>
+      {error !== undefined && <Notice kind="error" what={error.message} hint={error.hint} testId="trend-error" />}
+      {isBusy && answer === undefined && <p role="status">{strings.subjects.trend.asking}</p>}
+      {answer !== undefined && (
+        <>
+          <h2>{strings.subjects.words.title}</h2>
+          <PlainWords trend={answer} sessions={record.sessions} />
+          <h2>{strings.subjects.trend.title}</h2>
+          <TrendView trend={answer} />
+        </>
+      )}
+    </>
+  );
+};
+
 export const SubjectPage = ({ link, subject }: { link: Link; subject: string }): JSX.Element => {
   const isErasing = useSignal(false);
   const erased = useSignal<EraseSubjectResponse | undefined>(undefined);
+  const changed = useSignal<SubjectRecord | undefined>(undefined);
   const isUp = link.state.value === 'up' && erased.value === undefined;
-  const { answer, error } = useAsked(isUp ? `subject ${subject}` : '', () => askSubject(link, subject)).value;
-  const isEmpty = erased.value === undefined && answer !== undefined && answer.sessions.length === 0;
+  const { answer: asked, error } = useAsked(isUp ? `subject ${subject}` : '', () => askSubject(link, subject)).value;
+  const answer = changed.value ?? asked;
+  const isEmpty = erased.value === undefined && answer !== undefined && answer.sessions.length + answer.notes.length + answer.plan.length === 0;
   const whyNot = whyNotOperate(link) || (link.me.value.role < Role.ENGINEER ? words.needsEngineer : '');
   return (
     <div class="column">
       <p>
-        <a class="sessions-link" href="#/sessions">
+        <a class="sessions-link" href="#/subjects">
           {words.back}
         </a>
       </p>
@@ -140,6 +165,8 @@ export const SubjectPage = ({ link, subject }: { link: Link; subject: string }):
               onClose={() => (isErasing.value = false)}
             />
           )}
+          <Care link={link} record={answer} onChanged={(record) => (changed.value = record)} />
+          <Results link={link} subject={subject} record={answer} />
           {answer.mentioningSessions.length > 0 && <p data-testid="mentions">{words.mentions(whole(answer.mentioningSessions.length))}</p>}
           <SessionTable sessions={answer.sessions} />
         </>

@@ -271,7 +271,7 @@ MUTANTS: list[tuple[str, str, Mutate]] = [
     ("units", "chair", lambda bundle: quantity(bundle).update(code="degrees")),
     ("rules", "floor", lambda bundle: trial(bundle)["subject"].update(reference="urn:uuid:00000000-0000-5000-8000-000000000000")),
     ("rules", "floor", lambda bundle: trial(bundle).update(interpretation=[{"text": "high"}])),
-    ("rules", "floor", lambda bundle: trial(bundle)["component"][-1].pop("valueQuantity", None) or trial(bundle)["component"][-1].pop("dataAbsentReason", None)),
+    ("rules", "floor", lambda bundle: trial(bundle)["component"].append({"code": trial(bundle)["component"][0]["code"]})),
     ("rules", "floor", lambda bundle: trial(bundle)["code"]["coding"][0].update(system="http://loinc.org", code="44963-7")),
     ("rules", "floor", lambda bundle: trial(bundle)["component"][-1]["code"]["coding"][0].update(code="MVELOCITY")),
     ("rules", "floor", lambda bundle: resources(bundle, "Patient")[0].update(name=[{"family": "Example"}])),

@@ -8,9 +8,7 @@ import { health } from './health';
 import { patient } from './patient';
 import { report } from './report';
 import { sessions } from './sessions';
-import { steadinessDecisionsubjects } from './steadiness_decisionsubjects';
+import { steadinessDecision } from './steadiness_decision';
+import { subjects } from './subjects';
 
-export const de: typeof en = { common, floor, chair, sessions, health, fleet, steadinessDecision, patient };
->>=======
-export const de: typeof en = { common, floor, chair, sessionssubjects, report, health, fleet, steadinessDecision };
->>>>>>> theirs
+export const de: typeof en = { common, floor, chair, sessions, subjects, report, health, fleet, steadinessDecision, patient };

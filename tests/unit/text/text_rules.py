@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks the texts of the repository: documents, comments, messages, and the words on the screen.
 
-    text_rules.py lines ROOT    Markdown lines are shorter than 120 characters, except rows of tables
+    text_rules.py lines ROOT    Markdown lines are shorter than 120 characters, except rows of tables; no mark of an unfinished merge
     text_rules.py links ROOT    every local link in Markdown leads to a file or heading that exists
     text_rules.py words ROOT    no word that docs/glossary.md replaces by another one
     text_rules.py list ROOT     prints the files that have such words, as not_clean.txt lists them
@@ -80,6 +80,11 @@ def long_lines(root):
         for relative in documents(root)
         for number, line in enumerate(read(root / relative).splitlines(), start=1)
         if len(line) > MAX_LINE and not line.startswith("|")  # Markdown cannot break a row of a table
+    ] + [
+        f"{relative}:{number}: mark of an unfinished merge: choose one of both texts"
+        for relative in documents(root)
+        for number, line in enumerate(read(root / relative).splitlines(), start=1)
+        if re.match(r"<{7} |>{7} |={7}$", line)
     ]
 
 

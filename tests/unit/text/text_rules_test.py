@@ -38,6 +38,10 @@ class LinesTest(TreeTest):
             self.assertEqual(len(findings), 1, line)
             self.assertTrue(findings[0].startswith("docs/a.md:2: "), findings)
 
+    def test_marks_of_an_unfinished_merge_are_found(self):
+        self.write("a.md", "<<<<<<< HEAD\none\n=======\ntwo\n>>>>>>> branch\n")
+        self.assertEqual([finding.split(":")[1] for finding in text_rules.long_lines(self.root)], ["1", "3", "5"])
+
     def test_generated_folders_are_not_read(self):
         self.write("build/a.md", "x" * 120)
         self.write("clients/web/node_modules/p/a.md", "x" * 120)

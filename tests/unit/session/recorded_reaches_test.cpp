@@ -50,7 +50,7 @@ v1::Event trial(const std::string& step, std::int64_t number, std::uint64_t scan
                   " trial: " + std::to_string(number) + " attempt: 1 block: 1 condition: '150' target_cm: 100.5 }");
 }
 
-core::ReachEvent reach(std::uint32_t number, std::uint64_t p1) {
+core::ReachEvent recorded_reach(std::uint32_t number, std::uint64_t p1) {
   core::ReachEvent event{.step = core::ReachStep::Final, .number = number, .segment = 2, .scan = {p1 + 110}};
   event.features.p1_mm = 3.0;
   event.features.p2_mm = 2.7;
@@ -77,7 +77,7 @@ core::Result<RecordedReaches> read(std::vector<v1::Event> events) {
 }
 
 TEST(RecordedReaches, Events_BecomeResults) {
-  const auto recorded = read({trial("GO", 1, 1000), events::make(reach(1, 1100), ""), classed(1, 1100, core::TrunkClass::Moderate),
+  const auto recorded = read({trial("GO", 1, 1000), events::make(recorded_reach(1, 1100), ""), classed(1, 1100, core::TrunkClass::Moderate),
                               trial("DONE", 1, 1600), event_of("segment: 2 scan: 1700 marker {}")});
   ASSERT_TRUE(recorded) << recorded.error().what;
   EXPECT_EQ(recorded->reaches, 1U);
@@ -88,8 +88,8 @@ TEST(RecordedReaches, Events_BecomeResults) {
 }
 
 TEST(RecordedReaches, OrderInTheFile_DoesNotMatter) {
-  const auto recorded =
-      read({trial("DONE", 1, 1600), classed(1, 1100, core::TrunkClass::Moderate), trial("GO", 1, 1000), events::make(reach(1, 1100), "")});
+  const auto recorded = read({trial("DONE", 1, 1600), classed(1, 1100, core::TrunkClass::Moderate), trial("GO", 1, 1000),
+                              events::make(recorded_reach(1, 1100), "")});
   ASSERT_TRUE(recorded) << recorded.error().what;
   ASSERT_EQ(recorded->trials.size(), 1U);
   EXPECT_TRUE(recorded->trials[0].movement.has_value());
@@ -103,8 +103,8 @@ v1::Event result(int trial, int number, int trunk_class, double trunk_deg) {
 }
 
 TEST(RecordedReaches, ResultsThatWereTold_AreComparedWithWhatIsComputed) {
-  const std::vector<v1::Event> events{trial("GO", 1, 1000), events::make(reach(1, 1100), ""), classed(1, 1100, core::TrunkClass::Moderate),
-                                      trial("DONE", 1, 1600)};
+  const std::vector<v1::Event> events{trial("GO", 1, 1000), events::make(recorded_reach(1, 1100), ""),
+                                      classed(1, 1100, core::TrunkClass::Moderate), trial("DONE", 1, 1600)};
   const auto with = [&](const v1::Event& live) {
     auto all = events;
     all.push_back(live);
@@ -123,7 +123,7 @@ TEST(RecordedReaches, LongSession_LosesNoTrial) {
   for (std::int64_t k = 1; k <= 3000; ++k) {
     const auto go = static_cast<std::uint64_t>(k) * 1000;
     events.push_back(trial("GO", k, go));
-    events.push_back(events::make(reach(static_cast<std::uint32_t>(k), go + 100), ""));
+    events.push_back(events::make(recorded_reach(static_cast<std::uint32_t>(k), go + 100), ""));
     events.push_back(trial("DONE", k, go + 600));
   }
   const auto recorded = read(std::move(events));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -22,6 +23,7 @@ namespace {
 using posturography::Measure;
 
 constexpr std::string_view kRombergGroup = "romberg";
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Adds components to an Observation, in order.
 class Components {
@@ -98,68 +100,73 @@ void add_standing(const session::SwayTrialResult& result, Json& observation) {
   }
 }
 
-std::string_view code_of(core::TrunkClass trunk_class) {
+/// Returns the code of a trunk class; empty for a rejected reach, or for a number that this version does not know.
+std::string_view code_of(int trunk_class) {
   switch (trunk_class) {
-    case core::TrunkClass::None: return "trunk-none";
-    case core::TrunkClass::Minor: return "trunk-minor";
-    case core::TrunkClass::Moderate: return "trunk-moderate";
-    case core::TrunkClass::Maximum: return "trunk-maximum";
-    case core::TrunkClass::Rejected: break;
+    case 0: return "trunk-none";
+    case 1: return "trunk-minor";
+    case 2: return "trunk-moderate";
+    case 3: return "trunk-maximum";
+    default: return "";
   }
-  return "";
 }
 
-template <class Enumeration>
-std::string words_of(const Enumeration& type, std::uint32_t bits) {
+std::string words_of(const google::protobuf::EnumDescriptor& type, std::uint32_t bits) {
   std::vector<std::string> words;
-  for (std::uint32_t bit = 0; bit < 32; ++bit) {
+  for (std::uint32_t bit = 0; bit < 31; ++bit) {
     const std::uint32_t flag = 1U << bit;
     if ((bits & flag) != 0) words.push_back(wire::enumerator_word(type, static_cast<int>(flag)));
   }
   return core::join(words);
 }
 
-void add_movement(const session::ReachTrialResult& result, Components& components) {
-  namespace reason = core::class_reason;
+void add_movement(const v1::TrialResult& result, Components& components) {
   const auto none = [&](Absent why, const std::string& text) {
     for (const std::string_view code : {"trunk-class", "trunk_deg", "trunk-interval90_deg"}) components.absent(code, why, text);
   };
-  if (!result.reach) return none(Absent::NotApplicable, "no reach was found in the trial");
-  if (!result.movement) return none(Absent::Unknown, "the rig has no model");
-  const core::TrunkMovement& movement = *result.movement;
-  const std::string_view code = code_of(movement.trunk_class);
+  if (!result.has_reach()) return none(Absent::NotApplicable, "no reach was found in the trial");
+  if (!result.has_movement()) return none(Absent::Unknown, "the rig has no model");
+  const v1::TrunkMovement& movement = result.movement();
+  const std::string_view code = code_of(movement.trunk_class());
   if (code.empty()) {
-    const bool is_of_the_reach = (movement.reasons & reason::kBadReach) != 0 && result.reach->flags != 0;
+    const bool is_of_the_reach = (movement.reasons() & v1::CLASS_REASON_BAD_REACH) != 0 && result.reach().flags() != 0;
     const std::string why = is_of_the_reach
-                                ? words_of(*v1::ReachFlag_descriptor(), result.reach->flags)
-                                : words_of(*v1::ClassReason_descriptor(), movement.reasons & ~std::uint32_t{reason::kCalibrated});
+                                ? words_of(*v1::ReachFlag_descriptor(), result.reach().flags())
+                                : words_of(*v1::ClassReason_descriptor(), movement.reasons() & ~std::uint32_t{v1::CLASS_REASON_CALIBRATED});
     return none(Absent::Unknown, "the reach was rejected" + (why.empty() ? "" : ": " + why));
   }
-  const bool is_small = movement.trunk_class == core::TrunkClass::Minor && (movement.reasons & reason::kMinor) != 0;
+  const bool is_small = movement.trunk_class() == 1 && (movement.reasons() & v1::CLASS_REASON_MINOR) != 0;
   components.coded("trunk-class", is_small ? "trunk-none-or-minor" : code);
-  if (std::isfinite(movement.trunk_deg)) {
-    components.number("trunk_deg", movement.trunk_deg);
+  if (movement.has_trunk_deg() && std::isfinite(movement.trunk_deg())) {
+    components.number("trunk_deg", movement.trunk_deg());
   } else {
     components.absent("trunk_deg", Absent::NotApplicable, "the model gives no angle");
   }
-  components.range("trunk-interval90_deg", movement.trunk_lo_deg, movement.trunk_hi_deg);
+  const bool has_interval = movement.has_trunk_lo_deg() && movement.has_trunk_hi_deg();
+  components.range("trunk-interval90_deg", has_interval ? movement.trunk_lo_deg() : kUnknown, movement.trunk_hi_deg());
 }
 
-void add_reaching(const session::ReachTrialResult& result, Json& observation) {
+/// Reads the message itself: results of dtsd 0.1 lack fields of later versions, and have values all the same.
+void add_reaching(const v1::TrialResult& result, Json& observation) {
   Components components(observation);
-  components.boolean("reach-found", result.reach.has_value());
+  components.boolean("reach-found", result.has_reach());
   add_movement(result, components);
-  if (result.expected && !code_of(*result.expected).empty()) components.coded("expected-trunk-class", code_of(*result.expected));
-  if (!result.reach) return;
-  const core::ReachFeatures& features = result.reach->features;
-  components.number("p1_mm", features.p1_mm);
-  components.number("p2_mm", features.p2_mm);
-  components.number("p3_mm", features.p3_mm);
-  components.number("d1_mm", features.d1_mm());
-  components.number("d2_mm", features.d2_mm());
-  components.number("rise_s", features.rise_s);
-  components.number("sparc", features.smoothness);
-  if (const std::string flags = words_of(*v1::ReachFlag_descriptor(), result.reach->flags); !flags.empty())
+  if (const std::string_view expected = code_of(result.expected_class()); result.has_expected_class() && !expected.empty())
+    components.coded("expected-trunk-class", expected);
+  if (!result.has_reach()) return;
+  const v1::Reach& reach = result.reach();
+  const auto put = [&](std::string_view code, bool is_known, double value) {
+    if (is_known && std::isfinite(value)) return components.number(code, value);
+    components.absent(code, Absent::Unknown, "not recorded");
+  };
+  put("p1_mm", reach.has_p1(), reach.p1().value_mm());
+  put("p2_mm", reach.has_p2(), reach.p2().value_mm());
+  put("p3_mm", reach.has_p3(), reach.p3().value_mm());
+  put("d1_mm", reach.has_d1_mm(), reach.d1_mm());
+  put("d2_mm", reach.has_d2_mm(), reach.d2_mm());
+  put("rise_s", reach.has_rise_s(), reach.rise_s());
+  put("sparc", reach.has_smoothness(), reach.smoothness());
+  if (const std::string flags = words_of(*v1::ReachFlag_descriptor(), reach.flags()); !flags.empty())
     add_note(observation, "The reach has flags: " + flags);
 }
 
@@ -188,8 +195,7 @@ core::Status add_values(const v1::Event& result, Json& observation) {
       return {};
     }
   } else if (result.has_trial_result()) {
-    DTS_TRY_ASSIGN(const auto reaching, session::reach_result_of(result));
-    add_reaching(reaching, observation);
+    add_reaching(result.trial_result(), observation);
     return {};
   }
   observation["dataAbsentReason"] = absent_reason(Absent::Unknown, "no result of this trial was recorded");

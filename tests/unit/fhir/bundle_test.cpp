@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "made_session.h"
+#include "support/committed_text.h"
 #include "unit/record/xdf_fixture.h"
 
 namespace dts::fhir {
@@ -226,6 +227,15 @@ TEST_F(BundleTest, ATrialWithoutAReachWhereNoneWasExpected_SaysSo) {
   EXPECT_EQ(component(trial, "reach-found")["valueBoolean"], false);
   EXPECT_EQ(code_of(component(trial, "trunk-class")["dataAbsentReason"]), "not-applicable");
   EXPECT_TRUE(component(trial, "p3_mm").is_null());
+}
+
+TEST_F(BundleTest, AReachingSessionOfDtsd01_HasItsClasses) {
+  const Json bundle = bundle_of(test::committed_file("unit/record/recordings_0_1/reaching.xdf").string());
+
+  const Json trial = observation_of(bundle, "reaching-trial", "trial-number", 1);
+  EXPECT_EQ(code_of(component(trial, "trunk-class")["valueCodeableConcept"]), "trunk-maximum");
+  EXPECT_EQ(component(trial, "trunk_deg")["valueQuantity"]["value"], 63.4863);
+  EXPECT_EQ(component(trial, "trunk-interval90_deg")["valueRange"]["high"]["value"], 75.9994);
 }
 
 TEST_F(BundleTest, ThePatient_IsTheSubjectIdAndNothingElse) {

@@ -62,7 +62,8 @@ TEST(RigNoise, PredictedMeasures_AreThoseOfSamplesWithNoise) {
       EXPECT_EQ(predicted.has(measure), RigNoise::is_known_for(measure));
       if (!RigNoise::is_known_for(measure)) continue;
       const double truth = noisy.get(measure).value();
-      EXPECT_NEAR(predicted.get(measure).value(), truth, 0.05 * truth)
+      const double tolerance = measure == Measure::AreaSw ? 0.12 : 0.05;  // a product of two estimates
+      EXPECT_NEAR(predicted.get(measure).value(), truth, tolerance * truth)
           << posturography::info(measure).symbol << ", without noise " << quiet.get(measure).value();
     }
   }

@@ -126,9 +126,7 @@ void check_report(const DaemonProcess& daemon, const std::string& id, const json
   for (const json& trial : session.at("trials")) {
     const std::string page = content_of(folder / ("trial-0" + trial.at("trial").dump() + ".html"));
     EXPECT_THAT(page, testing::HasSubstr("Live and recomputed values match."));
-    if (trial.at("result").contains("reach")) {
-      EXPECT_THAT(page, testing::HasSubstr(">P3<"));
-    }
+    EXPECT_EQ(page.find(">P3<") != std::string::npos, trial.at("result").contains("reach"));
   }
   std::vector<std::string> documents;
   for (int k = 0; k < 2; ++k) {  // the second time, the program recognises its own document and replaces it
@@ -173,7 +171,6 @@ std::vector<std::string> recorded(const std::string& file) {
 }
 
 TEST_F(ChairExamination, LiveRecordedReplayedAndInTheLaboratory_AreTheSame) {
-  RecordProperty("requirement", "REACH-5");
   ASSERT_TRUE(daemon_.is_ready()) << daemon_.log();
   // The daemon handles subscriptions in their order, and sends the state of the device to every newcomer.
   client::Subscriber subscriber = daemon_.subscribe({"chair/reach", "chair/class", "chair/device"});

@@ -28,11 +28,11 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"unknown", "unbekannt"},
     {"none", "keine"},
     {"None.", "Keine."},
-    {"{} of {} valid", "{} von {} gültig"},
-    {"{} valid", "{} gültig"},
+    {"{#} of {#} valid", "{} von {} gültig"},
+    {"{#} valid", "{} gültig"},
     {"{} (corrected; recorded: {!})", "{} (berichtigt; aufgezeichnet: {})"},
     {"{} s, N = {} at {} Hz", "{} s, N = {} bei {} Hz"},
-    {"{} years", "{} Jahre"},
+    {"{#} years", "{} Jahre"},
     {"{} kg, corrected for two feet with the stated stance width of {} mm",
      "{} kg, für zwei Füße mit der angegebenen Standbreite von {} mm korrigiert"},
     {"about {} kg, corrected for two feet without a stance width", "etwa {} kg, für zwei Füße ohne Standbreite korrigiert"},
@@ -42,9 +42,9 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Butterworth low-pass of 4th order, 10 Hz, forward and backward", "Butterworth-Tiefpass 4. Ordnung, 10 Hz, vorwärts und rückwärts"},
     {"Quiet standing", "Ruhiges Stehen"},
     {"quiet standing", "Ruhiges Stehen"},
-    {"trial {}", "Durchgang {}"},
-    {"attempt {}", "Versuch {}"},
-    {"standing {}", "Stehen {}"},
+    {"trial {#}", "Durchgang {}"},
+    {"attempt {#}", "Versuch {}"},
+    {"standing {#}", "Stehen {}"},
     {"standing", "Stehen"},
     {"no condition", "ohne Bedingung"},
     {"{} (n = {})", "{} (n = {})"},
@@ -102,6 +102,11 @@ constexpr auto kTexts = std::to_array<Translated>({
      "not compare them.",
      "Die Vergleichsbereiche stammen aus Durchgängen von {} s; dieser Durchgang hat {} s. Abstände, Spannweiten, Flächen und Frequenzen "
      "hängen von der Dauer ab: nicht vergleichen."},
+    {"The reference ranges are from trials of {} s; this trial has {} s. Distances, ranges, areas and frequencies depend on the duration: "
+     "do "
+     "not compare them. {}",
+     "Die Vergleichsbereiche stammen aus Durchgängen von {} s; dieser Durchgang hat {} s. Abstände, Spannweiten, Flächen und Frequenzen "
+     "hängen von der Dauer ab: nicht vergleichen. {}"},
     {"The reference ranges were computed with another filter than this trial ({!}). Path, velocity and measures derived from them depend "
      "on "
      "the filter.",
@@ -248,7 +253,8 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Durchgängen können von der Plattform stammen."},
     {"{} Synthetic data have the errors of the simulator instead.", "{} Synthetische Daten haben stattdessen die Fehler des Simulators."},
     {"-: no value. {}.", "-: kein Wert. {}."},
-    {"the foot length is not given (field foot_length_cm)", "die Fußlänge ist nicht angegeben (Angabe foot_length_cm)"},
+    {"the foot length is not given", "die Fußlänge ist nicht angegeben"},
+    {"field {!}", "Angabe {}"},
     {"not defined: the COP does not move", "nicht definiert: Der COP bewegt sich nicht"},
     {"the COP does not move", "der COP bewegt sich nicht"},
     {"needs 10 s and 200 samples", "braucht 10 s und 200 Abtastungen"},
@@ -266,23 +272,18 @@ constexpr auto kTexts = std::to_array<Translated>({
      "surface: a firm surface is assumed.",
      "Andere Geräte und Programme liefern andere Werte: Ein Bereich zeigt die Werte dieser Personen, kein Ziel. Das Protokoll nennt den "
      "Untergrund nicht: Angenommen ist ein fester."},
-    {"Ref. {}: median (5-95 % range) of {}; {}; {!}.", "Vgl. {}: Median (5-95-%-Bereich) von {}; {}; {}."},
+    {"Ref. {#}: median (5-95 % range) of {}; {}; median of three trials; computed for dtsd from {!}.",
+     "Vgl. {}: Median (5-95-%-Bereich) von {}; {}; Median aus drei Durchgängen; für dtsd berechnet aus {}."},
     {"36 people of 20 to 38 years, no illness, disability or fall reported",
      "36 Personen von 20 bis 38 Jahren, keine Krankheit, Behinderung oder Sturz angegeben"},
     {"76 people aged 60 or more, illness allowed (6 of them free of every condition): not a norm of healthy elderly people",
      "76 Personen ab 60 Jahren, Krankheiten zugelassen (6 davon ohne jede Krankheit): keine Norm gesunder älterer Menschen"},
-    {"eyes open, firm surface, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis; median of three trials",
-     "Augen offen, fester Untergrund, 60 s, Kraftmessplatte mit 100 Hz, von den Autoren bei 10 Hz tiefpassgefiltert, Profil asis; Median "
-     "aus "
-     "drei Durchgängen"},
-    {"eyes closed, firm surface, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis; median of three trials",
-     "Augen geschlossen, fester Untergrund, 60 s, Kraftmessplatte mit 100 Hz, von den Autoren bei 10 Hz tiefpassgefiltert, Profil asis; "
-     "Median "
-     "aus drei Durchgängen"},
-    {"eyes closed, foam, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis; median of three trials",
-     "Augen geschlossen, Schaumstoff, 60 s, Kraftmessplatte mit 100 Hz, von den Autoren bei 10 Hz tiefpassgefiltert, Profil asis; Median "
-     "aus "
-     "drei Durchgängen"},
+    {"eyes open, firm surface, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis",
+     "Augen offen, fester Untergrund, 60 s, Kraftmessplatte mit 100 Hz, von den Autoren bei 10 Hz tiefpassgefiltert, Profil asis"},
+    {"eyes closed, firm surface, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis",
+     "Augen geschlossen, fester Untergrund, 60 s, Kraftmessplatte mit 100 Hz, von den Autoren bei 10 Hz tiefpassgefiltert, Profil asis"},
+    {"eyes closed, foam, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis",
+     "Augen geschlossen, Schaumstoff, 60 s, Kraftmessplatte mit 100 Hz, von den Autoren bei 10 Hz tiefpassgefiltert, Profil asis"},
     // Flags of an analysis
     {"Under 10 s or 200 samples: time-domain values only.", "Unter 10 s oder 200 Abtastungen: nur Werte im Zeitbereich."},
     {"Under 20 s: no median and 95 % frequency.", "Unter 20 s: keine Medianfrequenz und keine 95-%-Frequenz."},
@@ -305,7 +306,6 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"The critical time of an axis is doubtful: short-term diffusion is not twice the long-term one.",
      "Die kritische Zeit einer Achse ist zweifelhaft: Die Kurzzeit-Diffusion ist nicht doppelt so groß wie die Langzeit-Diffusion."},
     {"Over an hour: no sample entropy.", "Über eine Stunde: keine Sample-Entropie."},
-    {"{}. ({!})", "{}. ({})"},
     // Measures
     {"Distance from the mean", "Abstand vom Mittel"},
     {"Mean distance", "Mittlerer Abstand"},
@@ -432,8 +432,8 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Not valid: {}.", "Nicht gültig: {}."},
     {"Scans are missing in this trial: it has no result.", "In diesem Durchgang fehlen Abtastungen: Er hat kein Ergebnis."},
     {"scans missing", "Abtastungen fehlen"},
-    {"scans missing {}", "Abtastungen fehlen {}"},
-    {"no reach {}", "keine Reichbewegung {}"},
+    {"scans missing {#}", "Abtastungen fehlen {}"},
+    {"no reach {#}", "keine Reichbewegung {}"},
     {"no target", "kein Ziel"},
     {"No trunk class: {}.", "Keine Rumpfklasse: {}."},
     {"A minor reach gets at most the class minor.", "Eine geringe Reichbewegung bekommt höchstens die Klasse gering."},
@@ -467,9 +467,9 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"line: 90 % interval; black: mean and SD; open: rejected", "Linie: 90-%-Intervall; schwarz: Mittel und SD; offen: verworfen"},
     {"change from P1, mm", "Änderung ab P1, mm"},
     {"time after P1, s", "Zeit nach P1, s"},
-    {"{} of {}", "{} von {}"},
-    {"{} to {}", "{} bis {}"},
-    {"{} to {} \u00B0", "{} bis {} \u00B0"},
+    {"{#} of {#}", "{} von {}"},
+    {"{#} to {#}", "{} bis {}"},
+    {"{#} to {#} \u00B0", "{} bis {} \u00B0"},
     {"done, not redone and not rejected", "fertig, nicht wiederholt und nicht verworfen"},
     {"of the trials without missing scans", "der Durchgänge ohne fehlende Abtastungen"},
     {"of the reaches that the model judged", "der Reichbewegungen, die das Modell beurteilt hat"},
@@ -529,11 +529,11 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Expected for this target", "Bei diesem Ziel erwartet"},
     {"Probability", "Wahrscheinlichkeit"},
     {"minor {}, moderate {}, maximum {}", "gering {}, mäßig {}, maximal {}"},
-    {"minor {}", "gering {}"},
-    {"moderate {}", "mäßig {}"},
-    {"maximum {}", "maximal {}"},
-    {"none {}", "keine {}"},
-    {"rejected {}", "verworfen {}"},
+    {"minor {#}", "gering {}"},
+    {"moderate {#}", "mäßig {}"},
+    {"maximum {#}", "maximal {}"},
+    {"none {#}", "keine {}"},
+    {"rejected {#}", "verworfen {}"},
     {"Trunk angle at P3", "Rumpfwinkel bei P3"},
     {"Scale", "Maßstab"},
     {"the subject's own", "der eigene der Person"},
@@ -649,9 +649,9 @@ constexpr auto kTexts = std::to_array<Translated>({
     {" at {} Hz", " bei {} Hz"},
     // Texts made of several ones
     {"{}; {}", "{}; {}"},
+    {"{} ({})", "{} ({})"},
     {"{}: {}", "{}: {}"},
     {"{}, {}", "{}, {}"},
-    {"{} ({})", "{} ({})"},
     {"{}.", "{}."},
 });
 

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kMostDepth = 12;  // of texts within texts
 constexpr std::string_view kAny = "{}";
-constexpr std::string_view kVerbatim = "{!}";
+constexpr char kVerbatimKind = '!';
+constexpr char kNumberKind = '#';
 /// Facts whose value is a text of a person.
 constexpr std::array<std::string_view, 4> kTyped = {"Session", "Subject ID", "Label", "Notes"};
 
@@ -36,8 +37,13 @@ std::string with_comma(std::string_view text) {
   return out;
 }
 
-/// Returns the texts for each "{}"; nothing if the English text is another one.
-std::optional<std::vector<std::string_view>> parts_of_match(std::string_view text, const std::vector<std::string>& literals) {
+bool is_number(std::string_view text) {
+  return text.find_first_not_of("0123456789.-") == std::string_view::npos && text.find_first_of("0123456789") != std::string_view::npos;
+}
+
+/// Returns the texts for each place; nothing if the English text is another one.
+std::optional<std::vector<std::string_view>> parts_of_match(std::string_view text, const std::vector<std::string>& literals,
+                                                            std::string_view places) {
   if (!text.starts_with(literals.front()) || !text.ends_with(literals.back())) return std::nullopt;
   std::vector<std::string_view> parts;
   std::size_t at = literals.front().size();
@@ -46,6 +52,7 @@ std::optional<std::vector<std::string_view>> parts_of_match(std::string_view tex
     const std::size_t found = is_last ? text.size() - literals[index].size() : text.find(literals[index], at);
     if (found == std::string_view::npos || found <= at) return std::nullopt;  // no part is empty
     parts.push_back(text.substr(at, found - at));
+    if (places[index - 1] == kNumberKind && !is_number(parts.back())) return std::nullopt;
     at = found + literals[index].size();
   }
   return parts;
@@ -81,17 +88,19 @@ Translation::Translation(Language language, const session::Protocol& protocol) :
 }
 
 void Translation::add(std::string_view english, std::string_view translated) {
-  Entry entry{.literals = {}, .is_verbatim = {}, .translated = std::string(translated), .letters = english.size()};
+  Entry entry{.literals = {}, .places = {}, .translated = std::string(translated)};
   std::string literal;
   for (std::size_t at = 0; at < english.size();) {
-    const bool is_verbatim = english.substr(at).starts_with(kVerbatim);
-    if (!is_verbatim && !english.substr(at).starts_with(kAny)) {
+    const std::string_view rest = english.substr(at);
+    const bool is_any = rest.starts_with(kAny);
+    if (!is_any && !rest.starts_with("{!}") && !rest.starts_with("{#}")) {
+      entry.letters += std::isalpha(static_cast<unsigned char>(english[at])) != 0 ? 1U : 0U;
       literal += english[at++];
       continue;
     }
     entry.literals.push_back(std::exchange(literal, {}));
-    entry.is_verbatim.push_back(is_verbatim);
-    at += is_verbatim ? kVerbatim.size() : kAny.size();
+    entry.places += rest[1];
+    at += is_any ? kAny.size() : kAny.size() + 1;
   }
   if (entry.literals.empty()) {
     whole_.emplace_back(english, translated);
@@ -110,7 +119,7 @@ std::string Translation::text(std::string_view english, int depth) const {
   if (whole != whole_.end() && whole->first == english) return whole->second;
   if (depth >= kMostDepth) return with_comma(english);
   for (const Entry& entry : entries_) {
-    const auto parts = parts_of_match(english, entry.literals);
+    const auto parts = parts_of_match(english, entry.literals, entry.places);
     if (!parts) continue;
     std::string out;
     std::size_t part = 0;
@@ -120,7 +129,7 @@ std::string Translation::text(std::string_view english, int depth) const {
         out += translated[at++];
         continue;
       }
-      out += entry.is_verbatim[part] ? std::string((*parts)[part]) : text((*parts)[part], depth + 1);
+      out += entry.places[part] == kVerbatimKind ? std::string((*parts)[part]) : text((*parts)[part], depth + 1);
       ++part;
       at += kAny.size();
     }

@@ -14,7 +14,7 @@
 namespace dts::report {
 
 /// An English text and its translation. "{}" stands for any text, which is translated too; "{!}" for a text of a person or a device, which
-/// stays as it is. A translation has the same "{}" in the same order.
+/// stays as it is; "{#}" for a number. A translation has as many "{}", in the same order.
 using Translated = std::pair<std::string_view, std::string_view>;
 
 /// The German of every text of the pages.
@@ -33,8 +33,8 @@ class Translation {
 
  private:
   struct Entry {
-    std::vector<std::string> literals;  ///< Of the English text, around each "{}".
-    std::vector<bool> is_verbatim;      ///< Of each "{}".
+    std::vector<std::string> literals;  ///< Of the English text, around each place.
+    std::string places;                 ///< The kind of each place: '}' any, '!' verbatim, '#' a number.
     std::string translated;
     std::size_t letters = 0;
   };

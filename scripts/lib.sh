@@ -40,6 +40,7 @@ DTS_TEST_PACKAGES=(
   libreaderwriterqueue-dev                             # a peer in the ring benchmark
   python3-onnx                                         # an independent reader of exported networks
   gnuplot-nox                                          # dtslab --plot
+  librsvg2-bin poppler-utils                           # reports as PDF; poppler reads their text in the tests
   gcc-avr avr-libc binutils-avr make                   # clients/firmware: the firmware of a board
   libsimavr-dev libelf-dev                             # the firmware runs in simavr
   doxygen                                              # every public declaration of libdts has a comment

@@ -247,15 +247,16 @@ void add_files(CommandTree& tree, CLI::App& session) {
 
 void add_report(CommandTree& tree) {
   SessionArguments& wishes = tree.arguments.session;
-  CLI::App* report =
-      add(tree, tree.line.app, "report", "Write a report of a session of quiet standing: one page per session and one per trial",
-          "dtsctl report 20261121T144525Z-floor-1 | HTML and SVG pages into 20261121T144525Z-floor-1-report\n"
-          "dtsctl report floor.xdf --format html --out pages | from a file; works without a daemon\n",
-          run_report);
+  CLI::App* report = add(tree, tree.line.app, "report", "Write a report of a session: one page per session and one per trial",
+                         "dtsctl report 20261121T144525Z-floor-1 | HTML and SVG pages into 20261121T144525Z-floor-1-report\n"
+                         "dtsctl report 20261121T144525Z-chair-1 --format pdf | one document, report.pdf, to print or to archive\n"
+                         "dtsctl report floor.xdf --format html --out pages | from a file; works without a daemon\n",
+                         run_report);
   add_id(*report, tree, "ID|FILE", "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
-  report->add_option("--format", wishes.format, "Format: html, svg or all. Default: all")
+  report
+      ->add_option("--format", wishes.format, "Format: html, svg, pdf (needs the package librsvg2-bin) or all (html and svg). Default: all")
       ->option_text("NAME")
-      ->check(CLI::IsMember({"html", "svg", "all"}));
+      ->check(CLI::IsMember({"html", "svg", "pdf", "all"}));
   report->add_option("--out", wishes.out, "Folder to write to; report pages in it are replaced. Default: ID-report")->option_text("DIR");
 }
 

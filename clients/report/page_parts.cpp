@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <iterator>
 
 #include "core/join.h"
 #include "report/number_text.h"
@@ -23,13 +24,13 @@ std::string day_text(std::int64_t utc_ns) {
          std::to_string(static_cast<int>(date.year()));
 }
 
-std::string protocol_title(const SessionData& session) {
+std::string protocol_title(const SessionInfo& session) {
   return session.protocol.title.empty() ? session.facts->protocol : session.protocol.title;
 }
 
 }  // namespace
 
-std::string session_title(const SessionData& session) {
+std::string session_title(const SessionInfo& session) {
   if (!session.facts) return "Quiet standing";
   std::vector<std::string> parts{session.facts->subject, protocol_title(session)};
   if (session.facts->started_utc_ns > 0) parts.push_back(day_text(session.facts->started_utc_ns));
@@ -37,13 +38,13 @@ std::string session_title(const SessionData& session) {
   return core::join(parts);
 }
 
-std::string protocol_text(const SessionData& session) {
+std::string protocol_text(const SessionInfo& session) {
   if (!session.facts || session.facts->protocol.empty()) return "-";
   const std::string title = protocol_title(session);
   return title == session.facts->protocol ? title : title + " (" + session.facts->protocol + ")";
 }
 
-std::string condition_text(const SessionData& session, const std::string& condition) {
+std::string condition_text(const SessionInfo& session, const std::string& condition) {
   if (condition.empty()) return "-";
   if (!session.protocol.trials) return condition;
   const auto& conditions = session.protocol.trials->conditions;
@@ -51,7 +52,7 @@ std::string condition_text(const SessionData& session, const std::string& condit
   return known == conditions.end() || known->title.empty() ? condition : known->title;
 }
 
-Fact field_fact(const SessionData& session, const std::string& name, const std::string& value) {
+Fact field_fact(const SessionInfo& session, const std::string& name, const std::string& value) {
   const auto known = std::ranges::find(session.protocol.fields, name, &session::ProtocolField::name);
   if (known == session.protocol.fields.end() || known->label.empty()) return {.name = name, .value = value};
   return {.name = known->label, .value = value + (known->unit.empty() ? "" : " " + known->unit)};
@@ -94,7 +95,7 @@ std::string filter_text(const posturography::Analysis& analysis) {
   return "Butterworth low-pass of 4th order, 10 Hz, forward and backward";
 }
 
-std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_part, std::size_t end_part) {
+std::vector<Fact> provenance_of(const SessionInfo& session, std::size_t first_part, std::size_t end_part, std::vector<Fact> of_rig) {
   std::vector<Fact> facts;
   for (std::size_t part = first_part; part < end_part && part < session.parts.size(); ++part) {
     const PartData& file = session.parts[part];
@@ -112,17 +113,30 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   if (!about.device_serial.empty()) device += ", serial " + about.device_serial;
   if (!about.firmware.empty()) device += ", firmware " + about.firmware;
   facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
-  if (session.is_force_plate) {
-    facts.push_back({.name = "Calibration", .value = "of the force plate's maker, as in the recorded rig"});
-  } else {
-    facts.push_back({.name = "Calibration",
-                     .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
-    facts.push_back({.name = "Two feet",
-                     .value = session.corrects_two_feet ? "load and position are corrected for a person on two feet"
-                                                        : "not corrected: on two feet the load reads too low and sway slightly too small"});
-  }
+  std::ranges::move(of_rig, std::back_inserter(facts));
   facts.push_back({.name = "Stages", .value = about.stages.empty() ? "-" : core::join(about.stages, "; ")});
   return facts;
+}
+
+std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_part, std::size_t end_part) {
+  std::vector<Fact> of_rig;
+  if (session.is_force_plate) {
+    of_rig.push_back({.name = "Calibration", .value = "of the force plate's maker, as in the recorded rig"});
+  } else if (session.facts) {
+    const std::string& id = session.facts->calibration_id;
+    of_rig.push_back({.name = "Calibration", .value = id.empty() ? "none for this rig: the plate model is used" : id});
+    of_rig.push_back({.name = "Two feet",
+                      .value = session.corrects_two_feet
+                                   ? "load and position are corrected for a person on two feet"
+                                   : "not corrected: on two feet the load reads too low and sway slightly too small"});
+  }
+  return provenance_of(session, first_part, end_part, std::move(of_rig));
+}
+
+Notes provenance_notes(const std::vector<Fact>& facts) {
+  Notes provenance{.title = "Source of the data", .items = {}};
+  for (const Fact& fact : facts) provenance.items.push_back(fact.name + ": " + fact.value);
+  return provenance;
 }
 
 namespace {
@@ -173,17 +187,22 @@ std::optional<Notes> methods_of(const SessionData& session, std::span<const Tria
                 "Collins JJ, De Luca CJ. Open-loop and closed-loop control of posture. Exp Brain Res 1993; 95: 308-318."}};
 }
 
-std::vector<std::string> session_alerts(const SessionData& session) {
+std::vector<std::string> session_alerts(const SessionInfo& session) {
   std::vector<std::string> alerts;
   if (session.is_synthetic()) {
     alerts.push_back("Synthetic data from a simulator (" + session.facts->device_uri + "). No person was measured.");
   }
-  if (session.load && session.load->is_doubtful()) alerts.push_back("Load: " + session.load->sentence() + ".");
   for (const PartData& part : session.parts) {
     if (!part.damage.empty())
       alerts.push_back("The recording " + part.file + " is damaged (" + part.damage + "): only the undamaged part is shown.");
     if (!part.losses.empty()) alerts.push_back("The recording " + part.file + " has gaps: " + part.losses + ".");
   }
+  return alerts;
+}
+
+std::vector<std::string> session_alerts(const SessionData& session) {
+  std::vector<std::string> alerts = session_alerts(static_cast<const SessionInfo&>(session));
+  if (session.load && session.load->is_doubtful()) alerts.push_back("Load: " + session.load->sentence() + ".");
   return alerts;
 }
 

@@ -2,6 +2,7 @@
 #include "report/recorded_definitions.h"
 
 #include <cmath>
+#include <utility>
 
 #include "files/protocol_file.h"
 #include "files/rig_file.h"
@@ -23,6 +24,14 @@ RecordedRig recorded_rig(const record::SessionFacts& facts) {
   return {.plate = plate,
           .is_force_plate = config.model.force_plate.has_value(),
           .corrects_two_feet = config.cop_calibration && config.cop_calibration->two_feet};
+}
+
+std::optional<classifier::TrunkModel> recorded_trunk_model(const record::SessionFacts& facts) {
+  if (facts.rig_definition.empty()) return std::nullopt;
+  files::Problems problems;
+  auto config = files::read_rig_text(facts.rig_definition, "the recorded rig", problems);
+  if (!problems.empty()) return std::nullopt;
+  return std::move(config.trunk_model);
 }
 
 session::Protocol recorded_protocol(const record::SessionFacts& facts) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "classifier/trunk_model.h"
 #include "record/session_facts.h"
 #include "report/stabilogram.h"
 #include "session/protocol.h"
@@ -17,6 +18,8 @@ struct RecordedRig {
   bool corrects_two_feet = false;  ///< Its calibration has a correction for two feet.
 };
 [[nodiscard]] RecordedRig recorded_rig(const record::SessionFacts& facts);
+/// Returns the model of the recorded chair that classifies reaches; nothing if there is none or it is not readable.
+[[nodiscard]] std::optional<classifier::TrunkModel> recorded_trunk_model(const record::SessionFacts& facts);
 /// Returns the recorded protocol for the names of conditions and fields. What cannot be read, or was written for another version, is left
 /// out: then the keys are shown.
 [[nodiscard]] session::Protocol recorded_protocol(const record::SessionFacts& facts);

@@ -10,11 +10,13 @@
 
 namespace dts::report {
 
-/// A page: "session.html", "trial-03.svg", ...
+/// A page: "session.html", "trial-03.svg", ..., or the document "report.pdf".
 struct Page {
   std::string file;
   std::string text;
 };
+
+inline constexpr std::string_view kPdfName = "report.pdf";
 
 /// Input of a report.
 struct ReportSource {
@@ -22,6 +24,7 @@ struct ReportSource {
   std::string software;            ///< "dtsctl 0.1.0": the program that computed the values.
   bool with_html = true;
   bool with_svg = true;
+  bool with_pdf = false;  ///< "report.pdf": the session's page and the pages of its trials in one document.
 };
 
 /// Receives the progress, 0..1. Returns false to stop the report.
@@ -33,7 +36,7 @@ struct Report {
   std::vector<std::string> damage{};  ///< What was damaged; the pages also show it.
 };
 
-/// Is in the first kilobyte of every page, so that our own pages can be recognised.
+/// Is in the first kilobyte of every page, and in the last kilobyte of a PDF, so that our own pages can be recognised.
 inline constexpr std::string_view kPageMark = "dtsd report page";
 
 /// Creates one page for the session and one for each of its trials, each as HTML and as SVG of A4 size. All content is computed from the
@@ -41,5 +44,10 @@ inline constexpr std::string_view kPageMark = "dtsd report page";
 /// stream "cop" (a chair's session), with DataDamaged if a closed file does not match its checksums. Fails with Failed if `progress` stops
 /// it. Reports a torn recording up to the damage, and every page states that. Thread: any.
 [[nodiscard]] core::Result<Report> make_report(const ReportSource& source, const ReportProgress& progress);
+
+/// Returns the session's page as a PDF document, without the pages of its trials, for other documents that contain it. `with_html`,
+/// `with_svg` and `with_pdf` of the source do not matter. The same recording gives the same bytes with the same version of rsvg-convert and
+/// the same fonts. Fails as `make_report`, and with Unsupported if rsvg-convert is not installed (see pdf.h). Thread: any.
+[[nodiscard]] core::Result<std::string> make_session_pdf(const ReportSource& source, const ReportProgress& progress);
 
 }  // namespace dts::report

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <set>
 
 #include "core/utf8.h"
@@ -20,35 +21,10 @@ constexpr double kMostHalfMm = 11.8;
 constexpr std::size_t kMostPointsOfCell = 1200;
 
 /// Returns the corrected value with the recorded one.
-std::string with_recorded(const SessionData& session, record::CorrectedField field, const std::string& value) {
+std::string with_recorded(const SessionInfo& session, record::CorrectedField field, const std::string& value) {
   const auto first = std::ranges::find(session.corrections.all, field, &record::Correction::field);
   if (first == session.corrections.all.end() || first->old_value == value) return value;
   return value + " (corrected; recorded: " + (first->old_value.empty() ? "none" : first->old_value) + ")";
-}
-
-std::vector<Fact> facts_of(const SessionData& session) {
-  if (!session.facts) return {{.name = "Recording", .value = session.parts.front().file}};
-  const record::SessionFacts& about = *session.facts;
-  const auto or_dash = [](const std::string& text) { return text.empty() ? std::string("-") : text; };
-  std::vector<Fact> facts{{.name = "Session", .value = or_dash(about.session_id)},
-                          {.name = "Subject ID", .value = with_recorded(session, record::CorrectedField::Subject, or_dash(about.subject))},
-                          {.name = "Rig", .value = or_dash(about.rig)},
-                          {.name = "Protocol", .value = protocol_text(session)},
-                          {.name = "Started", .value = about.started_utc_ns > 0 ? utc_text(about.started_utc_ns) : "unknown"}};
-  const auto kept = std::ranges::count_if(session.trials, [](const TrialData& trial) { return trial.counts(); });
-  facts.push_back(
-      {.name = "Trials",
-       .value = std::to_string(kept) + (session.planned_trials > 0 ? " of " + std::to_string(session.planned_trials) : "") + " valid"});
-  for (const auto& [name, value] : about.fields) {
-    if (facts.size() < 16) facts.push_back(field_fact(session, name, value));
-  }
-  if (session.load) facts.push_back({.name = "Load", .value = session.load->sentence()});
-  if (!about.label.empty()) {
-    facts.push_back({.name = "Label", .value = with_recorded(session, record::CorrectedField::Label, about.label)});
-  }
-  const std::string* const notes = session.corrections.value(record::CorrectedField::Notes);
-  if (notes != nullptr && !notes->empty()) facts.push_back({.name = "Notes", .value = *notes});
-  return facts;
 }
 
 /// Returns the largest scale at which every path fits its cell; one scale for all, so that sizes are comparable.
@@ -131,27 +107,6 @@ Notes left_out(const SessionData& session) {
   return notes;
 }
 
-/// Lists what people corrected. A deletion is not listed: a deleted session has no report.
-Notes corrections_of(const SessionData& session) {
-  Notes notes{.title = "Corrections", .items = {}};
-  const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
-  for (const record::Correction& correction : session.corrections.all) {
-    if (correction.field == record::CorrectedField::Deleted) continue;
-    if (notes.items.size() == 20) {
-      notes.items.emplace_back("More corrections: dtsctl session show ID.");
-      break;
-    }
-    std::string what(record::name(correction.field));
-    if (correction.field == record::CorrectedField::Subject) what = "subject ID";
-    if (correction.field == record::CorrectedField::Outcome) {
-      what += " of trial " + std::to_string(correction.trial) + ", attempt " + std::to_string(correction.attempt);
-    }
-    notes.items.push_back(what + ": " + value(correction.old_value) + " -> " + value(correction.new_value) + ", " +
-                          utc_text(correction.utc_ns) + ", " + correction.who + ": " + correction.reason + ".");
-  }
-  return notes;
-}
-
 Notes differences(const SessionData& session) {
   Notes notes{.title = "Notes", .items = {}};
   std::size_t compared = 0;
@@ -174,11 +129,58 @@ Notes differences(const SessionData& session) {
 
 }  // namespace
 
+std::vector<Fact> session_facts(const SessionInfo& session, std::size_t valid_trials, const std::vector<Fact>& of_rig) {
+  if (!session.facts) return {{.name = "Recording", .value = session.parts.front().file}};
+  const record::SessionFacts& about = *session.facts;
+  const auto or_dash = [](const std::string& text) { return text.empty() ? std::string("-") : text; };
+  std::vector<Fact> facts{{.name = "Session", .value = or_dash(about.session_id)},
+                          {.name = "Subject ID", .value = with_recorded(session, record::CorrectedField::Subject, or_dash(about.subject))},
+                          {.name = "Rig", .value = or_dash(about.rig)},
+                          {.name = "Protocol", .value = protocol_text(session)},
+                          {.name = "Started", .value = about.started_utc_ns > 0 ? utc_text(about.started_utc_ns) : "unknown"}};
+  facts.push_back({.name = "Trials",
+                   .value = std::to_string(valid_trials) +
+                            (session.planned_trials > 0 ? " of " + std::to_string(session.planned_trials) : "") + " valid"});
+  for (const auto& [name, value] : about.fields) {
+    if (facts.size() < 16) facts.push_back(field_fact(session, name, value));
+  }
+  std::ranges::copy(of_rig, std::back_inserter(facts));
+  if (!about.label.empty()) {
+    facts.push_back({.name = "Label", .value = with_recorded(session, record::CorrectedField::Label, about.label)});
+  }
+  const std::string* const notes = session.corrections.value(record::CorrectedField::Notes);
+  if (notes != nullptr && !notes->empty()) facts.push_back({.name = "Notes", .value = *notes});
+  return facts;
+}
+
+Notes corrections_of(const SessionInfo& session) {
+  Notes notes{.title = "Corrections", .items = {}};
+  const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
+  for (const record::Correction& correction : session.corrections.all) {
+    if (correction.field == record::CorrectedField::Deleted) continue;
+    if (notes.items.size() == 20) {
+      notes.items.emplace_back("More corrections: dtsctl session show ID.");
+      break;
+    }
+    std::string what(record::name(correction.field));
+    if (correction.field == record::CorrectedField::Subject) what = "subject ID";
+    if (correction.field == record::CorrectedField::Outcome) {
+      what += " of trial " + std::to_string(correction.trial) + ", attempt " + std::to_string(correction.attempt);
+    }
+    notes.items.push_back(what + ": " + value(correction.old_value) + " -> " + value(correction.new_value) + ", " +
+                          utc_text(correction.utc_ns) + ", " + correction.who + ": " + correction.reason + ".");
+  }
+  return notes;
+}
+
 PageContent session_content(const SessionData& session, const SessionPageLimits& limits) {
+  const auto valid = std::ranges::count_if(session.trials, [](const TrialData& trial) { return trial.counts(); });
+  std::vector<Fact> of_rig;
+  if (session.load) of_rig.push_back({.name = "Load", .value = session.load->sentence()});
   PageContent page{
       .title = session_title(session),
       .subtitle = "quiet standing",
-      .facts = facts_of(session),
+      .facts = session_facts(session, static_cast<std::size_t>(valid), of_rig),
       .alerts = session_alerts(session),
       .sections = {},
   };
@@ -197,8 +199,7 @@ PageContent session_content(const SessionData& session, const SessionPageLimits&
   Section tables{.columns = {{}}};
   for (Table& table : condition_tables(session)) tables.columns[0].push_back(std::move(table));
   page.sections.push_back(std::move(tables));
-  Notes provenance{.title = "Source of the data", .items = {}};
-  for (const Fact& fact : provenance_of(session, 0, session.parts.size())) provenance.items.push_back(fact.name + ": " + fact.value);
+  Notes provenance = provenance_notes(provenance_of(session, 0, session.parts.size()));
   Section rest{.columns = {{}, {left_out(session), differences(session)}}};
   if (auto corrections = corrections_of(session); !corrections.items.empty()) rest.columns[1].push_back(std::move(corrections));
   if (auto romberg = romberg_table(session)) rest.columns[0].push_back(std::move(*romberg));

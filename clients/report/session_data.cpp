@@ -22,72 +22,16 @@ namespace {
 
 using posturography::Measure;
 
-constexpr double kSameValue = 1e-9;
 constexpr double kReadingShare = 0.5;  // fraction of the work, for the progress bar
-constexpr double kLargestUtcNs = 9e18;
-
-/// The range [begin, end) of the progress for one part.
-struct Share {
-  double begin = 0.0;
-  double end = 1.0;
-};
-
-/// Remembers that the report was stopped, because the callbacks below cannot.
-class Waiting {
- public:
-  Waiting(const ReportProgress& progress) : progress_(progress) {}
-  void report(const Share& share, double fraction) {
-    if (is_wanted_) is_wanted_ = progress_(share.begin + (share.end - share.begin) * std::clamp(fraction, 0.0, 1.0));
-  }
-  [[nodiscard]] bool is_wanted() const noexcept { return is_wanted_; }
-
- private:
-  const ReportProgress& progress_;
-  bool is_wanted_ = true;
-};
-
-auto interrupted() { return core::fail(core::ErrorCode::Failed, "the report was interrupted: no page was written"); }
-
-core::Result<PartData> check_part(const std::string& path, const record::Recording& recording, Waiting& waiting, const Share& share) {
-  PartData part{.file = std::filesystem::path(path).filename().string(),
-                .sha256 = {},
-                .damage = recording.damage(),
-                .losses = to_text(recording.losses())};
-  // Wrong values look like correct ones: only the checksums show damage. A value in a report must not be from a damaged file.
-  const auto verified = record::verify(path, [&](std::uint64_t done, std::uint64_t of) {
-    waiting.report(share, of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1.0);
-    return waiting.is_wanted();
-  });
-  if (!waiting.is_wanted()) return interrupted();
-  if (verified) {
-    part.sha256 = verified->sha256;
-    part.state = record::name(record::state_of(*verified, path));
-  } else if (part.damage.empty()) {
-    return core::fail(verified.error().code, verified.error().what, "copy the undamaged part: dtsctl session recover " + path);
-  }
-  return part;
-}
-
-std::optional<std::int64_t> utc_of(const std::optional<std::int64_t>& host_ns, const std::optional<record::SessionFacts>& facts) {
-  if (!host_ns || !facts || facts->started_utc_ns <= 0) return std::nullopt;
-  const double sum = static_cast<double>(*host_ns) + static_cast<double>(facts->utc_minus_monotonic_ns);
-  if (!(std::abs(sum) < kLargestUtcNs)) return std::nullopt;
-  return *host_ns + facts->utc_minus_monotonic_ns;
-}
 
 core::Status read_part(const std::string& path, Waiting& waiting, const Share& share, SessionData& session) {
-  DTS_TRY_ASSIGN(auto opened, record::Recording::open(path));
   const double middle = share.begin + (share.end - share.begin) / 3.0;
-  if (session.parts.empty() && opened->session()) {
-    DTS_TRY_ASSIGN(session.corrections, record::corrections_beside(path, *opened->session()));
-    session.facts = record::corrected(*opened->session(), session.corrections);
-  }
+  DTS_TRY_ASSIGN(const auto opened, open_part(path, waiting, {.begin = share.begin, .end = middle}, session));
   const std::uint32_t number = opened->session() ? opened->session()->part : 1;
   if (!opened->find_stream("cop")) {
-    return core::fail(core::ErrorCode::NotFound, "'" + path + "' has no centre of pressure: reports exist only for the floor platform",
-                      "for a session of the chair, show the results: dtsctl session show ID");
+    return core::fail(core::ErrorCode::NotFound, "'" + path + "' has no centre of pressure and no reaches: nothing to report",
+                      "choose a session of a floor platform or of a chair: dtsctl session list");
   }
-  DTS_TRY_ASSIGN(auto part, check_part(path, *opened, waiting, {.begin = share.begin, .end = middle}));
   WatchedRecording recording(*opened, [&waiting] { return waiting.is_wanted(); });
   auto standing =
       session::read_recorded_standing(recording, [&](double fraction) { waiting.report({.begin = middle, .end = share.end}, fraction); });
@@ -102,23 +46,12 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
     }
     added.begins_utc_ns = utc_of(host_ns, recording.session());
     added.recorded = std::move(trial);
-    added.part = session.parts.size();
+    added.part = session.parts.size() - 1;
     session.trials.push_back(std::move(added));
   }
   // A resumed session has results for its parts; only results for the whole session are comparable with those computed here.
   for (session::SessionFigure& result : standing->live_results) session.summary.push_back(std::move(result));
-  session.parts.push_back(std::move(part));
   return {};
-}
-
-/// Returns the files of the rig that leads the session: the trials and results are those of its recordings. Files of companions alone stay.
-std::vector<std::string> leading_files(const std::vector<std::string>& files) {
-  std::vector<std::string> leading;
-  std::ranges::copy_if(files, std::back_inserter(leading), [](const std::string& file) {
-    const auto facts = record::read_session_facts(file);
-    return !facts || facts->leading_part == 0;
-  });
-  return leading.empty() ? files : leading;
 }
 
 void compare_with_live(TrialData& trial) {
@@ -198,8 +131,6 @@ std::optional<double> foot_length_mm(const std::optional<record::SessionFacts>& 
 
 }  // namespace
 
-bool is_same_value(double a, double b) noexcept { return std::abs(a - b) <= kSameValue * std::max(std::abs(a), std::abs(b)); }
-
 std::string TrialData::label(const std::string& name) const {
   const auto found = std::ranges::find(recorded.labels, name, &std::pair<std::string, std::string>::first);
   return found == recorded.labels.end() ? "" : found->second;
@@ -210,10 +141,9 @@ std::string TrialData::number() const {
   return std::to_string(recorded.trial) + (recorded.attempt > 1 ? ", attempt " + std::to_string(recorded.attempt) : "");
 }
 
-std::string SessionData::session_id() const { return facts ? facts->session_id : ""; }
-
 core::Result<SessionData> read_session(const ReportSource& source, const ReportProgress& progress) {
-  SessionData session{.software = source.software};
+  SessionData session;
+  session.software = source.software;
   if (source.files.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no recording for the report");
   Waiting waiting(progress);
   const std::vector<std::string> files = leading_files(source.files);
@@ -227,8 +157,6 @@ core::Result<SessionData> read_session(const ReportSource& source, const ReportP
     session.plate = rig.plate;
     session.is_force_plate = rig.is_force_plate;
     session.corrects_two_feet = rig.corrects_two_feet;
-    session.protocol = recorded_protocol(*session.facts);
-    session.planned_trials = planned_trials(*session.facts);
     session.foot_length_mm = foot_length_mm(session.facts);
   }
   name_pages(session.trials);

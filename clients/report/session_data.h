@@ -10,24 +10,13 @@
 #include "posturography/analysis.h"
 #include "posturography/prepare.h"
 #include "posturography/spectrum.h"
-#include "record/catalogue/corrections.h"
-#include "record/session_facts.h"
 #include "report/report.h"
+#include "report/session_info.h"
 #include "report/stabilogram.h"
-#include "session/protocol.h"
 #include "session/recorded_sway.h"
 #include "session/standing_load.h"
 
 namespace dts::report {
-
-/// One file of the session.
-struct PartData {
-  std::string file;      ///< Without its folder, so that reports are the same on every machine.
-  std::string sha256{};  ///< Empty: the file is damaged.
-  std::string state{};   ///< In the words of the catalogue; empty if the file is damaged.
-  std::string damage;    ///< Empty: no damage.
-  std::string losses;    ///< What is missing between its first and its last scan; empty: nothing.
-};
 
 /// A trial and its new analysis.
 struct TrialData {
@@ -50,30 +39,18 @@ struct TrialData {
   [[nodiscard]] std::string number() const;
 };
 
-/// All data of a session that a report shows.
-struct SessionData {
-  std::string software;
-  std::optional<record::SessionFacts> facts;  ///< Of the first part, with corrected values; absent: a file of another program.
-  record::Corrections corrections;            ///< Of the session.
-  std::vector<PartData> parts;
+/// All data of a session of quiet standing that a report shows.
+struct SessionData : SessionInfo {
   std::vector<TrialData> trials;  ///< In the order of the recording.
   std::vector<session::SessionFigure> summary;
   std::vector<session::MissingQuotient> missing_quotients;
   std::vector<std::string> differing_results;  ///< Names of results that differ from those that the daemon recorded.
   std::optional<PlateSize> plate;
-  session::Protocol protocol{};               ///< As recorded, for names.
   bool is_force_plate = false;                ///< The rig is a force plate, not a bending plate.
   bool corrects_two_feet = false;             ///< The rig's calibration has a correction for two feet.
   std::optional<session::StandingLoad> load;  ///< Only of such a rig.
-  std::uint32_t planned_trials = 0;
   std::optional<double> foot_length_mm;
-
-  [[nodiscard]] std::string session_id() const;
-  [[nodiscard]] bool is_synthetic() const { return facts && facts->device_uri.starts_with("sim:"); }
 };
-
-/// Returns whether two values are equal except for rounding: 1e-9 relative.
-[[nodiscard]] bool is_same_value(double a, double b) noexcept;
 
 /// Reads and analyses. Fails as `make_report`.
 [[nodiscard]] core::Result<SessionData> read_session(const ReportSource& source, const ReportProgress& progress);

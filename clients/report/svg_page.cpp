@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <compare>
+#include <cstdint>
+#include <deque>
 #include <numeric>
 
 #include "core/utf8.h"
@@ -18,6 +21,9 @@ constexpr double kLinePitch = 2.55;
 constexpr double kBlockGap = 1.8;
 constexpr std::size_t kFactColumns = 3;
 constexpr double kLastLine = kPageHeightMm - 6.0;
+constexpr double kFooterLine = kPageHeightMm - 3.0;  // of a document of several pages
+constexpr double kNextPageTop = kMarginMm + 4.0;     // below the title of a continued page
+constexpr double kHeadPitch = 4.2;
 
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words(1);
@@ -47,106 +53,185 @@ std::vector<std::string> lines_of(const std::string& text, double width, double 
   return lines;
 }
 
-/// Writes downwards; skips blocks that do not fit on the page, and the page states that.
+/// Empty pages of A4 size, made as they are needed.
+class Paper {
+ public:
+  explicit Paper(const PageContent& content) : title_(content.title + (content.subtitle.empty() ? "" : ": " + content.subtitle)) {}
+
+  [[nodiscard]] Canvas& page(std::size_t number) {
+    while (canvases_.size() <= number) add();
+    return canvases_[number];
+  }
+  [[nodiscard]] std::size_t size() const noexcept { return canvases_.size(); }
+  [[nodiscard]] const std::string& title() const noexcept { return title_; }
+  [[nodiscard]] std::string text(std::size_t number) const { return text_of(documents_[number], true); }
+
+ private:
+  void add() {
+    pugi::xml_document& document = documents_.emplace_back();
+    document.append_child(pugi::node_comment).set_value(std::string(kPageMark).c_str());
+    Canvas canvas = new_picture(document, kPageWidthMm, kPageHeightMm, title_);
+    canvas.rect(0.0, 0.0, kPageWidthMm, kPageHeightMm, "#FFFFFF", {.colour = colour::kNone});
+    canvases_.push_back(canvas);
+  }
+
+  std::string title_;
+  std::deque<pugi::xml_document> documents_;
+  std::deque<Canvas> canvases_;
+};
+
+/// A height on one of the pages.
+struct Place {
+  std::size_t page = 0;
+  double y = 0.0;
+
+  friend auto operator<=>(const Place&, const Place&) = default;
+};
+
+enum class WhenFull : std::uint8_t { Stop, NextPage };
+
+/// Writes downwards in one column. At the end of the page, continues on the next one, or skips the blocks that do not fit.
 class Flow {
  public:
-  Flow(Canvas& canvas, double left, double width, double top) : canvas_(canvas), left_(left), width_(width), y_(top) {}
+  Flow(Paper& paper, double left, double width, Place at, WhenFull when_full)
+      : paper_(paper), left_(left), width_(width), page_(at.page), y_(at.y), when_full_(when_full) {}
 
-  [[nodiscard]] double y() const noexcept { return y_; }
+  [[nodiscard]] Place place() const noexcept { return {.page = page_, .y = y_}; }
   [[nodiscard]] bool is_full() const noexcept { return is_full_; }
-  void skip(double height) { y_ += height; }
 
   void paragraph(const std::string& text, const TextStyle& style = {.size = kTextSize}, double indent = 0.0) {
     for (const std::string& line : lines_of(text, width_ - indent, style.size)) {
       if (!has_room(kLinePitch)) return;
-      canvas_.text(left_ + indent, y_ + style.size, line, style);
+      canvas().text(left_ + indent, y_ + style.size, line, style);
       y_ += kLinePitch;
     }
   }
 
   void operator()(const Table& table) {
-    head(table.title);
     const double share = std::accumulate(table.columns.begin(), table.columns.end(), 0.0,
                                          [](double sum, const Column& column) { return sum + column.share; });
     std::vector<double> widths;
     for (const Column& column : table.columns) widths.push_back(width_ * column.share / share);
+    head(table.title, kLinePitch * static_cast<double>(lines_of_heads(table, widths) + 1));
     column_heads(table, widths);
-    for (const Row& row : table.rows) put_row(table, row, widths);
+    for (const Row& row : table.rows) {
+      const std::size_t page = page_;
+      if (!has_room(kRowPitch * static_cast<double>(lines_of_row(table, row, widths)))) break;
+      if (page_ != page) column_heads(table, widths);
+      put_row(table, row, widths);
+    }
     y_ += 0.6;
     for (const std::string& note : table.footnotes) paragraph(note, {.size = 1.9, .colour = colour::kDarkGrey});
     y_ += kBlockGap;
   }
   void operator()(const Figure& figure) {
-    head(figure.title);
+    head(figure.title, figure.height_mm);
     if (!has_room(figure.height_mm)) return;
-    Canvas picture = canvas_.group(left_, y_);
+    Canvas picture = canvas().group(left_, y_);
     figure.draw(picture);
     y_ += figure.height_mm + kBlockGap;
   }
   void operator()(const Notes& notes) {
-    head(notes.title);
+    head(notes.title, kLinePitch);
     for (const std::string& item : notes.items) paragraph(item);
     y_ += kBlockGap;
   }
 
  private:
+  [[nodiscard]] Canvas& canvas() { return paper_.page(page_); }
   bool has_room(double height) {
-    is_full_ = is_full_ || y_ + height > kLastLine;
-    return !is_full_;
+    if (y_ + height <= kLastLine) return !is_full_;
+    const bool fits_nowhere = kNextPageTop + height > kLastLine;
+    if (when_full_ == WhenFull::Stop || fits_nowhere) {
+      is_full_ = true;
+      return false;
+    }
+    ++page_;
+    y_ = kNextPageTop;
+    return true;
   }
-  void head(const std::string& title) {
-    if (title.empty() || !has_room(5.0)) return;
-    canvas_.text(left_, y_ + 2.5, title, {.size = kHeadSize, .is_bold = true});
-    y_ += 4.2;
+  /// Keeps the title on the page of what follows: a content of this height.
+  void head(const std::string& title, double following) {
+    if (title.empty() || !has_room(kHeadPitch + following)) return;
+    canvas().text(left_, y_ + 2.5, title, {.size = kHeadSize, .is_bold = true});
+    y_ += kHeadPitch;
   }
   void put_cell(const Column& column, double x, double width, const std::string& text, const TextStyle& style) {
     if (text.empty()) return;
     TextStyle placed = style;
     placed.anchor = column.is_number ? Anchor::End : Anchor::Start;
-    canvas_.text(column.is_number ? x + width - 1.0 : x, y_ + style.size, text, placed);
+    canvas().text(column.is_number ? x + width - 1.0 : x, y_ + style.size, text, placed);
   }
-  void column_heads(const Table& table, const std::vector<double>& widths) {
+  [[nodiscard]] static std::vector<std::vector<std::string>> heads_of(const Table& table, const std::vector<double>& widths) {
     std::vector<std::vector<std::string>> heads;
-    std::size_t most = 1;
     for (std::size_t index = 0; index < table.columns.size(); ++index) {
       heads.push_back(lines_of(table.columns[index].head, widths[index] - 1.0, kTextSize));
-      most = std::max(most, heads.back().size());
     }
+    return heads;
+  }
+  [[nodiscard]] static std::size_t lines_of_heads(const Table& table, const std::vector<double>& widths) {
+    std::size_t most = 1;
+    for (const auto& head : heads_of(table, widths)) most = std::max(most, head.size());
+    return most;
+  }
+  void column_heads(const Table& table, const std::vector<double>& widths) {
+    const std::vector<std::vector<std::string>> heads = heads_of(table, widths);
+    const std::size_t most = lines_of_heads(table, widths);
     if (!has_room(kRowPitch * static_cast<double>(most))) return;
     for (std::size_t line = 0; line < most; ++line) {
       double x = left_;
       for (std::size_t index = 0; index < table.columns.size(); ++index) {
         const std::size_t above = most - heads[index].size();  // aligns heads at the bottom
         if (line >= above)
-          put_cell(table.columns[index], x, widths[index], heads[index][line - above], {.size = kTextSize, .colour = colour::kDarkGrey});
+          put_cell(table.columns[index], x + indent_of(table, index), widths[index], heads[index][line - above],
+                   {.size = kTextSize, .colour = colour::kDarkGrey});
         x += widths[index];
       }
       y_ += kLinePitch;
     }
-    canvas_.line(left_, y_ + 0.2, left_ + width_, y_ + 0.2, {.colour = colour::kGrey, .width = 0.2});
+    canvas().line(left_, y_ + 0.2, left_ + width_, y_ + 0.2, {.colour = colour::kGrey, .width = 0.2});
     y_ += 0.5;
   }
+  /// Text after a column of numbers needs a gap: numbers end at the right edge of their column.
+  [[nodiscard]] static double indent_of(const Table& table, std::size_t index) {
+    return index > 0 && !table.columns[index].is_number && table.columns[index - 1].is_number ? 1.2 : 0.0;
+  }
+  [[nodiscard]] static std::vector<std::string> lines_of_cell(const Table& table, const Row& row, std::size_t index, double width) {
+    if (table.columns[index].is_number) return {row.cells[index]};
+    return lines_of(row.cells[index], width - 0.5 - indent_of(table, index), kTextSize);
+  }
+  [[nodiscard]] static std::size_t lines_of_row(const Table& table, const Row& row, const std::vector<double>& widths) {
+    std::size_t most = 1;
+    if (row.is_heading) return most;
+    for (std::size_t index = 0; index < std::min(row.cells.size(), table.columns.size()); ++index)
+      most = std::max(most, lines_of_cell(table, row, index, widths[index]).size());
+    return most;
+  }
   void put_row(const Table& table, const Row& row, const std::vector<double>& widths) {
-    if (!has_room(kRowPitch)) return;
     if (row.is_heading) {
-      canvas_.text(left_, y_ + kTextSize, row.cells.front(), {.size = kTextSize, .colour = colour::kDarkGrey, .is_bold = true});
+      canvas().text(left_, y_ + kTextSize, row.cells.front(), {.size = kTextSize, .colour = colour::kDarkGrey, .is_bold = true});
       y_ += kRowPitch;
       return;
     }
+    const double top = y_;
     double x = left_;
     for (std::size_t index = 0; index < std::min(row.cells.size(), table.columns.size()); ++index) {
-      std::string text = row.cells[index];
-      if (!table.columns[index].is_number) text = lines_of(text, widths[index] - 0.5, kTextSize).front();
-      put_cell(table.columns[index], x, widths[index], text, {.size = kTextSize});
+      y_ = top;
+      for (const std::string& line : lines_of_cell(table, row, index, widths[index])) {
+        put_cell(table.columns[index], x + indent_of(table, index), widths[index], line, {.size = kTextSize});
+        y_ += kRowPitch;
+      }
       x += widths[index];
     }
-    y_ += kRowPitch;
+    y_ = top + kRowPitch * static_cast<double>(lines_of_row(table, row, widths));
   }
 
-  Canvas& canvas_;
+  Paper& paper_;
   double left_;
   double width_;
+  std::size_t page_;
   double y_;
+  WhenFull when_full_;
   bool is_full_ = false;
 };
 
@@ -185,35 +270,59 @@ double put_alerts(Canvas& canvas, const std::vector<std::string>& alerts, double
   return alerts.empty() ? y : y + 1.0;
 }
 
+/// Lays out the page. Returns whether something did not fit.
+bool lay_out(const PageContent& content, Paper& paper, WhenFull when_full) {
+  Canvas& first = paper.page(0);
+  first.text(kMarginMm, kMarginMm + 3.6, paper.title(), {.size = kTitleSize, .is_bold = true});
+  Place top{.page = 0, .y = put_facts(first, content.facts, kMarginMm + 6.5)};
+  top.y = put_alerts(first, content.alerts, top.y);
+  bool is_full = false;
+  for (const Section& section : content.sections) {
+    Place bottom = top;
+    const double width = section.columns.size() > 1 ? kHalfWidthMm : kFullWidthMm;
+    for (std::size_t column = 0; column < section.columns.size(); ++column) {
+      Flow flow(paper, kMarginMm + (width + kGutterMm) * static_cast<double>(column), width, top, when_full);
+      for (const Block& block : section.columns[column]) std::visit(flow, block);
+      bottom = std::max(bottom, flow.place());
+      is_full = is_full || flow.is_full();
+    }
+    top = bottom;
+  }
+  return is_full;
+}
+
 }  // namespace
 
 std::string svg_of(const PageContent& content) {
-  pugi::xml_document document;
-  document.append_child(pugi::node_comment).set_value(std::string(kPageMark).c_str());
-  Canvas canvas =
-      new_picture(document, kPageWidthMm, kPageHeightMm, content.title + (content.subtitle.empty() ? "" : ": " + content.subtitle));
-  canvas.rect(0.0, 0.0, kPageWidthMm, kPageHeightMm, "#FFFFFF", {.colour = colour::kNone});
-  canvas.text(kMarginMm, kMarginMm + 3.6, content.title + (content.subtitle.empty() ? "" : ": " + content.subtitle),
-              {.size = kTitleSize, .is_bold = true});
-  double y = put_facts(canvas, content.facts, kMarginMm + 6.5);
-  y = put_alerts(canvas, content.alerts, y);
-  bool is_full = false;
-  for (const Section& section : content.sections) {
-    double bottom = y;
-    const double width = section.columns.size() > 1 ? kHalfWidthMm : kFullWidthMm;
-    for (std::size_t column = 0; column < section.columns.size(); ++column) {
-      Flow flow(canvas, kMarginMm + (width + kGutterMm) * static_cast<double>(column), width, y);
-      for (const Block& block : section.columns[column]) std::visit(flow, block);
-      bottom = std::max(bottom, flow.y());
-      is_full = is_full || flow.is_full();
+  Paper paper(content);
+  if (lay_out(content, paper, WhenFull::Stop)) {
+    paper.page(0).text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5, "This page is full; the HTML page shows everything.",
+                       {.size = 2.4, .anchor = Anchor::End, .colour = colour::kVermillion, .is_bold = true});
+  }
+  return paper.text(0);
+}
+
+std::vector<std::string> svg_document_of(std::span<const PageContent> contents, const std::string& footer) {
+  std::deque<Paper> papers;
+  std::size_t count = 0;
+  for (const PageContent& content : contents) {
+    Paper& paper = papers.emplace_back(content);
+    lay_out(content, paper, WhenFull::NextPage);
+    count += paper.size();
+  }
+  std::vector<std::string> pages;
+  for (Paper& paper : papers) {
+    for (std::size_t number = 0; number < paper.size(); ++number) {
+      const std::string of = std::to_string(pages.size() + 1) + " / " + std::to_string(count);
+      const TextStyle style{.size = kTextSize, .colour = colour::kDarkGrey};
+      if (number > 0) paper.page(number).text(kMarginMm, kMarginMm + 1.0, paper.title(), style);
+      paper.page(number).text(kMarginMm, kFooterLine, footer, style);
+      paper.page(number).text(kPageWidthMm - kMarginMm, kFooterLine, of,
+                              {.size = kTextSize, .anchor = Anchor::End, .colour = colour::kDarkGrey});
+      pages.push_back(paper.text(number));
     }
-    y = bottom;
   }
-  if (is_full) {
-    canvas.text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5, "This page is full; the HTML page shows everything.",
-                {.size = 2.4, .anchor = Anchor::End, .colour = colour::kVermillion, .is_bold = true});
-  }
-  return text_of(document, true);
+  return pages;
 }
 
 }  // namespace dts::report

@@ -132,9 +132,7 @@ PageContent trial_content(const SessionData& session, const TrialData& trial) {
   }
   numbers.columns[0].push_back(quality_notes(session, trial));
   page.sections = {std::move(pictures), std::move(numbers)};
-  Notes provenance{.title = "Source of the data", .items = {}};
-  for (const Fact& fact : provenance_of(session, trial.part, trial.part + 1)) provenance.items.push_back(fact.name + ": " + fact.value);
-  page.sections.back().columns[0].push_back(std::move(provenance));
+  page.sections.back().columns[0].push_back(provenance_notes(provenance_of(session, trial.part, trial.part + 1)));
   if (auto methods = methods_of(session, std::span(&trial, 1))) page.sections.back().columns[0].push_back(std::move(*methods));
   return page;
 }

@@ -159,8 +159,6 @@ bool ReachResults::is_at_maximum(const Attempt& attempt) const {
   return person_ && attempt.target_cm && std::abs(*attempt.target_cm - person_->max_reach_cm) <= kSameTargetCm;
 }
 
-/// Returns the scale from the first three consecutive maximum reaches that agree. One wrong reach does not prevent it, and later ones do
-/// not change earlier results.
 std::optional<classifier::SubjectCalibration> ReachResults::own_scale() const {
   if (!person_ || person_->has_stroke || model_ == nullptr) return std::nullopt;  // the geometric model is invalid after a stroke
   const double flexion_deg = physics::trunk_flexion_deg(*person_, person_->max_reach_cm);
@@ -209,11 +207,15 @@ std::vector<ReachTrialResult> ReachResults::take_decided() {
   return decided;
 }
 
-std::vector<ReachTrialResult> ReachResults::results() const {
+std::vector<ReachTrialResult> ReachResults::results() const { return results_of(false); }
+
+std::vector<ReachTrialResult> ReachResults::results_of_void_too() const { return results_of(true); }
+
+std::vector<ReachTrialResult> ReachResults::results_of(bool with_void) const {
   std::vector<ReachTrialResult> all;
   const auto scale = own_scale();
   for (const auto& [key, attempt] : attempts_) {
-    if (attempt.is_decided && !attempt.is_void) all.push_back(result_of(key, attempt, scale));
+    if (attempt.is_decided && (with_void || !attempt.is_void)) all.push_back(result_of(key, attempt, scale));
   }
   std::ranges::stable_sort(all, {}, [](const ReachTrialResult& result) { return Place{result.segment, result.go}; });
   return all;

@@ -72,6 +72,11 @@ class ReachResults {
   [[nodiscard]] std::vector<ReachTrialResult> take_decided();
   /// Returns all valid trials, classified with everything that is known now.
   [[nodiscard]] std::vector<ReachTrialResult> results() const;
+  /// Returns the same for all trials that were decided, also those that are void now.
+  [[nodiscard]] std::vector<ReachTrialResult> results_of_void_too() const;
+  /// Returns the scale from the subject's first three consecutive maximum reaches that agree; nothing before they are known. One wrong
+  /// reach does not prevent it, and later ones do not change earlier results.
+  [[nodiscard]] std::optional<classifier::SubjectCalibration> own_scale() const;
   /// Returns trunk contribution at the critical boundary, classes per target, agreement with the expected class, consistency and
   /// smoothness: see reach_summary.h. Empty without a valid trial.
   [[nodiscard]] std::vector<SessionFigure> summary() const;
@@ -102,7 +107,7 @@ class ReachResults {
   [[nodiscard]] std::optional<core::TrunkMovement> class_of(const core::ReachEvent& reach, const Place& done) const;
   [[nodiscard]] std::vector<const Attempt*> counting() const;
   [[nodiscard]] bool is_at_maximum(const Attempt& attempt) const;
-  [[nodiscard]] std::optional<classifier::SubjectCalibration> own_scale() const;
+  [[nodiscard]] std::vector<ReachTrialResult> results_of(bool with_void) const;
   [[nodiscard]] ReachTrialResult result_of(const Key& key, const Attempt& attempt,
                                            const std::optional<classifier::SubjectCalibration>& scale) const;
 

@@ -210,6 +210,28 @@ void add_critical_boundary(const std::vector<Target>& targets, const std::option
 
 }  // namespace
 
+std::vector<TargetSummary> summarize_targets(std::span<const ReachTrialResult> results) {
+  const auto spread = [](const Sample& sample) {
+    return Spread{.count = sample.count(), .mean = sample.mean(), .deviation = sample.deviation()};
+  };
+  std::vector<TargetSummary> summaries;
+  for (const Target& target : by_target(results)) {
+    summaries.push_back({.condition = target.condition,
+                         .target_cm = target.target_cm,
+                         .expected = target.expected,
+                         .trials = target.counts.trials,
+                         .gaps = target.counts.gaps,
+                         .found = target.counts.found,
+                         .of_class = target.counts.of_class,
+                         .agreed = target.counts.agreed,
+                         .compared = target.counts.compared,
+                         .d2_mm = spread(target.d2_mm),
+                         .trunk_deg = spread(target.trunk_deg),
+                         .sparc = spread(target.sparc)});
+  }
+  return summaries;
+}
+
 std::vector<SessionFigure> summarize(std::span<const ReachTrialResult> results, const std::optional<physics::Person>& person) {
   std::vector<SessionFigure> summary;
   if (results.empty()) return summary;

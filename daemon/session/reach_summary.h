@@ -1,13 +1,45 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "session/reach_results.h"
 
 namespace dts::session {
+
+/// Mean and standard deviation of finite values.
+struct Spread {
+  std::size_t count = 0;
+  std::optional<double> mean;       ///< Nothing without a value.
+  std::optional<double> deviation;  ///< Nothing with fewer than two.
+};
+
+/// The trials to one target.
+struct TargetSummary {
+  std::string condition{};
+  std::optional<double> target_cm;
+  std::optional<core::TrunkClass> expected;
+  std::size_t trials = 0;
+  std::size_t gaps = 0;                   ///< Trials with missing scans: they have no result.
+  std::size_t found = 0;                  ///< Trials with a reach.
+  std::array<std::size_t, 5> of_class{};  ///< Reaches in each class, from Rejected to Maximum.
+  std::size_t agreed = 0;                 ///< Class as expected,
+  std::size_t compared = 0;               ///< of these.
+  Spread d2_mm;
+  Spread trunk_deg;  ///< Without rejected reaches, unless nothing but their class is uncertain.
+  Spread sparc;
+
+  [[nodiscard]] std::size_t of(core::TrunkClass trunk_class) const {
+    return of_class.at(static_cast<std::size_t>(static_cast<int>(trunk_class) + 1));
+  }
+};
+/// Groups valid trials by target, in the order in which the targets first occur.
+[[nodiscard]] std::vector<TargetSummary> summarize_targets(std::span<const ReachTrialResult> results);
 
 /// Results over all trials of a session. A result is present only if it has a value; `details` is one JSON object.
 ///

@@ -136,6 +136,11 @@ describe('a session of the reaching task', () => {
     assert.deepEqual(onChair, expected);
     assert.deepEqual(onSession, expected);
     for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, ['trials', 'targets'].includes(name) ? 0 : 3));
+    const frame = page.frameLocator('[data-testid="report-frame"]');
+    await frame.getByRole('heading', { name: 'Trunk class by target' }).waitFor();
+    assert.match(await frame.locator('body').innerText(), /Live and recomputed values match in \d trials/);
+    await by(page, 'report').getByRole('button', { name: 'Trial 1' }).click();
+    await frame.getByRole('heading', { name: 'Points and features of the reach' }).waitFor();
   });
 
   test('no request went to another host, and nothing violated the policy', () => tabs.close());

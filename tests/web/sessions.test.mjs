@@ -164,6 +164,22 @@ describe('sessions', () => {
     await page.close();
   });
 
+  test('the PDF of a report is made on request; it has the bytes of dtsctl', async () => {
+    const [id] = ids;
+    const pages = path.join(daemon.folder, 'pdf');
+    await daemon.ctl('report', id, '--format', 'pdf', '--out', pages);
+    const expected = readFileSync(path.join(pages, 'report.pdf'));
+    const page = await tabs.open(`sessions/${id}`);
+    await by(page, 'report-pdf-prepare').click();
+    const button = by(page, 'report-pdf');
+    await button.waitFor();
+    assert.ok((await button.innerText()).endsWith(`, ${sizeText(expected.length)}`), await button.innerText());
+    const [download] = await Promise.all([page.waitForEvent('download'), button.click()]);
+    assert.equal(download.suggestedFilename(), `${id}-report.pdf`);
+    assert.deepEqual(readFileSync(await download.path()), expected);
+    await page.close();
+  });
+
   test('an export button shows the size of its file', async () => {
     const [id] = ids;
     const page = await tabs.open(`sessions/${id}`);

@@ -26,14 +26,18 @@ namespace {
 /// Pages that are renamed to their final names together; each file is open until then.
 constexpr std::size_t kPagesAtOnce = 100;
 
-/// Checks for the mark near the beginning of every page that this program wrote.
+/// Checks for the mark that every page of this program has: near the beginning, or near the end of a PDF.
 core::Status check_is_ours(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(std::filesystem::symlink_status(path, none))) return {};
-  std::array<char, 1024> begin{};
+  std::array<char, 1024> piece{};
   std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), begin.size());
-  const std::string_view text(begin.data(), static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
+  if (path.ends_with(".pdf")) {
+    file.seekg(-static_cast<std::streamoff>(piece.size()), std::ios::end);
+    if (!file) file.clear();  // shorter: read from the beginning
+  }
+  file.read(piece.data(), piece.size());
+  const std::string_view text(piece.data(), static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   if (text.find(report::kPageMark) != std::string_view::npos) return {};
   return core::fail(core::ErrorCode::WrongState, "'" + path + "' exists and is not a report page: it is not replaced",
                     "move it away, or choose another folder with --out");
@@ -68,8 +72,11 @@ int run_report(const Arguments& arguments, cli::Console& console) {
   const auto files = find_recordings(arguments);
   if (!files) return cli::fail_with(console, files.error());
   const std::string& format = arguments.session.format;
-  report::ReportSource source{
-      .files = {}, .software = "dtsctl " + std::string(client::version()), .with_html = format != "svg", .with_svg = format != "html"};
+  report::ReportSource source{.files = {},
+                              .software = "dtsctl " + std::string(client::version()),
+                              .with_html = format == "html" || format == "all" || format.empty(),
+                              .with_svg = format == "svg" || format == "all" || format.empty(),
+                              .with_pdf = format == "pdf"};
   for (const RecordedFile& file : *files) source.files.push_back(file.path);
   WorkBar work(console, "reporting");
   const auto progress = work.progress();
@@ -92,7 +99,8 @@ int run_report(const Arguments& arguments, cli::Console& console) {
     console.out << cli::document(json);
   } else {
     for (const std::string& name : written->files) console.out << cli::printable(name) << '\n';
-    cli::print_hint(console, std::to_string(written->files.size()) + " pages, " + bytes_text(written->bytes));
+    cli::print_hint(console, (written->files.size() == 1 ? "1 file" : std::to_string(written->files.size()) + " pages") + ", " +
+                                 bytes_text(written->bytes));
   }
   console.out.flush();
   return cli::kOk;

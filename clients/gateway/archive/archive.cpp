@@ -40,9 +40,10 @@ HttpResponse not_made(const core::Error& error) {
 HttpResponse not_found(std::string_view what) { return error_answer(404, what); }
 
 /// Makes the browser save the file instead of showing it.
-HttpResponse download(FileBody file, const std::string& name, std::string content_type) {
+template <class Body>
+HttpResponse download(Body body, const std::string& name, std::string content_type) {
   return {.content_type = std::move(content_type),
-          .body = std::move(file),
+          .body = std::move(body),
           .headers = {{"Content-Disposition", "attachment; filename=\"" + record::fit_for_file_name(name) + "\""},
                       {"Cache-Control", "no-store"},
                       {"X-Content-Type-Options", "nosniff"}}};
@@ -57,19 +58,23 @@ HttpResponse list_pages(const report::Report& made) {
 HttpResponse show_page(const report::Report& made, const std::string& name) {
   const auto page = std::ranges::find(made.pages, name, &report::Page::file);
   if (page == made.pages.end()) return not_found("the report has no such page");
+  if (name == report::kPdfName) return download(page->text, made.session_id + "-report.pdf", "application/pdf");
   return {.content_type = name.ends_with(".svg") ? "image/svg+xml" : "text/html; charset=utf-8",
           .body = page->text,
           .headers = {
               {"Content-Security-Policy", std::string(kPagePolicy)}, {"X-Content-Type-Options", "nosniff"}, {"Cache-Control", "no-store"}}};
 }
 
-core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, const std::stop_token& stop) {
+/// Makes the pages, or the PDF alone: a browser that shows the pages does not need it.
+core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, bool is_pdf, const std::stop_token& stop) {
   // The pages show the program's name, and must have the same bytes as those of `dtsctl report`.
-  const report::ReportSource source{.files = files, .software = "dtsctl " + std::string(client::version())};
-  auto made = report::make_report(source, [&stop](double) { return !stop.stop_requested(); });
-  if (made) return std::make_shared<const report::Report>(std::move(*made));
-  if (made.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(made.error());
-  return core::fail(core::ErrorCode::NotFound, "no report for sessions of a chair yet", "export the tables (CSV) instead");
+  const report::ReportSource source{.files = files,
+                                    .software = "dtsctl " + std::string(client::version()),
+                                    .with_html = !is_pdf,
+                                    .with_svg = !is_pdf,
+                                    .with_pdf = is_pdf};
+  DTS_TRY_ASSIGN(auto made, report::make_report(source, [&stop](double) { return !stop.stop_requested(); }));
+  return std::make_shared<const report::Report>(std::move(made));
 }
 
 struct MadeExport {
@@ -145,10 +150,11 @@ class ArchiveImpl final : public Archive {
   /// An empty `page` means the list of pages.
   void send_report(const v1::SessionRecord& session, const std::string& page, std::vector<std::string> files, const Respond& respond) {
     const auto show = [page](const report::Report& made) { return page.empty() ? list_pages(made) : show_page(made, page); };
-    const std::string key = key_of("report", session);
+    const bool is_pdf = page == report::kPdfName;
+    const std::string key = key_of(is_pdf ? "pdf" : "report", session);
     if (const ReportPointer made = shelf_.find(key)) return respond(show(*made));
     const bool is_accepted = reports_.ask(
-        key, [files = std::move(files)](const std::stop_token& stop) { return make_pages(files, stop); },
+        key, [files = std::move(files), is_pdf](const std::stop_token& stop) { return make_pages(files, is_pdf, stop); },
         [show, respond](const core::Result<ReportPointer>& made) { respond(made ? show(**made) : not_made(made.error())); });
     if (!is_accepted) respond(busy());
   }

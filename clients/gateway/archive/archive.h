@@ -27,6 +27,7 @@ struct ArchiveOptions {
 ///
 ///     GET /api/sessions/ID/report             {"pages":["session.html","trial-01.html",...],"damage":[...]}
 ///     GET /api/sessions/ID/report/PAGE        the page, html or svg, with a Content-Security-Policy of its own
+///     GET /api/sessions/ID/report/report.pdf  the session's page and the pages of its trials as PDF; HEAD returns its size
 ///     GET /api/sessions/ID/export/xdf/PART    the recording, unchanged
 ///     GET /api/sessions/ID/export/csv|bids|c3d    a zip file; HEAD returns its size
 ///

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "classifier/trunk_model.h"
 #include "cli/exit_status.h"
 #include "cli/json.h"
 #include "cli/progress.h"
@@ -12,7 +13,8 @@
 #include "lab/base/figure_json.h"
 #include "lab/base/problems.h"
 #include "lab/base/rig.h"
-#include "lab/results/recorded_reaches.h"
+#include "record/recording.h"
+#include "session/recorded_reaches.h"
 
 namespace dts::lab::results {
 namespace {
@@ -54,7 +56,7 @@ cli::Json to_json(const session::ReachTrialResult& result) {
   return json;
 }
 
-cli::Json to_json(const RecordedReaches& recorded, const std::string& file, const std::string& damage) {
+cli::Json to_json(const session::RecordedReaches& recorded, const std::string& file, const std::string& damage) {
   cli::Json json{{"file", file},
                  {"reaches", recorded.reaches},
                  {"recorded_results", recorded.live_results},
@@ -95,7 +97,7 @@ std::vector<cli::Cell> row_of(const session::ReachTrialResult& result) {
           {is_window ? decimal(movement->trunk_lo_deg, 1) + " .. " + decimal(movement->trunk_hi_deg, 1) : "-"}};
 }
 
-void print(const RecordedReaches& recorded, cli::Console& console) {
+void print(const session::RecordedReaches& recorded, cli::Console& console) {
   cli::Table trials({">TRIAL", "TARGET", ">AT (cm)", ">D2 (mm)", "CLASS", "EXPECTED", ">TRUNK (deg)", ">90 %"});
   for (const session::ReachTrialResult& result : recorded.trials) trials.add(row_of(result));
   trials.print(console);
@@ -119,10 +121,10 @@ int run_reach_results(const Arguments& arguments, cli::Console& console) {
   if (!recording) return fail_with(console, recording.error());
   const auto config = rig_of(**recording, file);
   const classifier::TrunkModel* model = config && config->trunk_model ? &*config->trunk_model : nullptr;
-  core::Result<RecordedReaches> recorded;
+  core::Result<session::RecordedReaches> recorded;
   {
     cli::Progress progress(console, "reading");
-    recorded = read_recorded_reaches(**recording, model, [&progress](double done) { progress.report(done); });
+    recorded = session::read_recorded_reaches(**recording, model, [&progress](double done) { progress.report(done); });
   }
   if (!recorded) return fail_with(console, recorded.error());
   const std::string& damage = (*recording)->damage();

@@ -373,12 +373,12 @@ TEST_F(ReportTest, LongTrial_StaysBelowOneMegabyte) {
   expect_well_formed(report_of(write(made)));
 }
 
-TEST_F(ReportTest, RecordingOfAChair_IsRefusedWithAWord) {
+TEST_F(ReportTest, RecordingWithoutACentreOfPressure_IsRefusedWithAWord) {
   const auto report = make_report({.files = {write({.length_s = 20.0, .has_cop = false})}, .software = "test"}, always);
 
   ASSERT_FALSE(report.has_value());
   EXPECT_EQ(report.error().code, core::ErrorCode::NotFound);
-  EXPECT_THAT(report.error().what, HasSubstr("only for the floor platform"));
+  EXPECT_THAT(report.error().what, HasSubstr("no centre of pressure and no reaches"));
 }
 
 TEST_F(ReportTest, WhoeverNoLongerWaits_IsObeyed) {

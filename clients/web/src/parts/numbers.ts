@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and times in the reader's format: the browser's locale sets the decimal sign, never the units.
+// Numbers and times in the reader's format: the locale sets the decimal sign, never the units.
 import { strings } from '../strings';
+import { locale } from '../strings/language';
 
 const formats = new Map<string, Intl.NumberFormat>();
 
@@ -8,7 +9,7 @@ const format = (digits: number, sign: 'auto' | 'exceptZero'): Intl.NumberFormat 
   const key = `${digits} ${sign}`;
   const known = formats.get(key);
   if (known !== undefined) return known;
-  const made = new Intl.NumberFormat(undefined, { minimumFractionDigits: digits, maximumFractionDigits: digits, signDisplay: sign });
+  const made = new Intl.NumberFormat(locale, { minimumFractionDigits: digits, maximumFractionDigits: digits, signDisplay: sign });
   formats.set(key, made);
   return made;
 };
@@ -62,8 +63,8 @@ export const duration = (seconds: number | undefined): string => {
   return `${Math.floor(total / 60)}:${String(total % 60).padStart(2, '0')} ${seconds < 3600 ? 'min' : 'h'}`;
 };
 
-const time = new Intl.DateTimeFormat(undefined, { hour: '2-digit', minute: '2-digit', second: '2-digit' });
-const dateAndTime = new Intl.DateTimeFormat(undefined, { year: 'numeric', month: '2-digit', day: '2-digit', hour: '2-digit', minute: '2-digit' });
+const time = new Intl.DateTimeFormat(locale, { hour: '2-digit', minute: '2-digit', second: '2-digit' });
+const dateAndTime = new Intl.DateTimeFormat(locale, { year: 'numeric', month: '2-digit', day: '2-digit', hour: '2-digit', minute: '2-digit' });
 
 /** Returns "12:03:07" for a Date.now(). */
 export const clockTime = (dateMs: number): string => (dateMs > 0 ? time.format(dateMs) : strings.common.undefinedValue);
@@ -71,8 +72,8 @@ export const clockTime = (dateMs: number): string => (dateMs > 0 ? time.format(d
 export const dateTime = (utcNs: bigint): string =>
   utcNs > 0n ? dateAndTime.format(Number(utcNs / 1_000_000n)) : strings.common.undefinedValue;
 
-const dayAndMonth = new Intl.DateTimeFormat(undefined, { day: 'numeric', month: 'short' });
-const dayOfYear = new Intl.DateTimeFormat(undefined, { day: 'numeric', month: 'short', year: 'numeric' });
+const dayAndMonth = new Intl.DateTimeFormat(locale, { day: 'numeric', month: 'short' });
+const dayOfYear = new Intl.DateTimeFormat(locale, { day: 'numeric', month: 'short', year: 'numeric' });
 
 /** Returns "23 Nov" for a UTC time in ns, with the year unless it is the present one. */
 export const day = (utcNs: bigint): string => {

@@ -10,6 +10,8 @@ import { Button, Panel, PassingNotice } from '../parts/controls';
 import { useKeys } from '../parts/keys';
 import { useProtocols } from '../parts/names';
 import { strings } from '../strings';
+import type { Language } from '../strings/language';
+import { changeLanguage, language, languages } from '../strings/language';
 import { conditionOf } from './condition';
 import { path } from './route';
 import type { ThemeChoice } from './theme';
@@ -57,6 +59,21 @@ const ThemeSelect = (): JSX.Element => (
     {themeChoices.map((choice) => (
       <option key={choice} value={choice}>
         {words.theme[choice]}
+      </option>
+    ))}
+  </select>
+);
+
+const LanguageSelect = (): JSX.Element => (
+  <select
+    aria-label={words.language}
+    data-testid="language"
+    value={language}
+    onChange={(event) => changeLanguage(event.currentTarget.value as Language)}
+  >
+    {Object.entries(languages).map(([choice, name]) => (
+      <option key={choice} value={choice} lang={choice}>
+        {name}
       </option>
     ))}
   </select>
@@ -125,6 +142,7 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
       <header class="shell-head">
         <Tabs link={link} />
         <StatusLine link={live} />
+        <LanguageSelect />
         <ThemeSelect />
         <Button label={words.keys} keyName="?" onClick={() => (isHelpOpen.value = !isHelpOpen.value)} testId="show-keys" isPressed={isHelpOpen.value} />
         <Who link={link} />

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// All English texts of the dashboard, one file per page. To translate, translate this folder. Sentences with numbers are functions; they receive
-// each number as text in the reader's format (parts/numbers.ts). Units are not translated.
-import { chair } from './chair';
-import { common } from './common';
-import { fleet } from './fleet';
-import { floor } from './floor';
-import { health } from './health';
-import { sessions } from './sessions';
+// All texts of the dashboard, one folder per language, one file per page. A text that a language lacks fails the build. Sentences with numbers are
+// functions; they receive each number as text in the reader's format (parts/numbers.ts). Units are not translated.
+import { de } from './de';
+import { en } from './en';
+import { language } from './language';
 
-export const strings = { common, floor, chair, sessions, health, fleet };
+export const strings: typeof en = { en, de }[language];

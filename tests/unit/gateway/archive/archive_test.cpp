@@ -105,14 +105,34 @@ TEST_F(ArchiveTest, ReportOfARunningSession_IsRefusedUntilItIsOver) {
   EXPECT_EQ(get("report").status, 200U);
 }
 
-TEST_F(ArchiveTest, ReportOfAChairSession_SaysThatThereIsNone) {
+TEST_F(ArchiveTest, ReportOfASessionWithoutReachesAndCop_SaysWhatToDo) {
   add_two_parts();
 
   const HttpResponse answer = get("report");
 
   EXPECT_EQ(answer.status, 404U);
-  EXPECT_EQ(json_of(answer),
-            (nlohmann::json{{"what", "no report for sessions of a chair yet"}, {"hint", "export the tables (CSV) instead"}}));
+  EXPECT_EQ(json_of(answer)["hint"], "choose a session of a floor platform or of a chair: dtsctl session list");
+}
+
+TEST_F(ArchiveTest, Pdf_IsMadeOnRequestAndDownloaded) {
+  const std::string file = add_standing().parts(0).file();
+  const auto expected = report::make_report(
+      {.files = {file}, .software = "dtsctl " + std::string(client::version()), .with_html = false, .with_svg = false, .with_pdf = true},
+      [](double) { return true; });
+
+  const HttpResponse answer = get("report/report.pdf");
+
+  if (!expected) {  // rsvg-convert is not installed
+    EXPECT_EQ(answer.status, 501U);
+    EXPECT_THAT(json_of(answer)["hint"].get<std::string>(), HasSubstr("librsvg2-bin"));
+    return;
+  }
+  EXPECT_EQ(answer.status, 200U);
+  EXPECT_EQ(answer.content_type, "application/pdf");
+  EXPECT_EQ(header_of(answer, "Content-Disposition"), "attachment; filename=\"" + kId + "-report.pdf\"");
+  EXPECT_EQ(text_of(answer), expected->pages.front().text);
+  EXPECT_THAT(json_of(get("report"))["pages"].dump(), ::testing::Not(::testing::HasSubstr("report.pdf")))
+      << "the list is that of the pages";
 }
 
 TEST_F(ArchiveTest, Recording_IsTheFileItself) {

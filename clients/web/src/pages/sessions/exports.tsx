@@ -26,7 +26,8 @@ export const askSize = async (url: string, signal: AbortSignal): Promise<number>
   return sizeOf(response);
 };
 
-const Download = (props: { label: string; url: string; isPrepared: boolean; testId: string }): JSX.Element => {
+/** A download that is made before it is offered: on request, or at once if `isPrepared`. */
+export const Download = (props: { label: string; url: string; isPrepared: boolean; testId: string }): JSX.Element => {
   const { label, url, testId } = props;
   const isWanted = useSignal(props.isPrepared);
   const { error, answer } = useAsked(isWanted.value ? url : '', (signal) => askSize(url, signal)).value;

@@ -7,6 +7,7 @@ import { useEffect, useRef } from 'preact/hooks';
 import { Notice } from '../../parts/controls';
 import { strings } from '../../strings';
 import { archiveUrl, responseError, useAsked } from './asking';
+import { Download } from './exports';
 
 interface ReportIndex {
   readonly pages: readonly string[]; // HTML only; the pictures are inside
@@ -79,6 +80,7 @@ export const Report = ({ sessionId, testId }: { sessionId: string; testId: strin
         <a class="button" href={url} target="_blank" rel="noopener" data-testid={`${testId}-print`}>
           {report.print}
         </a>
+        <Download label={strings.report.pdf} url={archiveUrl(sessionId, 'report/report.pdf')} isPrepared={false} testId={`${testId}-pdf`} />
       </div>
       <ReportFrame title={report.title(sessionId)} url={url} testId={`${testId}-frame`} />
     </div>

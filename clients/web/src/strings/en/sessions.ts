@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sessions, one session, comparison.
+import { byKey } from '../by_key';
+
 export const sessions = {
   title: 'Sessions',
   back: '← All sessions',
@@ -9,14 +11,14 @@ export const sessions = {
   titleOf: (subject: string, protocol: string, day: string) => `${subject}, ${protocol}, ${day}`,
   id: 'Session ID',
   openSession: 'Open session',
-  states: {
+  states: byKey({
     running: 'running',
     complete: 'complete',
     incomplete: 'incomplete',
     interrupted: 'interrupted',
     recovered: 'recovered',
     aborted: 'aborted',
-  } as Readonly<Record<string, string>>,
+  }),
   validTrials: (valid: string, planned: string) => `${valid} of ${planned} valid`,
   change: {
     correct: 'Correct …',
@@ -53,7 +55,7 @@ export const sessions = {
     corrected: 'corrected',
     head: 'Corrections',
     heads: { when: 'When', who: 'Who', what: 'What', before: 'Before', after: 'After', reason: 'Reason' },
-    fields: { subject: 'Subject ID', label: 'Label', notes: 'Notes', outcome: 'Outcome', deleted: 'Deleted', marker: 'Marker' } as Readonly<Record<string, string>>,
+    fields: byKey({ subject: 'Subject ID', label: 'Label', notes: 'Notes', outcome: 'Outcome', deleted: 'Deleted', marker: 'Marker' }),
     ofTrial: (trial: string, attempt: string) => `Outcome of trial ${trial}${attempt === '1' ? '' : `, attempt ${attempt}`}`,
     ofMarker: (number: string) => `Text of marker ${number}`,
     // "recorded: rejected; corrected by local, 23/11/2026, 12:03: wrong button"
@@ -108,7 +110,7 @@ export const sessions = {
   parts: {
     head: 'Recording',
     heads: { part: 'Part', rig: 'Rig', state: 'State', duration: 'Duration', scans: 'Scans', size: 'Size', file: 'File on the measuring computer' },
-    states: { 1: 'recording', 2: 'complete', 3: 'incomplete', 4: 'interrupted', 5: 'recovered', 6: 'file missing' } as Readonly<Record<number, string>>,
+    states: byKey({ 1: 'recording', 2: 'complete', 3: 'incomplete', 4: 'interrupted', 5: 'recovered', 6: 'file missing' }),
     checksum: (sha256: string) => `Checksum (SHA-256) ${sha256}`,
     lost: (seconds: string) => `up to ${seconds} s lost at the end`,
     lostScans: (scans: string) => `${scans} ${scans === '1' ? 'scan' : 'scans'} lost`,
@@ -132,13 +134,13 @@ export const sessions = {
   },
   markers: { head: 'Markers', heads: { marker: 'Marker', text: 'Text', part: 'Part', scan: 'Scan' } },
   resultNames: {
-    axes: { AP: 'front-back', ML: 'left-right', RD: 'distance from the mean', RES: 'both axes' } as Readonly<Record<string, string>>,
+    axes: byKey({ AP: 'front-back', ML: 'left-right', RD: 'distance from the mean', RES: 'both axes' }),
     alongAxis: (what: string, axis: string) => `${what}, ${axis}`,
     ofCondition: (condition: string, what: string) => `${condition}: ${what}`,
     romberg: (stance: string) => (stance === '' ? 'Romberg ratio, eyes closed / open' : `Romberg ratio, eyes closed / open, ${stance}`),
-    units: { '1': '', mm2: 'mm²', 'mm2/s': 'mm²/s', deg: '°', 'deg/s': '°/s' } as Readonly<Record<string, string>>,
+    units: byKey({ '1': '', mm2: 'mm²', 'mm2/s': 'mm²/s', deg: '°', 'deg/s': '°/s' }),
     // By name without condition and axis.
-    words: {
+    words: byKey({
       MDIST: 'mean distance from the mean position',
       RDIST: 'RMS distance from the mean position',
       TOTEX: 'path length',
@@ -195,7 +197,7 @@ export const sessions = {
       trunk_sd_deg: 'trunk angle, SD within a target',
       d2_sd_mm: 'rise of the seat (d2), SD within a target',
       sparc_mean: 'smoothness of the reach (spectral arc length, nearer 0 is smoother)',
-    } as Readonly<Record<string, string>>,
+    }),
   },
   results: { head: 'Results', none: 'No results: no valid trial yet.', heads: { result: 'Result', value: 'Value', unit: 'Unit' } },
   report: {
@@ -235,6 +237,6 @@ export const sessions = {
       analysis: (condition: string, of: string, one: string, other: string) =>
         `${condition}: ${of} is ${one} in one session and ${other} in another. Do not compare these values.`,
     },
-    analyses: { duration_s: 'the duration of trials in s', profile: 'the filter setting', rate_hz: 'the rate of the analysis in Hz' } as Readonly<Record<string, string>>,
+    analyses: byKey({ duration_s: 'the duration of trials in s', profile: 'the filter setting', rate_hz: 'the rate of the analysis in Hz' }),
   },
 };

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clinics, one clinic, sessions of all clinics, trends.
+import { byKey } from '../by_key';
+
 export const fleet = {
   unreachable: 'The centre does not answer',
   unreachableHint: 'The page tries again. If this lasts, check the network.',
@@ -23,7 +25,7 @@ export const fleet = {
     neverSeen: 'No heartbeat yet',
     noDaemon: 'dtsd does not answer',
     noDevice: (rigs: string) => `No device: ${rigs}`,
-    disk: { low: 'Disk nearly full', full: 'Disk full', unusable: 'Disk not writable' } as Readonly<Record<string, string>>,
+    disk: byKey({ low: 'Disk nearly full', full: 'Disk full', unusable: 'Disk not writable' }),
     losses: (scans: string, rigs: string) => `${scans} ${scans === '1' ? 'scan' : 'scans'} lost: ${rigs}`,
     held: (files: string) => `${files} ${files === '1' ? 'recording' : 'recordings'} damaged, not sent`,
     backlog: (time: string) => `Oldest recording waits for ${time}`,
@@ -52,14 +54,14 @@ export const fleet = {
       head: 'Rigs',
       none: 'No heartbeat of this clinic had a rig.',
       heads: { rig: 'Rig', device: 'Device', session: 'Session', rate: 'Rate (Hz)', lost: 'Scans lost', calibration: 'Calibration', live: 'Live' },
-      devices: {
+      devices: byKey({
         streaming: 'running',
         open: 'not running',
         closed: 'not running',
         gone: 'device lost',
         waiting: 'waiting for trigger',
         unspecified: 'unknown',
-      } as Readonly<Record<string, string>>,
+      }),
       notReported: 'not in the last heartbeat',
       inSession: 'session running',
       noSession: 'none',

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "lab/results/recorded_reaches.h"
+#include "session/recorded_reaches.h"
 
 #include <gtest/gtest.h>
 
 #include "events/make.h"
 #include "support/event_text.h"
 
-namespace dts::lab::results {
+namespace dts::session {
 namespace {
 
 using test::event_of;
@@ -144,4 +144,4 @@ TEST(RecordedReaches, DamagedEvents_AreNamed) {
 }
 
 }  // namespace
-}  // namespace dts::lab::results
+}  // namespace dts::session

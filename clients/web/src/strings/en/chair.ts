@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of the chair.
+import { byKey } from '../by_key';
+
 export const chair = {
   title: 'Live chair',
   noRig: 'No chair configured',
@@ -59,15 +61,15 @@ export const chair = {
     expected: (word: string) => `expected for this target: ${word}`,
     calibrated: "calibrated to this subject's reaches",
   },
-  reasons: {
+  reasons: byKey({
     1: 'no class likely enough',
     2: 'unlike all training reaches',
     4: 'reach doubtful',
     8: 'minor reach',
     16: "calibrated to this subject's reaches",
     32: 'class and angle disagree',
-  } as Readonly<Record<number, string>>,
-  flags: {
+  }),
+  flags: byKey({
     1: 'minor reach',
     2: 'not at rest before the reach',
     4: 'reach incomplete',
@@ -79,7 +81,7 @@ export const chair = {
     256: 'person stood up',
     512: 'chair not tared',
     1024: 'no dip at the start',
-  } as Readonly<Record<number, string>>,
+  }),
   table: {
     title: 'Trials',
     byTrial: 'By trial',

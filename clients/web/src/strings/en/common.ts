@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Texts of every page: tabs, status line, login, errors of commands, start of a session, keys, names of protocols, quality of a signal.
+import { byKey } from '../by_key';
+
 export const common = {
+  documentTitle: 'Tactile sensing (dtsd)',
+  language: 'Language',
   pages: { floor: 'Live floor', chair: 'Live chair', sessions: 'Sessions', health: 'Health', clinics: 'Clinics', trends: 'Trends' },
   navigation: 'Pages',
   undefinedValue: '–',
@@ -97,7 +101,7 @@ export const common = {
   markHint: 'Do not type names or birth dates into markers.',
   lastSession: { resultOf: (subject: string, protocol: string) => `Result: ${subject}, ${protocol}` },
   // By bit of Quality.
-  quality: {
+  quality: byKey({
     1: 'at range limit',
     2: 'signal stuck',
     4: 'outside working range',
@@ -106,7 +110,7 @@ export const common = {
     32: 'outside calibrated area or load',
     64: 'not tared',
     128: 'estimated from other sensors',
-  } as Readonly<Record<number, string>>,
+  }),
   start: {
     title: 'New session',
     protocol: 'Protocol',

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rigs, sensors, latency, system.
+import { byKey } from '../by_key';
+
 export const health = {
   title: 'Health',
   noStatus: 'No status yet. The status line says whether the gateway and the measuring program dtsd can be reached.',
@@ -38,18 +40,18 @@ export const health = {
     unknown: 'unknown',
     none: 'none',
   },
-  deviceStates: { 1: 'closed', 2: 'open', 3: 'streaming', 4: 'lost', 5: 'waiting for trigger' } as Readonly<Record<number, string>>,
-  tareStates: {
+  deviceStates: byKey({ 1: 'closed', 2: 'open', 3: 'streaming', 4: 'lost', 5: 'waiting for trigger' }),
+  tareStates: byKey({
     0: 'not tared',
     1: 'running',
     2: 'done',
     3: 'rejected: rig loaded',
     4: 'rejected: signal unsteady',
     5: 'rejected: faulty sensor',
-  } as Readonly<Record<number, string>>,
-  diskStates: { 1: 'fine', 2: 'low', 3: 'full', 4: 'not writable' } as Readonly<Record<number, string>>,
+  }),
+  diskStates: byKey({ 1: 'fine', 2: 'low', 3: 'full', 4: 'not writable' }),
   gap: (time: string, reason: string, scans: string, isExact: boolean) => `${time}: ${reason}, ${isExact ? '' : 'about '}${scans} scans lost`,
-  gapReasons: {
+  gapReasons: byKey({
     0: 'unknown reason',
     1: "device's buffer full",
     2: 'device unplugged',
@@ -57,7 +59,7 @@ export const health = {
     4: 'processing or disk too slow',
     5: 'faulty or late data from the device',
     6: 'device stopped its data connection',
-  } as Readonly<Record<number, string>>,
+  }),
   notPublished: (sensors: string) => `No live values of the ${sensors} sensors of this rig`,
   notPublishedHint: 'The rig does not publish its raw stream ([publish] in the rig file). Press Test device to measure every channel for 1 s.',
   pipeline: 'Processing stages',
@@ -80,7 +82,7 @@ export const health = {
     tared: 'Rig tared: the unloaded rig reads zero.',
     needsEngineer: 'Requires the role engineer',
     heads: { channel: 'Channel', mean: 'Mean', noise: 'Noise (rms)', minimum: 'Minimum', maximum: 'Maximum', unit: 'Unit', distance: 'Distance (mm)', quality: 'Quality' },
-    outcomes: { 1: 'passed', 2: 'warning', 3: 'failed', 4: 'skipped' } as Readonly<Record<number, string>>,
+    outcomes: byKey({ 1: 'passed', 2: 'warning', 3: 'failed', 4: 'skipped' }),
   },
   latency: {
     title: 'Latency',

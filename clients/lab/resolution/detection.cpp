@@ -11,9 +11,10 @@
 namespace dts::lab::resolution {
 namespace {
 
-constexpr double kError = 0.05;            ///< Of each kind.
-constexpr double kLeastDeviation = 1e-12;  ///< Values without any scatter.
-constexpr int kDraws = 500;
+constexpr double kError = 0.05;             ///< Of each kind.
+constexpr double kMissDeviations = 1.6449;  ///< What a standard normal variable exceeds with kError.
+constexpr double kLeastDeviation = 1e-12;   ///< Values without any scatter.
+constexpr int kDraws = 200;
 constexpr double kBeyond = std::numeric_limits<double>::infinity();
 
 struct Moments {
@@ -41,20 +42,20 @@ double exceeded_with(double probability) {
 }
 
 /// Returns by how many standard deviations the mean difference at a level is above what the decision needs; negative: it is below.
-double excess_of(const Moments& none, const Moments& moved, double reaches, double false_alarms) {
+double excess_of(const Moments& none, const Moments& moved, double reaches, double alarm_deviations) {
   const double deviation = std::sqrt((none.variance + moved.variance) / reaches);
-  const double threshold = exceeded_with(false_alarms) * std::sqrt(2.0 * none.variance / reaches);
+  const double threshold = alarm_deviations * std::sqrt(2.0 * none.variance / reaches);
   const double difference = moved.mean - none.mean - threshold;
-  return difference / std::max(deviation, kLeastDeviation) - exceeded_with(kError);
+  return difference / std::max(deviation, kLeastDeviation) - kMissDeviations;
 }
 
 /// Returns the excess of the best series; `level` empty: without movement.
-double best_excess(std::span<const Series> series, std::optional<std::size_t> level, int reaches) {
+double best_excess(std::span<const Series> series, std::optional<std::size_t> level, int reaches, double alarm_deviations) {
   double best = -kBeyond;
   for (const Series& one : series) {
     const Moments none = moments_of(one.none);
     const Moments moved = level ? moments_of(one.levels[*level].values) : none;
-    best = std::max(best, excess_of(none, moved, reaches, kError / static_cast<double>(series.size())));
+    best = std::max(best, excess_of(none, moved, reaches, alarm_deviations));
   }
   return best;
 }
@@ -75,11 +76,12 @@ LimitInterval interval_of(Limit value, const std::vector<Limit>& limits) {
 Limit detection_limit(std::span<const Series> series, int reaches) {
   if (series.empty()) return std::nullopt;
   double last_deg = 0.0;
-  double last_excess = best_excess(series, std::nullopt, reaches);
+  const double alarm_deviations = exceeded_with(kError / static_cast<double>(series.size()));
+  double last_excess = best_excess(series, std::nullopt, reaches, alarm_deviations);
   Limit limit;
   for (std::size_t k = 0; k < series.front().levels.size(); ++k) {
     const double turn_deg = series.front().levels[k].turn_deg;
-    const double excess = best_excess(series, k, reaches);
+    const double excess = best_excess(series, k, reaches, alarm_deviations);
     if (excess < 0.0) {
       limit.reset();
     } else if (!limit) {

@@ -47,7 +47,9 @@ const ReasonName& name_of_reason(std::uint16_t reason) {
 double part_of_count(std::size_t part, std::size_t all) { return all == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(all); }
 
 cli::Json answers_json(const Answers& answers, std::size_t reaches) {
-  return {{"kept", part_of_count(answers.kept, reaches)}, {"kept_accuracy", part_of_count(answers.right, answers.kept)}};
+  return {{"kept", part_of_count(answers.kept, reaches)},
+          {"kept_accuracy", part_of_count(answers.right, answers.kept)},
+          {"kept_accuracy_by_target", part_of_count(answers.by_target, answers.kept)}};
 }
 
 cli::Json judgement_json(const Judgement& judgement) {
@@ -84,6 +86,9 @@ void print_judgement(const Judgement& judgement, cli::Console& console) {
   table.add({{"correct of the answered"},
              {three(judgement.general.right, judgement.general.kept)},
              {three(judgement.own.right, judgement.own.kept)}});
+  table.add({{"... if class 0 is never right"},
+             {three(judgement.general.by_target, judgement.general.kept)},
+             {three(judgement.own.by_target, judgement.own.kept)}});
   table.print(console);
   console.out << '\n';
   cli::Table reasons({"REJECTED BECAUSE", ">REACHES", ">CORRECT IF ANSWERED"});
@@ -101,7 +106,8 @@ void print_judgement(const Judgement& judgement, cli::Console& console) {
                {three(limit.own.right, limit.own.kept)}});
   }
   curve.print(console);
-  console.out << "\nAll people are simulated. " << all << " reaches to 120 %, 150 % and the maximum.\n";
+  console.out << "\nAll people are simulated. " << all << " reaches to 120 %, 150 % and the maximum.\n"
+              << "Correct: the class of the target, or class 0 if the trunk in fact stayed at the back rest.\n";
 }
 
 core::Status draw_judgement(const Judgement& judgement, const std::string& file) {

@@ -28,8 +28,11 @@ constexpr std::uint64_t kUnseenPeople = 4711;  ///< Use of a seed, so that no tr
 struct Unseen {
   std::optional<core::ReachEvent> reach;
   TrunkClass wanted = TrunkClass::None;
+  bool is_at_rest = false;  ///< The simulated trunk stayed at the back rest.
   const SubjectCalibration* own = nullptr;
 };
+
+bool is_right(const Unseen& one, TrunkClass answer) { return answer == one.wanted || (answer == TrunkClass::None && one.is_at_rest); }
 
 core::TrunkMovement answer_of(const TrunkModel& model, const Unseen& one, bool is_own) {
   if (!one.reach) return {};
@@ -42,13 +45,14 @@ Answers answers_of(const TrunkModel& model, const std::vector<Unseen>& reaches, 
     const TrunkClass answer = answer_of(model, one, is_own).trunk_class;
     if (answer == TrunkClass::Rejected) continue;
     ++answers.kept;
-    answers.right += answer == one.wanted ? 1 : 0;
+    answers.right += is_right(one, answer) ? 1 : 0;
+    answers.by_target += answer == one.wanted ? 1 : 0;
   }
   return answers;
 }
 
 bool is_guess_right(const TrunkModel& model, const Unseen& one, bool is_own) {
-  return one.reach && model.best_guess(one.reach->features, one.reach->flags, is_own ? one.own : nullptr).trunk_class == one.wanted;
+  return one.reach && is_right(one, model.best_guess(one.reach->features, one.reach->flags, is_own ? one.own : nullptr).trunk_class);
 }
 
 std::vector<JudgedReason> reasons_of(const TrunkModel& model, const std::vector<Unseen>& reaches) {
@@ -105,6 +109,7 @@ core::Result<Judgement> judge_model(const TrunkModel& model, const JudgementOpti
     const auto& scale = scales[trial.subject];
     reaches.push_back({.reach = found[k],
                        .wanted = reach::class_of_condition(trial.condition).value_or(TrunkClass::None),
+                       .is_at_rest = simulated.trunk_deg[k] <= 0.0,
                        .own = scale ? &*scale : nullptr});
   }
   Judgement judgement{.options = options, .reaches = reaches.size(), .reasons = {}, .curve = {}};

@@ -20,8 +20,9 @@ struct JudgementOptions {
 
 /// Answers of a model. All counts are of reaches to targets beyond the arm.
 struct Answers {
-  std::size_t kept = 0;  ///< Not rejected.
-  std::size_t right = 0;
+  std::size_t kept = 0;       ///< Not rejected.
+  std::size_t right = 0;      ///< The class of the target, or class 0 if the simulated trunk in fact stayed at the back rest.
+  std::size_t by_target = 0;  ///< The class of the target.
 };
 
 /// Answers with one limit of the probability.

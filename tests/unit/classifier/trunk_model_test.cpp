@@ -68,7 +68,7 @@ TEST(TrunkModel, Reaches_AreOfTheirClassOrRejectedWithTheReasons) {
   constexpr std::uint16_t kAtTheEnd = flag::kSaturated | flag::kSubstituted;
   rows.push_back({0.55, 3.5, kAtTheEnd, TrunkClass::Maximum, 0});
   rows.push_back({0.55, 3.5, kAtTheEnd | flag::kStoodUp, kNo, reason::kBadReach});
-  rows.push_back({0.405, 3.5, kAtTheEnd | flag::kResumed, kNo, reason::kUnsure});
+  rows.push_back({0.403, 3.5, kAtTheEnd | flag::kResumed, kNo, reason::kUnsure});
   for (const auto doubtful : {flag::kSubstituted, flag::kResumed, flag::kBaselineUncertain}) {
     rows.push_back({0.203, 3.5, doubtful, kNo, reason::kUnsure});
     rows.push_back({0.3, 3.5, doubtful, TrunkClass::Moderate, 0});

@@ -9,6 +9,7 @@
 #include "lab/plate/plate_command.h"
 #include "lab/reach/events_command.h"
 #include "lab/replay/replay_command.h"
+#include "lab/resolution/resolution_command.h"
 #include "lab/results/recorded_reaches_command.h"
 #include "lab/simulate/simulate_command.h"
 #include "lab/steadiness/steadiness_commands.h"
@@ -47,6 +48,7 @@ std::unique_ptr<cli::CommandLine> make_command_tree() {
   CLI::App& reaches = reach::add_commands(line);
   training::add_commands(line, reaches);
   study::add_commands(line, reaches);
+  resolution::add_commands(line, reaches);
   results::add_commands(line, reaches);
   sway::add_commands(line);
   steadiness::add_commands(line);

@@ -97,6 +97,20 @@ bool contradicts(TrunkClass guess, const TrunkMovement& movement) noexcept {
   return class_index(movement.trunk_lo_deg) > index || class_index(movement.trunk_hi_deg) < index;
 }
 
+/// Returns whether the flags forbid a class. A sensor at the end of its range reads too little, so the reach is at least as large as it
+/// looks: the highest class stays the highest.
+bool is_unfit(TrunkClass guess, std::uint16_t flags) noexcept {
+  const int unfit = flags & kUnfitFlags;
+  return guess == TrunkClass::Maximum ? (unfit & ~flag::kSaturated) != 0 : unfit != 0;
+}
+
+/// Returns the probability that the class must have.
+double limit_of(const TrunkModelForm& form, std::uint16_t flags) noexcept {
+  // A sensor at the end of its range is substituted, which is the same doubt: it counts once, in `is_unfit`.
+  const int doubts = flags & kDoubtfulFlags & ((flags & flag::kSaturated) != 0 ? ~flag::kSubstituted : ~0);
+  return doubts != 0 ? std::max(form.reject_below, kDoubtfulLimit) : form.reject_below;
+}
+
 bool is_sound(const core::ReachFeatures& features) noexcept {
   return std::isfinite(features.d1_mm()) && std::isfinite(features.d2_mm()) && std::isfinite(features.p1_mm) && features.p1_mm > 0.0;
 }
@@ -132,13 +146,14 @@ Classification classify_unrejected(const TrunkModel& model, const core::ReachFea
     return classification;
   }
   classification.is_known = true;
+  // Too little deflection gives no upper limit of the angle.
+  if ((flags & flag::kSaturated) != 0 && std::isfinite(movement.trunk_deg)) movement.trunk_hi_deg = kLargestFlexionDeg;
   guess_class(model, features, flags, classification);
   if (features.p1_mm < kLightestPart * form.p1_minimum_mm || features.p1_mm > kHeaviestPart * form.p1_maximum_mm) {
     movement.reasons |= reason::kOutOfRange;
   }
-  if ((flags & kUnfitFlags) != 0) movement.reasons |= reason::kBadReach;
-  const double limit = (flags & kDoubtfulFlags) != 0 ? std::max(form.reject_below, kDoubtfulLimit) : form.reject_below;
-  if (!(classification.probability >= limit)) movement.reasons |= reason::kUnsure;
+  if (is_unfit(classification.guess, flags)) movement.reasons |= reason::kBadReach;
+  if (!(classification.probability >= limit_of(form, flags))) movement.reasons |= reason::kUnsure;
   if (contradicts(classification.guess, movement)) movement.reasons |= reason::kDisagreement;
   return classification;
 }

@@ -8,6 +8,8 @@
 
 namespace dts::classifier {
 
+inline constexpr double kLargestFlexionDeg = 90.0;
+
 /// Features of one reach as input of networks and polynomials.
 struct ScaledInputs {
   std::array<double, Network::kMaxInputs> values{};

@@ -102,9 +102,13 @@ ReachPlan plan_reach(const physics::Person& person, const SittingHabits& habits,
   ReachPlan plan{.number = request.number, .target_cm = request.target_cm, .condition = request.condition, .on_s = request.start_s};
   plan.trunk_deg = planned_flexion_deg(person, habits, request.target_cm, draws);
   plan.moves_trunk = plan.trunk_deg > 0.0;
+  if (request.trunk_deg) {
+    plan.trunk_deg = *request.trunk_deg;
+    plan.moves_trunk = true;
+  }
   plan.tremor_deg = habits.tremor_deg;
   plan.tremor_hz = habits.tremor_hz;
-  const double usual_s = habits.phase_s * (1.0 + habits.phase_growth_per_deg * plan.trunk_deg);
+  const double usual_s = habits.phase_s * (1.0 + habits.phase_growth_per_deg * std::max(plan.trunk_deg, 0.0));
   const auto phase_s = [&] { return std::max(usual_s * (1.0 + habits.phase_deviation * draws.gaussian()), kShortestPhaseS); };
   const auto hold_s = [&] { return habits.hold_s * std::max(1.0 + habits.hold_deviation * draws.gaussian(), 0.1); };
   const auto go = [&](double from_s, double amount) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "sim/counter_random.h"
@@ -16,9 +17,10 @@ namespace dts::sim {
 struct ReachRequest {
   std::uint32_t number = 1;  ///< Selects the random variation from trial to trial.
   double start_s = 0.0;
-  double target_cm = 0.0;        ///< From the acromion.
-  std::string_view condition{};  ///< "80", "150", "max"; must outlive the plan. Empty: no condition.
-  bool is_double = false;        ///< The person moves most of the way back and reaches again before the return.
+  double target_cm = 0.0;             ///< From the acromion.
+  std::string_view condition{};       ///< "80", "150", "max"; must outlive the plan. Empty: no condition.
+  std::optional<double> trunk_deg{};  ///< Final flexion of the trunk, whatever the target needs; empty: what it needs.
+  bool is_double = false;             ///< The person moves most of the way back and reaches again before the return.
 };
 
 /// The planned course of one reach; the published ground truth of a simulated trial. Thread: any. Realtime-safe: yes.

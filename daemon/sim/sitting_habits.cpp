@@ -10,6 +10,7 @@ namespace dts::sim {
 namespace {
 
 constexpr std::uint64_t kHabitSeed = 0x6861626974ULL;
+constexpr double kMostBetweenPeople = 2.0;
 constexpr double kFarthestDraw = 2.5;  // in standard deviations: limits extreme people
 
 /// Draws the random deviations of one person, one trait after the other.
@@ -84,7 +85,7 @@ SittingHabits ideal_habits(const physics::Person& person, SeatLoadModel model, d
 SittingHabits natural_habits(const physics::Person& person, bool is_healthy, SeatLoadModel model, std::uint64_t seed,
                              double between_people) {
   SittingHabits habits = ideal_habits(person, model, 0.0);
-  HabitDraws draws(seed, std::clamp(between_people, 0.0, 1.0));
+  HabitDraws draws(seed, std::clamp(between_people, 0.0, kMostBetweenPeople));
   draw_load(habits, draws);
   draw_movement(habits, person, is_healthy, draws);
   return habits;

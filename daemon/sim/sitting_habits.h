@@ -39,9 +39,9 @@ struct SittingHabits {
 /// Returns the thesis's model: the flexion that geometry predicts, in `phase_s`, without pause, noise or other variation.
 [[nodiscard]] SittingHabits ideal_habits(const physics::Person& person, SeatLoadModel model, double phase_s);
 
-/// Returns a random person for `seed`. `between_people` sets how much people differ: 0 not at all, 1 about as the angles of thesis Table
-/// 6.3. People after a stroke are slower, correct their movements, and use the trunk where the arm alone would do. All figures are
-/// assumptions.
+/// Returns a random person for `seed`. `between_people`, 0 to 2, sets how much people differ: 0 not at all, 1 about as the angles of thesis
+/// Table 6.3, more to test what was learnt from usual people. People after a stroke are slower, correct their movements, and use the trunk
+/// where the arm alone would do. All figures are assumptions.
 [[nodiscard]] SittingHabits natural_habits(const physics::Person& person, bool is_healthy, SeatLoadModel model, std::uint64_t seed,
                                            double between_people);
 

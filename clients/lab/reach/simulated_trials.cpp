@@ -19,7 +19,6 @@ constexpr double kModelPhaseS = 0.75;  // thesis 5.4
 constexpr double kIdealRestBeforeS = 1.5;
 constexpr double kIdealRestAfterS = 1.2;
 constexpr double kSatDownLongAgoS = -100.0;
-constexpr double kNoiseV = 3e-3;
 constexpr double kLivingV = 1e-6;  // a thousandth of the noise: the stages treat constant volts as a stuck sensor
 constexpr std::uint64_t kTrialsOfOneSubject = 1'000'000;
 constexpr int kMostTrials = 10'000;
@@ -43,8 +42,10 @@ core::Status check(const std::vector<reach::Subject>& subjects, const TrialPlan&
   if (std::ranges::any_of(plan.paces_s, [](double pace_s) { return !(pace_s >= 0.3 && pace_s <= 10.0); })) {
     return refuse("a pace is 0.3 to 10 s");
   }
-  if (!(plan.between_people >= 0.0 && plan.between_people <= 1.0)) return refuse("between_people is 0 to 1");
+  if (!(plan.between_people >= 0.0 && plan.between_people <= 2.0)) return refuse("between_people is 0 to 2");
   if (!(plan.rate_hz >= 50.0 && plan.rate_hz <= 20'000.0)) return refuse("the rate is 50 to 20000 Hz");
+  if (!(plan.noise_v >= 0.0 && plan.noise_v <= 1.0)) return refuse("the noise is 0 to 1 V");
+  if (plan.trunk_turn_deg && !(*plan.trunk_turn_deg >= 0.0 && *plan.trunk_turn_deg <= 60.0)) return refuse("the trunk turns 0 to 60 deg");
   for (const reach::Subject& subject : subjects) {
     for (const std::string& condition : plan.conditions) {
       const auto target_cm = reach::target_cm(subject.person, condition);
@@ -90,11 +91,14 @@ class Sitter {
                               .seed = seed_ + trial.number});
     const double before_s = plan_.is_ideal ? kIdealRestBeforeS : 1.0 + random.uniform(4);
     const double after_s = plan_.is_ideal ? kIdealRestAfterS : 1.0 + 0.4 * random.uniform(5);
-    person.plan({.number = trial.number, .start_s = before_s, .target_cm = target_cm});
+    sim::ReachRequest request{.number = trial.number, .start_s = before_s, .target_cm = target_cm};
+    const double turn_deg = plan_.trunk_turn_deg.value_or(0.0);
+    if (turn_deg > 0.0) request.trunk_deg = turn_deg - person.body().parameters().lean_back_deg;
+    person.plan(request);
     const sim::ReachPlan reach = *person.at(0.0).reach;
     if (!plan_.has_volts) return reach.trunk_deg;
     const auto scans = static_cast<std::size_t>((reach.end_s + after_s) * trial.rate.hz());
-    const sim::Daq daq({.bits = 16, .noise_v = kNoiseV, .seed = seed_ + trial.number});
+    const sim::Daq daq({.bits = 16, .noise_v = plan_.noise_v, .seed = seed_ + trial.number});
     for (std::size_t scan = 0; scan < scans; ++scan) {
       auto& volts = trial.volts.emplace_back(volts_of(person.at(static_cast<double>(scan) / trial.rate.hz()).load));
       if (!plan_.is_ideal) daq.convert(volts, scan);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,9 +19,12 @@ struct TrialPlan {
   int trials_per_condition = 15;
   std::vector<double> paces_s{};  ///< Duration of one phase, used in turn for successive trials; empty: 0.75 s if ideal, else natural.
   bool is_ideal = false;          ///< The model's reach without noise, pause or habits (thesis 5.4).
-  double between_people = 1.0;    ///< 0..1: how much people differ, see sim::natural_habits.
+  double between_people = 1.0;    ///< 0..2: how much people differ, see sim::natural_habits.
   sim::SeatLoadModel load_model = sim::SeatLoadModel::Cop;
   double rate_hz = 100.0;
+  double noise_v = 3e-3;  ///< Standard deviation of the noise of each sensor, per scan; not if ideal.
+  /// How far the trunk turns from its rest at the back rest, deg: the same in all trials, whatever the targets need. 0: only the arm moves.
+  std::optional<double> trunk_turn_deg{};
   std::uint64_t seed = 1;
   bool has_volts = true;  ///< false: only the trunk angles, which is a thousand times faster.
 };

@@ -61,7 +61,7 @@ const std::vector<Line>& lines() {
        [](const Draw& d) { return d.recommended.own.angle_rms_deg; }},
       {"recommended_own_angle_coverage", "... ... 90 % intervals that hold the true angle", 0, kNone,
        [](const Draw& d) { return d.recommended.own.angle_coverage; }},
-      {"invented_accuracy", "Model of 60 invented people, as shipped, on the 13: correct", 0, kNone,
+      {"invented_accuracy", "Model of 160 invented people, as shipped, on the 13: correct", 0, kNone,
        [](const Draw& d) { return sum(d.invented.general.answers).of_trunk().accuracy(); }},
       {"invented_kept_share", "... get an answer", 0, kNone, [](const Draw& d) { return d.invented.general.kept.of_trunk().kept_share(); }},
       {"invented_kept_accuracy", "... correct of these", 0, kNone,

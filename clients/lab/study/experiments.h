@@ -48,7 +48,7 @@ struct Draw {
   NetworkResult nn2_one_pace;     ///< Trained on ideal reaches of A to C at the thesis's pace (45).
   NetworkResult nn2;              ///< The same at four paces (180).
   RecommendedResult recommended;  ///< Leave-one-subject-out.
-  RecommendedResult invented;     ///< By a model of 60 invented people, like the model shipped with dtsd.
+  RecommendedResult invented;     ///< By a model of 160 invented people, like the model shipped with dtsd.
 };
 
 struct StudyOptions {
@@ -61,8 +61,8 @@ struct StudyOptions {
 
 inline constexpr std::array<double, 1> kThesisPaces = {0.75};
 inline constexpr std::array<double, 4> kPaces = {0.75, 1.0, 1.25, 1.5};  ///< reach-model section 6.
-inline constexpr std::size_t kInventedPeople = 60;                       ///< As `dtslab reach train --simulated`.
-inline constexpr int kInventedTrials = 10;
+inline constexpr std::size_t kInventedPeople = 160;                      ///< As `dtslab reach train --simulated`.
+inline constexpr int kInventedTrials = 6;
 inline constexpr int kIdealRepetitions = 5;  ///< Thesis 5.4.3.
 
 /// Fails if reaches cannot be simulated or networks cannot be trained.

@@ -51,7 +51,7 @@ std::array<double, kClasses> residuals_of(std::span<const ClassifiedReach> class
 }
 
 double none_from_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without) {
-  constexpr double kLostPart = 0.02;
+  constexpr double kLostPart = 0.01;
   std::vector<double> of_minor;
   for (const ClassifiedReach& one : classified) {
     const bool is_minor = one.group != without && one.reach->wanted == TrunkClass::Minor;

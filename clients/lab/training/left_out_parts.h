@@ -30,7 +30,7 @@ struct ClassifiedReach {
 [[nodiscard]] std::array<double, classifier::kClasses> residuals_of(std::span<const ClassifiedReach> classified,
                                                                     std::optional<std::size_t> without = {});
 
-/// Returns the probability from which a reach counts as arm-only. At most two in a hundred reaches of class 1 have that probability,
+/// Returns the probability from which a reach counts as arm-only. At most one in a hundred reaches of class 1 have that probability,
 /// because they must not become class 0. Without one group.
 [[nodiscard]] double none_from_of(std::span<const ClassifiedReach> classified, std::optional<std::size_t> without = {});
 

@@ -18,8 +18,9 @@ using classifier::ReachFeature;
 using classifier::SubjectCalibration;
 using core::TrunkClass;
 
-// Weight-free: features that change least between bodies.
-constexpr std::array kGeneralFeatures = {ReachFeature::RelativeD2, ReachFeature::RelativeHold, ReachFeature::RatioChange};
+// Weight-free: features that change least between bodies. The place on the seat and the dip explain part of the difference between people.
+constexpr std::array kGeneralFeatures = {ReachFeature::RelativeD1, ReachFeature::RelativeD2, ReachFeature::RelativeHold,
+                                         ReachFeature::RestRatio, ReachFeature::RatioChange};
 constexpr std::array kOwnFeatures = {ReachFeature::OwnD2, ReachFeature::OwnHold, ReachFeature::OwnRatioChange};
 constexpr std::array kAngleFeatures = {ReachFeature::RelativeD2, ReachFeature::RelativeHold, ReachFeature::RatioChange};
 constexpr std::array kArmAloneFeatures = {ReachFeature::RelativeD1, ReachFeature::RelativeD2, ReachFeature::RatioChange};

@@ -83,8 +83,8 @@ void print_model(const TrunkModelForm& form, const TrainArguments& arguments, cl
 }
 
 // Large enough: another draw of the same size changes the left-out figures by less than their own spread.
-constexpr std::size_t kSimulatedPeople = 60;
-constexpr int kSimulatedTrials = 10;  ///< Per target.
+constexpr std::size_t kSimulatedPeople = 160;
+constexpr int kSimulatedTrials = 6;  ///< Per target.
 
 core::Result<TrainingSet> recorded(const TrainArguments& arguments, files::Problems& problems, cli::Console& console) {
   const auto set = reach::read_trial_set(arguments.folder, problems);
@@ -156,6 +156,7 @@ void add_train(cli::CommandLine& line, CLI::App& reach) {
 void add_commands(cli::CommandLine& line, CLI::App& reach) {
   add_train(line, reach);
   add_classify(line, reach);
+  add_judge(line, reach);
   add_exchange(line, reach);
 }
 

@@ -65,6 +65,11 @@ TEST(TrunkModel, Reaches_AreOfTheirClassOrRejectedWithTheReasons) {
                         {-0.151, 3.5, 0, kNo, reason::kOutOfRange}};
   for (const auto unfit : {flag::kDipOnly, flag::kTimeout, flag::kSaturated, flag::kImplausible, flag::kStoodUp, flag::kUntared})
     rows.push_back({0.3, 3.5, unfit, kNo, reason::kBadReach});
+  // Too little deflection: the highest class is certain, and the doubt counts once.
+  constexpr std::uint16_t kAtTheEnd = flag::kSaturated | flag::kSubstituted;
+  rows.push_back({0.55, 3.5, kAtTheEnd, TrunkClass::Maximum, 0});
+  rows.push_back({0.55, 3.5, kAtTheEnd | flag::kStoodUp, kNo, reason::kBadReach});
+  rows.push_back({0.403, 3.5, kAtTheEnd | flag::kResumed, kNo, reason::kUnsure});
   for (const auto doubtful : {flag::kSubstituted, flag::kResumed, flag::kBaselineUncertain}) {
     rows.push_back({0.203, 3.5, doubtful, kNo, reason::kUnsure});
     rows.push_back({0.3, 3.5, doubtful, TrunkClass::Moderate, 0});
@@ -95,6 +100,26 @@ TEST(TrunkModel, Angle_IsClippedToItsInputsRangeAndHasTheIntervalOfItsClass) {
   expect_angle(0.1, deg_of(0.15), deg_of(0.15) - 3.0, deg_of(0.15) + 3.0);
   expect_angle(0.3, deg_of(0.45), deg_of(0.45) - 6.0, deg_of(0.45) + 6.0);
   expect_angle(1.5, deg_of(0.9), deg_of(0.9) - 9.0, deg_of(0.9) + 9.0);
+}
+
+TEST(TrunkModel, SensorAtTheEndOfItsRange_AngleHasNoUpperLimit) {
+  const auto usual = model().classify(reach_of(0.45), 0);
+  const auto at_the_end = model().classify(reach_of(0.45), flag::kSaturated);
+
+  EXPECT_EQ(at_the_end.trunk_deg, usual.trunk_deg);
+  EXPECT_EQ(at_the_end.trunk_lo_deg, usual.trunk_lo_deg);
+  EXPECT_LT(usual.trunk_hi_deg, 90.0);
+  EXPECT_EQ(at_the_end.trunk_hi_deg, 90.0);
+}
+
+TEST(TrunkModel, RatioAtRestOutsideTheTraining_ClippedNotRejected) {
+  auto form = hand_made_form();
+  form.general.inputs.push_back({ReachFeature::RestRatio, -0.21, -0.19});
+  form.general.networks = {thirds(2)};
+  auto reach = reach_of(0.3);
+  reach.rest_ratio = -0.4;
+
+  EXPECT_EQ(model(form).classify(reach, 0).trunk_class, TrunkClass::Moderate);
 }
 
 TEST(TrunkModel, ArmAloneRule_IsSureFromItsLimitOn) {

@@ -98,14 +98,41 @@ TEST(SimulatedTrials, TargetBeyondTheMaximumReach_IsLeftOut) {
   EXPECT_TRUE(std::ranges::none_of(trials.set.trials, [](const reach::Trial& trial) { return trial.condition == "150"; }));
 }
 
+TEST(SimulatedTrials, TurnOfTheTrunk_IsTheSameInAllTrialsWhateverTheTarget) {
+  TrialPlan plan{.conditions = {"80", "max"}, .trials_per_condition = 3, .trunk_turn_deg = 12.0, .has_volts = false};
+  const std::vector<double> turned = simulated(plan, {kA}).trunk_deg;
+  plan.trunk_turn_deg = 2.0;
+  const std::vector<double> little = simulated(plan, {kA}).trunk_deg;
+
+  ASSERT_EQ(turned.size(), 6U);
+  for (std::size_t k = 0; k < turned.size(); ++k) {
+    EXPECT_DOUBLE_EQ(turned[k], turned[0]);
+    EXPECT_NEAR(turned[k] - little[k], 10.0, 1e-9);  // from the person's own lean
+    EXPECT_LT(little[k], 0.0);                       // still behind upright
+  }
+}
+
+TEST(SimulatedTrials, MoreNoise_OtherVoltsOfTheSameReach) {
+  TrialPlan plan{.conditions = {"120"}, .trials_per_condition = 1};
+  const auto usual = simulated(plan);
+  plan.noise_v = 0.0;
+  const auto quiet = simulated(plan);
+
+  ASSERT_EQ(usual.set.trials[0].volts.size(), quiet.set.trials[0].volts.size());
+  EXPECT_NE(usual.set.trials[0].volts, quiet.set.trials[0].volts);
+  EXPECT_EQ(usual.trunk_deg, quiet.trunk_deg);
+}
+
 TEST(SimulatedTrials, NonsensePlan_Refused) {
   const auto refused = [](const TrialPlan& plan) { return !simulate_trials({kA}, plan, [](double) {}).has_value(); };
   EXPECT_TRUE(refused({.conditions = {"far"}}));
   EXPECT_TRUE(refused({.trials_per_condition = 0}));
   EXPECT_TRUE(refused({.paces_s = {0.0}}));
-  EXPECT_TRUE(refused({.between_people = 1.5}));
+  EXPECT_TRUE(refused({.between_people = 2.5}));
   EXPECT_TRUE(refused({.between_people = std::nan("")}));
   EXPECT_TRUE(refused({.rate_hz = 1.0}));
+  EXPECT_TRUE(refused({.noise_v = -1.0}));
+  EXPECT_TRUE(refused({.trunk_turn_deg = 61.0}));
   reach::Subject nobody{.name = "nobody", .person = {.height_cm = 0.0}};
   EXPECT_FALSE(simulate_trials({nobody}, {}, [](double) {}).has_value());
 }

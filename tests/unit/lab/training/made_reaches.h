@@ -32,7 +32,7 @@ inline TrainingSet made_reaches(std::size_t people, std::uint64_t seed) {
                         .p3_mm = p1_mm * (1.0 + d2),
                         .hold_mm = 0.9 * d2 * p1_mm,
                         .rise_s = 0.6 + 0.01 * deg,
-                        .rest_ratio = -0.2,
+                        .rest_ratio = -0.2 + 0.002 * (trial % 7),
                         .ratio_change = 0.2 * sine + random.uniform(-0.005, 0.005)};
       set.reaches.push_back(reach);
     }

@@ -171,6 +171,7 @@ std::vector<std::string> recorded(const std::string& file) {
 }
 
 TEST_F(ChairExamination, LiveRecordedReplayedAndInTheLaboratory_AreTheSame) {
+  RecordProperty("requirement", "REACH-5");
   ASSERT_TRUE(daemon_.is_ready()) << daemon_.log();
   // The daemon handles subscriptions in their order, and sends the state of the device to every newcomer.
   client::Subscriber subscriber = daemon_.subscribe({"chair/reach", "chair/class", "chair/device"});

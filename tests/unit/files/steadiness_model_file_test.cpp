@@ -70,12 +70,12 @@ TEST_F(SteadinessModelFile, WrongTable_IsReported) {
   write("rigs/ill.json", pattern::model_text(illness));
   write("rigs/damaged.json", "{\"kind\": 3}");
   for (const auto& [tail, says] : {
-           std::pair("[steadiness]\n", "[steadiness] needs 'model'"),
+           std::pair("[steadiness]\n", "[steadiness] model is missing"),
            {"[steadiness]\nmodel = \"\"\n", "[steadiness] model is empty: name a file, or remove the table"},
            {"[steadiness]\nmodel = \"nowhere.json\"\n", "rigs/nowhere.json: "},
            {"[steadiness]\nmodel = \"damaged.json\"\n", "is not a model of dtslab steadiness train: 'kind' is not a text"},
            {"[steadiness]\nmodel = \"ill.json\"\n", "the model of 'ill' must not be shown: told by age, not by sway"},
-           {"[steadiness]\nmodel = \"group.json\"\ntrial = {}\n", "unknown key 'trial'; did you mean 'trials'?"},
+           {"[steadiness]\nmodel = \"group.json\"\ntrial = {}\n", "unknown key 'trial' in [steadiness]; did you mean 'trials'?"},
            {"[steadiness]\nmodel = \"group.json\"\ntrials = { eyes = 3 }\n", "eyes must be a text in quotes"},
        }) {
     Problems problems;

@@ -122,10 +122,12 @@ export const TrendView = ({ trend }: { trend: SubjectTrend }): JSX.Element => {
   );
 };
 
-/** Sentences of the newest sessions; `sessions` names them. */
+/** Sentences of the newest session of each rig and protocol; `sessions` names them. */
 export const PlainWords = ({ trend, sessions }: { trend: SubjectTrend; sessions: readonly SessionRecord[] }): JSX.Element => {
   const known = new Map(sessions.map((session) => [session.sessionId, session]));
-  const shown = trend.words.sessions.slice(0, 2);
+  const kindOf = (id: string): string => `${known.get(id)?.rig} ${known.get(id)?.protocol}`;
+  const all = trend.words.sessions; // newest first
+  const shown = all.filter(({ session }, index) => all.findIndex((one) => kindOf(one.session) === kindOf(session)) === index);
   if (shown.length === 0) return <p>{words.words.none}</p>;
   return (
     <div class="column" data-testid="plain-words">

@@ -15,7 +15,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 const std::vector<std::pair<std::string, std::string>> kGermanOpen{{"eyes", "open"}, {"feet", "two"}, {"surface", "firm"}};
 const std::vector<std::pair<std::string, std::string>> kGermanClosed{{"eyes", "closed"}, {"feet", "two"}, {"surface", "firm"}};
@@ -47,16 +46,19 @@ bool is_of_both_languages(const std::string& text) {
 
 class GermanReport : public ::testing::Test {
  protected:
-  [[nodiscard]] std::vector<Page> pages(const MadeStanding& made, Language language) {
-    const std::string file = write_standing(directory_ / "a.xdf", made);
+  [[nodiscard]] std::string write(const MadeStanding& made) {
+    return write_standing(directory_ / ("recording-" + std::to_string(++written_) + ".xdf"), made);
+  }
+  [[nodiscard]] static std::vector<Page> pages(const std::string& file, Language language) {
     auto report = make_report({.files = {file}, .software = "test 1.2.3", .language = language}, [](double) { return true; });
     EXPECT_TRUE(report.has_value()) << (report ? "" : core::to_string(report.error()));
     return report ? report->pages : std::vector<Page>{};
   }
   /// Returns the texts that the German pages have in English.
   [[nodiscard]] std::vector<std::string> english_texts(const MadeStanding& made) {
-    const std::vector<Page> english = pages(made, Language::English);
-    const std::vector<Page> german = pages(made, Language::German);
+    const std::string file = write(made);
+    const std::vector<Page> english = pages(file, Language::English);
+    const std::vector<Page> german = pages(file, Language::German);
     std::vector<std::string> same;
     EXPECT_EQ(english.size(), german.size());
     for (std::size_t index = 0; index < std::min(english.size(), german.size()); ++index) {
@@ -89,6 +91,7 @@ class GermanReport : public ::testing::Test {
   }
 
   record::xdf_test::Folder directory_;
+  int written_ = 0;
 };
 
 TEST_F(GermanReport, Pages_HaveNoEnglishText) {
@@ -102,7 +105,7 @@ TEST_F(GermanReport, Pages_HaveNoEnglishText) {
 TEST_F(GermanReport, WithoutAProtocol_HasNoEnglishText) { EXPECT_THAT(english_texts(MadeStanding{}), ElementsAre()); }
 
 TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
-  const std::string session = pages(romberg(), Language::German).front().text;
+  const std::string session = pages(write(romberg()), Language::German).front().text;
   for (const char* part : {"lang=\"de\"", "Romberg-Test (romberg)", "Gewicht", "71,5 kg", "Augen offen (n = ", "21. November 2026"}) {
     EXPECT_THAT(session, HasSubstr(part));
   }
@@ -110,7 +113,7 @@ TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
 }
 
 TEST_F(GermanReport, WhatAPersonTyped_IsNotTranslated) {
-  const std::string session = pages(romberg(), Language::German).front().text;
+  const std::string session = pages(write(romberg()), Language::German).front().text;
   EXPECT_THAT(session, HasSubstr("Stichwort"));
   EXPECT_THAT(session, HasSubstr("none"));  // the label of this session
 }

@@ -39,7 +39,8 @@ std::vector<std::string> texts_of(const Page& page) {
 bool is_of_both_languages(const std::string& text) {
   static const std::regex kWord("[A-Za-z]{3}");
   static const std::regex kShared(
-      "P017|romberg|deg|deg/s|Filter|PF(50|95) .*|.*Gait Posture.*|.*IEEE Trans.*|.*Exp Brain Res.*|2026.* UTC|20261121T144525Z-floor-1|"
+      "P017|romberg|quiet-standing|rejected|deg|deg/s|Filter|PF(50|95) .*|.*Gait Posture.*|.*IEEE Trans.*|.*Exp Brain Res.*|2026.* "
+      "UTC|20261121T144525Z-floor-1|"
       "floor|COP");
   return !std::regex_search(text, kWord) || std::regex_match(text, kShared);
 }
@@ -76,7 +77,7 @@ class GermanReport : public ::testing::Test {
     MadeStanding made{.length_s = 120.0};
     made.facts.protocol = "romberg";
     made.facts.fields = {{"weight_kg", "71.5"}};
-    made.facts.label = "none";
+    made.facts.label = "rejected";
     made.facts.protocol_definition =
         "name = \"romberg\"\ntitle = \"Romberg's test\"\nde = { title = \"Romberg-Test\" }\n[[field]]\nname = \"weight_kg\"\n"
         "label = \"Body weight\"\nde = { label = \"Gewicht\" }\nunit = \"kg\"\nminimum = 10\nmaximum = 250\n[trials]\nblocks = 3\n"
@@ -115,7 +116,7 @@ TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
 TEST_F(GermanReport, WhatAPersonTyped_IsNotTranslated) {
   const std::string session = pages(write(romberg()), Language::German).front().text;
   EXPECT_THAT(session, HasSubstr("Stichwort"));
-  EXPECT_THAT(session, HasSubstr("none"));  // the label of this session
+  EXPECT_THAT(session, HasSubstr("rejected"));  // the label of this session
 }
 
 TEST(ReportTranslation, FindsTheClosestTextAndTranslatesItsParts) {

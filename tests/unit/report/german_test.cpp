@@ -15,7 +15,6 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 const std::vector<std::pair<std::string, std::string>> kGermanOpen{{"eyes", "open"}, {"feet", "two"}, {"surface", "firm"}};
 const std::vector<std::pair<std::string, std::string>> kGermanClosed{{"eyes", "closed"}, {"feet", "two"}, {"surface", "firm"}};
@@ -40,23 +39,27 @@ std::vector<std::string> texts_of(const Page& page) {
 bool is_of_both_languages(const std::string& text) {
   static const std::regex kWord("[A-Za-z]{3}");
   static const std::regex kShared(
-      "P017|romberg|deg|deg/s|Filter|PF(50|95) .*|.*Gait Posture.*|.*IEEE Trans.*|.*Exp Brain Res.*|2026.* UTC|20261121T144525Z-floor-1|"
+      "P017|romberg|quiet-standing|rejected|deg|deg/s|Filter|PF(50|95) .*|.*Gait Posture.*|.*IEEE Trans.*|.*Exp Brain Res.*|2026.* "
+      "UTC|20261121T144525Z-floor-1|"
       "floor|COP");
   return !std::regex_search(text, kWord) || std::regex_match(text, kShared);
 }
 
 class GermanReport : public ::testing::Test {
  protected:
-  [[nodiscard]] std::vector<Page> pages(const MadeStanding& made, Language language) {
-    const std::string file = write_standing(directory_ / "a.xdf", made);
+  [[nodiscard]] std::string write(const MadeStanding& made) {
+    return write_standing(directory_ / ("recording-" + std::to_string(++written_) + ".xdf"), made);
+  }
+  [[nodiscard]] static std::vector<Page> pages(const std::string& file, Language language) {
     auto report = make_report({.files = {file}, .software = "test 1.2.3", .language = language}, [](double) { return true; });
     EXPECT_TRUE(report.has_value()) << (report ? "" : core::to_string(report.error()));
     return report ? report->pages : std::vector<Page>{};
   }
   /// Returns the texts that the German pages have in English.
   [[nodiscard]] std::vector<std::string> english_texts(const MadeStanding& made) {
-    const std::vector<Page> english = pages(made, Language::English);
-    const std::vector<Page> german = pages(made, Language::German);
+    const std::string file = write(made);
+    const std::vector<Page> english = pages(file, Language::English);
+    const std::vector<Page> german = pages(file, Language::German);
     std::vector<std::string> same;
     EXPECT_EQ(english.size(), german.size());
     for (std::size_t index = 0; index < std::min(english.size(), german.size()); ++index) {
@@ -74,7 +77,7 @@ class GermanReport : public ::testing::Test {
     MadeStanding made{.length_s = 120.0};
     made.facts.protocol = "romberg";
     made.facts.fields = {{"weight_kg", "71.5"}};
-    made.facts.label = "none";
+    made.facts.label = "rejected";
     made.facts.protocol_definition =
         "name = \"romberg\"\ntitle = \"Romberg's test\"\nde = { title = \"Romberg-Test\" }\n[[field]]\nname = \"weight_kg\"\n"
         "label = \"Body weight\"\nde = { label = \"Gewicht\" }\nunit = \"kg\"\nminimum = 10\nmaximum = 250\n[trials]\nblocks = 3\n"
@@ -89,6 +92,7 @@ class GermanReport : public ::testing::Test {
   }
 
   record::xdf_test::Folder directory_;
+  int written_ = 0;
 };
 
 TEST_F(GermanReport, Pages_HaveNoEnglishText) {
@@ -103,7 +107,7 @@ TEST_F(GermanReport, Pages_HaveNoEnglishText) {
 TEST_F(GermanReport, WithoutAProtocol_HasNoEnglishText) { EXPECT_THAT(english_texts(MadeStanding{}), ElementsAre()); }
 
 TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
-  const std::string session = pages(romberg(), Language::German).front().text;
+  const std::string session = pages(write(romberg()), Language::German).front().text;
   for (const char* part : {"lang=\"de\"", "Romberg-Test (romberg)", "Gewicht", "71,5 kg", "Augen offen (n = ", "21. November 2026"}) {
     EXPECT_THAT(session, HasSubstr(part));
   }
@@ -111,9 +115,9 @@ TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
 }
 
 TEST_F(GermanReport, WhatAPersonTyped_IsNotTranslated) {
-  const std::string session = pages(romberg(), Language::German).front().text;
+  const std::string session = pages(write(romberg()), Language::German).front().text;
   EXPECT_THAT(session, HasSubstr("Stichwort"));
-  EXPECT_THAT(session, HasSubstr("none"));  // the label of this session
+  EXPECT_THAT(session, HasSubstr("rejected"));  // the label of this session
 }
 
 TEST(ReportTranslation, FindsTheClosestTextAndTranslatesItsParts) {

@@ -231,7 +231,7 @@ TEST_P(TranscriptTest, EveryCommand_PrintsWhatItDid) {
 
 INSTANTIATE_TEST_SUITE_P(Transcripts, TranscriptTest,
                          ::testing::Values("catalogue", "compare", "doctor", "edit", "files", "keys_and_protocols", "rigs", "sessions",
-                                           "subjects", "subjects", "top", "usage", "watch"),
+                                           "subjects", "top", "usage", "watch"),
                          [](const auto& given) { return given.param; });
 
 }  // namespace

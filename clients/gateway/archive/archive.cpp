@@ -145,7 +145,7 @@ class ArchiveImpl final : public Archive {
     const auto file = file_of(session, part);
     if (!file) return respond(error_answer(file.error()));
     const std::filesystem::path path(*file);
-    respond(download({.path = path}, path.filename().string(), "application/octet-stream"));
+    respond(download(FileBody{.path = path}, path.filename().string(), "application/octet-stream"));
   }
 
   /// An empty `page` means the list of pages.

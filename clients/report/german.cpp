@@ -158,6 +158,9 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"{} of {} planned trials have no valid result: {}.", "{} von {} geplanten Durchgängen haben kein gültiges Ergebnis: {}."},
     {"No Romberg quotient for {}: {}.", "Kein Romberg-Quotient für {}: {}."},
     {"No Romberg quotient: {}.", "Kein Romberg-Quotient: {}."},
+    {"With feedback: the subject saw the own COP. Do not compare this trial with trials without feedback.",
+     "Mit Rückmeldung: Die Person hat den eigenen Druckmittelpunkt (COP) gesehen. Diesen Durchgang nicht mit Durchgängen ohne Rückmeldung "
+     "vergleichen."},
     {"there are several conditions with eyes {}", "es gibt mehrere Bedingungen mit Augen {}"},
     {"no trial with eyes {} counts", "kein Durchgang mit Augen {} zählt"},
     {"open", "offen"},

@@ -6,6 +6,7 @@
 #include "pattern/decision.h"
 #include "record/sha256.h"
 #include "record/utf8_text.h"
+#include "session/protocol.h"
 
 namespace dts::session {
 namespace {
@@ -52,6 +53,9 @@ std::optional<v1::SteadinessDecision> SteadinessDecider::decide(const SwayTrialR
   if (!model_ || !trial.analysis) return std::nullopt;
   const auto has_label = [&](const auto& label) { return std::ranges::find(trial.labels, label) != trial.labels.end(); };
   if (!std::ranges::all_of(model_->labels, has_label)) return std::nullopt;
+  // Feedback changes sway, and the people of the training had none.
+  if (std::ranges::find(trial.labels, kFeedbackLabel, &std::pair<std::string, std::string>::first) != trial.labels.end())
+    return std::nullopt;
   const posturography::Analysis& analysis = *trial.analysis;
   const pattern::Decision decision = pattern::decide(model_->model, {.measures = analysis.measures,
                                                                      .profile = posturography::name(analysis.profile),

@@ -16,7 +16,7 @@ class SteadinessDecider {
   explicit SteadinessDecider(const std::optional<pipeline::SteadinessModel>& model);
 
   /// Returns the decision for a trial with an analysis; nothing if there is no model, no analysis, or the model does not decide trials with
-  /// these labels.
+  /// these labels; nor for a trial with feedback.
   [[nodiscard]] std::optional<v1::SteadinessDecision> decide(const SwayTrialResult& trial) const;
 
  private:

@@ -95,6 +95,10 @@ TEST(SteadinessDecider, OtherTrials_HaveNoDecision) {
   model.labels = {{"eyes", "closed"}, {"surface", "foam"}};
   EXPECT_FALSE(SteadinessDecider(model).decide(trial_of(11.0))) << "every label must be there";
 
+  SwayTrialResult with_feedback = trial_of(11.0);
+  with_feedback.labels.emplace_back(kFeedbackLabel, kCopFeedback);
+  EXPECT_FALSE(SteadinessDecider(made_steadiness_model()).decide(with_feedback));
+
   EXPECT_FALSE(SteadinessDecider(std::nullopt).decide(trial_of(11.0)));
   SwayTrialResult failed{.trial = 1};
   failed.problem = "no samples";

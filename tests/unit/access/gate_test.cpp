@@ -34,6 +34,7 @@ const std::map<std::string, v1::Role> kNeeded{
     {"delete_session", v1::ROLE_OPERATOR},
     {"list_subjects", v1::ROLE_OPERATOR},
     {"show_subject", v1::ROLE_OPERATOR},
+    {"edit_subject", v1::ROLE_OPERATOR},
     {"erase_subject", v1::ROLE_ENGINEER},
 };
 

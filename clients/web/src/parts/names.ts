@@ -57,7 +57,7 @@ export const useProtocols = (link: Link): void => {
       (answer) => {
         if (answer.case !== 'protocols') return;
         protocols.value = answer.value.protocols.map((one) => inLanguage(one, language));
-        labelRule.value = { hint: answer.value.labelHint, pattern: answer.value.labelPattern };
+        labelRule.value = { hint: answer.value.labelHint && asSentence(answer.value.labelHint), pattern: answer.value.labelPattern };
       },
       () => undefined, // the next connection asks again
     );

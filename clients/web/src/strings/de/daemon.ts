@@ -24,7 +24,15 @@ export const daemonMessages: readonly Message[] = [
   ['use done, redone, rejected or aborted', 'done, redone, rejected oder aborted verwenden'],
   ['{} cannot be done, because {} is done: a trial is valid once', '{} kann nicht fertig sein, weil {} fertig ist: Ein Durchgang gilt einmal'],
   ['{} has no values: it ended before it was measured, so it cannot be done', '{} hat keine Werte: vor der Messung beendet, kann also nicht fertig sein'],
+  // Erasures and exports
+  ['this subject is being erased', 'diese Person wird gerade gelöscht'],
+  ['wait a minute, then see dtsctl subject list', 'eine Minute warten, dann dtsctl subject list ansehen'],
+  ["cannot write '{}'", "kann '{}' nicht schreiben"],
   // Rules for typed texts
+  [
+    'Use words and numbers such as "eyes closed" or "Baseline 2". Labels go into files: do not enter names or birth dates',
+    'Wörter und Zahlen verwenden, zum Beispiel „Augen zu“ oder „Messung 2“. Stichworte stehen in Dateien: keine Namen oder Geburtsdaten eingeben',
+  ],
   ["the {} does not follow this clinic's rule for labels", 'nach der Regel dieser Klinik nicht erlaubt: {}'],
   ['the {} has a character that is not visible', 'hat ein unsichtbares Zeichen: {}'],
   ['the {} has {} bytes, more than {}', 'zu lang: {} hat {} Bytes, mehr als {}'],

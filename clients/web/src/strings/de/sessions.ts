@@ -173,6 +173,7 @@ export const sessions: typeof english = {
       RANGE: 'Spannweite',
       MAXDIST: 'größter Abstand von der mittleren Lage',
       SD1: 'Standardabweichung',
+      load_n: 'Last beim Stehen',
       AREA_CC: 'Fläche des 95-%-Konfidenzkreises',
       AREA_CE: 'Fläche der 95-%-Konfidenzellipse',
       PEA95_F: 'Fläche der 95-%-Ellipse',

@@ -148,6 +148,7 @@ export const sessions = {
       RANGE: 'range',
       MAXDIST: 'largest distance from the mean position',
       SD1: 'standard deviation',
+      load_n: 'load while standing',
       AREA_CC: '95 % confidence circle area',
       AREA_CE: '95 % confidence ellipse area',
       PEA95_F: '95 % ellipse area',

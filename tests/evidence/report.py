@@ -4,7 +4,7 @@
 
     report.py ROOT BUILD TESTS.xml REPORT.html
 
-Exit status 0: every test that ran passed, and every requirement has a test that passed. 1: not so. 2: wrong use.
+Exit status 0: every test that ran passed, and all tests of every requirement passed. 1: not so. 2: wrong use.
 """
 
 import hashlib
@@ -89,7 +89,7 @@ def program_hashes(build: Path) -> Iterator[tuple[str, str]]:
 
 
 def requirement_rows(root: Path, run: results.Results) -> tuple[list[tuple[str, ...]], list[str]]:
-    """The rows of the matrix, and the IDs of requirements without a test that passed or with one that failed."""
+    """The rows of the matrix, and the IDs of requirements of which a test did not pass."""
     evidence = requirements.all_evidence(root)
     rows, open_ids = [], []
     for requirement in requirements.requirements(root):
@@ -143,7 +143,7 @@ def main(arguments: list[str]) -> int:
         "<h2>The run</h2>",
         run_facts(root, run, junit),
         f"<p>Failed tests: {html.escape(', '.join(failed)) or 'none'}. "
-        f"Requirements without a test that passed, or with one that failed: {', '.join(open_ids) or 'none'}.</p>",
+        f"Requirements of which a test failed, was skipped or did not run: {', '.join(open_ids) or 'none'}.</p>",
         "<h2>Requirements</h2>",
         table(("ID", "requirement", "source", "result", "tests"), rows),
         "<h2>Hazards</h2>",
@@ -165,9 +165,9 @@ def main(arguments: list[str]) -> int:
     report.parent.mkdir(parents=True, exist_ok=True)
     head = f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>dtsd: verification report</title><style>{STYLE}</style></head><body>'
     report.write_text("\n".join([head, *parts, "</body></html>", ""]), encoding="utf-8")
-    print(f"{report}: {len(run.tests)} tests, {len(failed)} failed; {len(rows)} requirements, {len(open_ids)} without a test that passed")
+    print(f"{report}: {len(run.tests)} tests, {len(failed)} failed; {len(rows)} requirements, {len(open_ids)} of which a test did not pass")
     for id in open_ids:
-        print(f"  {id} has no test that passed, or one that failed")
+        print(f"  {id}: a test failed, was skipped or did not run")
     return 1 if failed or open_ids else 0
 
 

@@ -9,11 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # "[       OK ] Kinds/DeviceContract.Deadline_IsKept/sim (12 ms)": the case without the names of its parameters.
-GTEST = re.compile(r"^\[ +(OK|FAILED|SKIPPED) +\] (?:[^/\s]+/)?(\w+\.\w+)", re.M)
+GTEST = re.compile(r"^\[ *(RUN|OK|FAILED|SKIPPED) +\] (?:[^/\s]+/)?(\w+\.\w+)\S*(?: \(\d+ ms\)|, where .* \(\d+ ms\))?$", re.M)
+SKIPPED_SCRIPT = re.compile(r"^OK \(skipped=\d+\)$", re.M)  # unittest does not name the cases: all of the file count as skipped
 # node:test prints TAP if nobody watches: "    ok 2 - name", "not ok 1 - name", "ok 3 - name # SKIP".
 TAP = re.compile(r"^\s*((?:not )?ok) \d+ - (.*?)( # SKIP.*)?$", re.M)
-WORDS = {"OK": "passed", "FAILED": "failed", "SKIPPED": "skipped", "ok": "passed", "not ok": "failed"}
-WORST_FIRST = ("failed", "passed", "skipped", "not run")
+WORDS = {"RUN": "begun", "OK": "passed", "FAILED": "failed", "SKIPPED": "skipped", "ok": "passed", "not ok": "failed"}
+WORST_FIRST = ("failed", "not run", "skipped", "passed")
 
 
 @dataclass
@@ -32,8 +33,14 @@ class Results:
 
 
 def worst(words: list[str]) -> str:
-    """A case of several parameters failed if one failed, and passed if one passed and none failed."""
+    """What is true of several results: one that failed, was not run or was skipped counts before those that passed."""
     return min(words, key=WORST_FIRST.index, default="not run")
+
+
+def ended(words: list[str]) -> list[str]:
+    """The results of a case that a program of GoogleTest printed: one that began and has no result crashed."""
+    results = [word for word in words if word != "begun"]
+    return results + ["failed"] * max(0, words.count("begun") - len(results))
 
 
 def status_of(case: ElementTree.Element) -> str:
@@ -42,14 +49,19 @@ def status_of(case: ElementTree.Element) -> str:
 
 def read(junit: Path, build: Path) -> Results:
     results = Results()
-    words: dict[str, list[str]] = {}
+    words: dict[str, list[str]] = {}  # of each case
     for case in ElementTree.parse(junit).getroot().iter("testcase"):
         name = case.get("name", "")
         results.tests[name] = status_of(case)
         results.seconds[name] = float(case.get("time", 0))
         output = case.findtext("system-out") or ""
+        of_program: dict[str, list[str]] = {}
         for word, found in GTEST.findall(output):
-            words.setdefault(found, []).append(WORDS[word])
+            of_program.setdefault(found, []).append(WORDS[word])
+        for found, printed in of_program.items():
+            words.setdefault(found, []).extend(ended(printed))
+        if results.tests[name] == "passed" and SKIPPED_SCRIPT.search(output):
+            results.tests[name] = "skipped"
         for word, found, skipped in TAP.findall(output):
             words.setdefault(found, []).append("skipped" if skipped else WORDS[word])
     results.cases = {name: worst(found) for name, found in words.items()}

@@ -9,7 +9,9 @@ from unittest import mock
 import results
 
 JUNIT = """<testsuite>
-<testcase name="unit_core" status="run" time="1.5"><system-out>[       OK ] Rate.Day (0 ms)
+<testcase name="unit_core" status="run" time="1.5"><system-out>[ RUN      ] Rate.Day
+[       OK ] Rate.Day (0 ms)
+[ RUN      ] Rate.Crash
 [       OK ] Kinds/Device.Stop/sim (1 ms)
 [  FAILED  ] Kinds/Device.Stop/usb, where GetParam() = 1 (1 ms)
 [  SKIPPED ] Disk.Full (0 ms)
@@ -20,8 +22,11 @@ JUNIT = """<testsuite>
     ok 3 - is left out # SKIP no screen
 </system-out></testcase>
 <testcase name="python_live" status="run" time="3"><system-out>..</system-out></testcase>
+<testcase name="python_other" status="run" time="3"><system-out>ss
+OK (skipped=2)
+</system-out></testcase>
 </testsuite>"""
-LISTED = '{"tests": [{"name": "python_live", "command": ["python3", "/tests/python/test_live.py"]}, {"name": "unit_core"}]}'
+LISTED = '{"tests": [{"name": "python_live", "command": ["python3", "/tests/python/test_live.py"]}, {"name": "python_other", "command": ["/tests/python/test_skipped.py"]}, {"name": "unit_core"}]}'
 
 
 class RunOfTheSuite(unittest.TestCase):
@@ -33,13 +38,19 @@ class RunOfTheSuite(unittest.TestCase):
             self.run_of = results.read(Path(file.name), Path("build"))
 
     def test_TestsHaveTheirStatusAndTime(self) -> None:
-        self.assertEqual(self.run_of.tests, {"unit_core": "passed", "web_live": "failed", "python_live": "passed"})
+        self.assertEqual(self.run_of.tests, {"unit_core": "passed", "web_live": "failed", "python_live": "passed", "python_other": "skipped"})
         self.assertEqual(self.run_of.seconds["unit_core"], 1.5)
 
     def test_CasesOfGoogleTest(self) -> None:
         self.assertEqual(self.run_of.of("Rate.Day", "rate_test.cpp"), "passed")
         self.assertEqual(self.run_of.of("Disk.Full", "disk_test.cpp"), "skipped")
         self.assertEqual(self.run_of.of("Rate.Year", "rate_test.cpp"), "not run")
+
+    def test_CaseThatBeganAndDidNotEnd_HasFailed(self) -> None:
+        self.assertEqual(self.run_of.of("Rate.Crash", "rate_test.cpp"), "failed")
+
+    def test_SkippedScript_IsNotPassed(self) -> None:
+        self.assertEqual(self.run_of.of("test_Nothing", "tests/python/test_skipped.py"), "skipped")
 
     def test_OneParameterThatFails_FailsTheCase(self) -> None:
         self.assertEqual(self.run_of.of("Device.Stop", "device_test.cpp"), "failed")

@@ -100,7 +100,7 @@ class WallClock(unittest.TestCase):
         shown = self.shown(id)
         self.assertEqual(shown["lost_scans"], 0)
         self.assertEqual(shown["gaps"], 0)
-        out = self.folder / "csv"
+        out = self.folder / id
         self.dtsctl("session", "export", id, "--format", "csv", "--out", str(out))
         self.assert_even(next(out.glob("*raw*.csv")))
         return id
@@ -132,24 +132,26 @@ class WallClock(unittest.TestCase):
         self.start_daemon("2026-03-29 01:59:58", zone="Europe/Berlin")
         self.assertRegex(self.session(), "^20260329T0(059|100)")
 
+    def jump(self, begin: str, then: str, expected_id: str) -> None:
+        """Sets the clock during a session. The ID of the next one shows that the daemon's clock has really changed."""
+        self.start_daemon(begin)
+        self.session(lambda: self.set_clock(f"@{then}"))
+        self.assertRegex(self.session(), f"^{expected_id}")
+
     def test_AnHourForward(self) -> None:
-        self.start_daemon("2026-11-27 12:00:00")
-        self.session(lambda: self.set_clock("@2026-11-27 13:00:00"))
+        self.jump("2026-11-27 12:00:00", "2026-11-27 13:00:00", "20261127T13")
 
     def test_AnHourBack(self) -> None:
         # requirement: REC-13
-        self.start_daemon("2026-11-27 12:00:00")
-        self.session(lambda: self.set_clock("@2026-11-27 11:00:00"))
+        self.jump("2026-11-27 12:00:00", "2026-11-27 11:00:00", "20261127T11")
 
     def test_ALeapSecond(self) -> None:
-        """Linux repeats the last second of the day: the wall clock goes back by one."""
-        self.start_daemon("2016-12-31 23:59:57")
-        self.session(lambda: self.set_clock("@2016-12-31 23:59:59"))
+        """Linux repeats the last second of the day: the wall clock goes back to its beginning."""
+        self.jump("2016-12-31 23:59:50", "2016-12-31 23:59:59", "20170101T0000")
 
     def test_YearsForward(self) -> None:
         """A board without a battery, before NTP has set its clock."""
-        self.start_daemon("2001-01-01 00:00:05")
-        self.session(lambda: self.set_clock("@2026-11-27 12:00:00"))
+        self.jump("2001-01-01 00:00:05", "2026-11-27 12:00:00", "20261127T12")
 
 
 if __name__ == "__main__":

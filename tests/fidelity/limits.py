@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far a figure may be from the printed one, and why some figures are printed beside ours without a limit.
 
-The limits are those of the sheets (plate-model, section 4), which were set before our figures were computed. A column that is not here is
-reported without a verdict.
+Limits of Tables 3.2 to 3.5 are those of the plate-model sheet (section 4), which were set before our figures were computed. Those of
+Tables 4.1 to 6.4 are the printed totals, or the limit that the line names. A figure that is not here is reported without a verdict.
 """
 
-# (table, figure of "deviation"): largest distance from the printed value, and what it is compared with.
+# (table, figure of "deviation"): the largest distance from the printed value, in percent; at each sensing position, or everywhere.
 WITHIN = {
-    ("3.2", "fem_percent"): (1.0, "FEM column of the thesis"),
-    ("3.3", "fem_percent"): (3.0, "FEM column of the thesis"),
-    ("3.4", "fem_percent"): (1.0, "FEM column of the thesis"),
-    ("3.5", "fem_percent"): (3.0, "FEM column of the thesis"),
+    ("3.2", "fem_percent"): {"position 1": 1.0, "position 2": 0.5, "position 3": 0.3},
+    ("3.3", "fem_percent"): {"position 1": 2.5, "position 2": 1.0, "position 3": 0.8},
+    # The printed columns do not follow from the stated theory: the sheet only asks to stay this near.
+    ("3.2", "fdm_percent"): {"position 1": 3.0, "position 2": 6.0, "position 3": 7.0},
+    ("3.3", "fdm_percent"): {"position 1": 3.0, "position 2": 6.0, "position 3": 7.0},
+    ("3.4", "fem_percent"): {"": 1.0},
+    ("3.5", "fem_percent"): {"": 3.0},
 }
 
 # (table, figure of "summary"): the largest value that is still right.
@@ -30,10 +33,11 @@ AT_LEAST = {
     ("6.4", "nn2_correct"): (71, "printed: 71 of 75"),
 }
 
+# Table 3.6: the means in the order of the thesis (sheet, section 4 F), the largest first.
+ORDER_OF_MEANS = ("mean_edge_neighbour_percent", "mean_edge_opposite_percent", "mean_corner_opposite_percent", "mean_corner_neighbour_percent")
+
 # Columns that nobody can compute from the stated theory; the notes of the table say why.
 NOT_FROM_THE_THEORY = {
-    ("3.2", "fdm_percent"),
-    ("3.3", "fdm_percent"),
     ("3.4", "fdm_percent"),
     ("3.5", "fdm_percent"),
     ("3.6", "fem_points"),

@@ -38,6 +38,8 @@ def text_findings(root: Path, figures: list[dict]) -> list[str]:
             findings.append(f"{name}: the keys are neither those of a cheap figure nor those of another one")
         elif "last_run" in figure and not isinstance(figure["last_run"], date):
             findings.append(f"{name}: last_run is not a date")
+        elif "expected" in figure and f"{figure['expected']:g}" not in figure["text"]:
+            findings.append(f"{name}: the text does not have the expected value {figure['expected']:g}")
         elif one_line(figure["text"]) not in one_line((root / figure["file"]).read_text(encoding="utf-8")):
             findings.append(f"{name}: this text is not in the document. Did the figure change? Then change figures.toml too")
     return findings

@@ -23,12 +23,15 @@ class Figures(unittest.TestCase):
         self.assertEqual(figures.text_findings(self.root, [CHEAP, OTHER]), [])
 
     def test_ChangedFigureIsFound(self) -> None:
-        self.assertIn("not in the document", figures.text_findings(self.root, [CHEAP | {"text": "error 0.20 mm"}])[0])
+        self.assertIn("not in the document", figures.text_findings(self.root, [CHEAP | {"text": "error of 0.19 mm"}])[0])
 
     def test_IncompleteEntriesAreFound(self) -> None:
         incomplete = {key: value for key, value in CHEAP.items() if key != "tolerance"}
         self.assertIn("keys", figures.text_findings(self.root, [incomplete])[0])
         self.assertIn("not a date", figures.text_findings(self.root, [OTHER | {"last_run": "yesterday"}])[0])
+
+    def test_ExpectedValueIsThatOfTheText(self) -> None:
+        self.assertIn("expected value 0.5", figures.text_findings(self.root, [CHEAP | {"expected": 0.5}])[0])
 
     def test_ValueWithinItsTolerance(self) -> None:
         self.assertIsNone(figures.value_finding(CHEAP))

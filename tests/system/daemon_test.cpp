@@ -95,6 +95,7 @@ TEST(Daemon, Sighup_IsHarmless) {
 TEST(Daemon, Streams_ArriveWithoutHolesAndInStep) {
   RecordProperty("requirement", "SES-4");
   DaemonProcess daemon;
+  auto control = daemon.control();
   auto subscriber = daemon.subscribe({"floor/"});
   std::map<std::string, std::uint64_t, std::less<>> next_scan;
   int blocks = 0;
@@ -108,7 +109,17 @@ TEST(Daemon, Streams_ArriveWithoutHolesAndInStep) {
     }
     EXPECT_EQ(block->lost_scans, 0U);
     next_scan[std::string(block->stream)] = block->first_scan + block->scan_count;
-    return ++blocks >= 300;
+    ++blocks;
+    if (blocks == 100) {
+      v1::StartSessionRequest request;
+      request.set_rig("floor");
+      request.set_protocol("free");
+      EXPECT_TRUE(control.start_session(request));
+    }
+    if (blocks == 200) {
+      EXPECT_TRUE(control.stop_session("floor"));
+    }
+    return blocks >= 300;
   }));
 
   std::set<std::string> streams;

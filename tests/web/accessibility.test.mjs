@@ -67,6 +67,7 @@ describe('accessibility', () => {
     });
   }
 
+  // requirement: UI-4
   test('axe finds nothing in the forms and during a session', async () => {
     await show('floor');
     await by(page, 'open-start').click();
@@ -155,6 +156,7 @@ describe('accessibility', () => {
     }
   });
 
+  // requirement: UI-4
   test('axe finds nothing on any page when the daemon is dead, in both themes', async () => {
     await show('health');
     await daemon.kill();

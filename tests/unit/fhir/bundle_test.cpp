@@ -284,6 +284,7 @@ TEST_F(BundleTest, ThePdf_IsInTheReport) {
 }
 
 TEST_F(BundleTest, OnlyASimulatedRig_HasTheLabelOfTestData) {
+  RecordProperty("requirement", "REP-3");
   report::MadeStanding made = made_session();
   EXPECT_THAT(bundle_of(made).dump(), Not(HasSubstr("HTEST")));
   made.facts.device_uri = "sim:floor";

@@ -34,6 +34,7 @@ TEST(StandingLoad, WithoutTheWidth_IsAbout) {
 }
 
 TEST(StandingLoad, FarFromTheStatedWeight_IsDoubtful) {
+  RecordProperty("requirement", "COP-13");
   const auto with_width = standing_load({trial(627.0)}, {{"stance_width_mm", "180"}, {"weight_kg", "70"}});
   EXPECT_TRUE(with_width->is_doubtful());
   EXPECT_THAT(with_width->sentence(), testing::EndsWith("; stated width or weight is doubtful: 70 kg"));

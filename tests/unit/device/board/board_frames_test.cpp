@@ -65,6 +65,7 @@ TEST(BoardFrames, OtherSerial_IsRejected) {
 }
 
 TEST(BoardFrames, OtherUnitRangeOrResolution_IsRejected) {
+  RecordProperty("requirement", "ACQ-19");
   EXPECT_NE(
       BoardRig({}, "channels=4&unit=mV").open_error().what.find("the board has the unit 'V' on channel 0 (a0), the address says unit=mV"),
       std::string::npos);

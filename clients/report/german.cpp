@@ -87,6 +87,8 @@ constexpr auto kTexts = std::to_array<Translated>({
     // Alerts
     {"Synthetic data from a simulator ({!}). No person was measured.",
      "Synthetische Daten eines Simulators ({}). Es wurde keine Person gemessen."},
+    {"A recording was played on this rig ({!}). No person was measured in this session.",
+     "Auf diesem Messplatz wurde eine Aufzeichnung abgespielt ({}). In dieser Untersuchung wurde keine Person gemessen."},
     {"The recording {!} is damaged ({!}): only the undamaged part is shown.",
      "Die Aufzeichnung {} ist beschädigt ({}): Gezeigt wird nur der unbeschädigte Teil."},
     {"The recording {!} has gaps: {!}.", "Die Aufzeichnung {} hat Lücken: {}."},

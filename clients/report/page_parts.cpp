@@ -192,6 +192,9 @@ std::vector<std::string> session_alerts(const SessionInfo& session) {
   if (session.is_synthetic()) {
     alerts.push_back("Synthetic data from a simulator (" + session.facts->device_uri + "). No person was measured.");
   }
+  if (session.is_replayed()) {
+    alerts.push_back("A recording was played on this rig (" + session.facts->device_uri + "). No person was measured in this session.");
+  }
   for (const PartData& part : session.parts) {
     if (!part.damage.empty())
       alerts.push_back("The recording " + part.file + " is damaged (" + part.damage + "): only the undamaged part is shown.");

@@ -35,6 +35,8 @@ struct SessionInfo {
 
   [[nodiscard]] std::string session_id() const { return facts ? facts->session_id : ""; }
   [[nodiscard]] bool is_synthetic() const { return facts && facts->device_uri.starts_with("sim:"); }
+  /// A recording was played on the rig: nobody was measured in this session.
+  [[nodiscard]] bool is_replayed() const { return facts && facts->device_uri.starts_with("replay:"); }
 };
 
 /// The range [begin, end) of the progress for one piece of work.

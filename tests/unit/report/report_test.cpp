@@ -173,6 +173,15 @@ TEST_F(ReportTest, SimulatedData_AreCalledSynthetic) {
   for (const Page& each : report.pages) EXPECT_THAT(each.text, HasSubstr("Synthetic data")) << each.file;
 }
 
+TEST_F(ReportTest, ReplayedData_AreCalledSo) {
+  RecordProperty("requirement", "REP-3");
+  MadeStanding made = two_trials();
+  made.facts.device_uri = "replay:/var/lib/dtsd/a.xdf";
+  const Report report = report_of(write(made));
+
+  for (const Page& each : report.pages) EXPECT_THAT(each.text, HasSubstr("A recording was played on this rig")) << each.file;
+}
+
 TEST_F(ReportTest, References_AreShownOnlyWhereTheLabelsMatch) {
   RecordProperty("requirement", "SWAY-7");
   MadeStanding made{.length_s = 100.0};

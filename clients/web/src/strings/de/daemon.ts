@@ -132,7 +132,7 @@ export const daemonMessages: readonly Message[] = [
   // Start and end of a session
   ['a session needs a protocol, and none is given', 'eine Untersuchung braucht ein Protokoll, und keines ist angegeben'],
   ["protocol '{}' has changed since session {} began", 'Protokoll „{}“ wurde seit Beginn der Untersuchung {} geändert'],
-  ["protocol '{}' is for a {}, and rig '{}' is a {}", 'Protokoll „{}“ ist für {}, und Messplatz „{}“ ist {}'],
+  ["protocol '{}' is for a {}, and rig '{}' is a {}", 'Art des Protokolls „{}“: {}; Art des Messplatzes „{}“: {}'],
   ['floor', 'Bodenplattform'],
   ['chair', 'Stuhl'],
   ["rig '{}' has no session with trials", 'Messplatz „{}“ hat keine Untersuchung mit Durchgängen'],

@@ -517,7 +517,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Own scale: {}", "Eigener Maßstab: {}"},
     {"Trunk class", "Rumpfklasse"},
     {"Expected class", "Erwartete Klasse"},
-    {"Trunk angle, \u00B0", "Rumpfwinkel, \u00B0"},
+    {"Trunk angle, \u00B0", "Rumpf- winkel, \u00B0"},
     {"90 % interval, \u00B0", "90-%-Intervall, \u00B0"},
     {"90 % interval", "90-%-Intervall"},
     {"Dip d1, mm", "Senke d1, mm"},

@@ -245,9 +245,11 @@ double put_facts(Canvas& canvas, const std::vector<Fact>& facts, double top) {
     const double x = kMarginMm + (width + kGutterMm) * static_cast<double>(column);
     double y = top;
     for (std::size_t index = column * rows; index < std::min(facts.size(), (column + 1) * rows); ++index) {
-      canvas.text(x, y + kTextSize, facts[index].name, {.size = kTextSize, .colour = colour::kDarkGrey});
-      for (const std::string& line : lines_of(facts[index].value, width - kNameMm, kTextSize)) {
-        canvas.text(x + kNameMm, y + kTextSize, line, {.size = kTextSize});
+      const auto names = lines_of(facts[index].name, kNameMm - 1.0, kTextSize);
+      const auto values = lines_of(facts[index].value, width - kNameMm, kTextSize);
+      for (std::size_t line = 0; line < std::max(names.size(), values.size()); ++line) {
+        if (line < names.size()) canvas.text(x, y + kTextSize, names[line], {.size = kTextSize, .colour = colour::kDarkGrey});
+        if (line < values.size()) canvas.text(x + kNameMm, y + kTextSize, values[line], {.size = kTextSize});
         y += kLinePitch;
       }
       y += 0.3;

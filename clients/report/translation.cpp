@@ -17,6 +17,7 @@ constexpr char kVerbatimKind = '!';
 constexpr char kNumberKind = '#';
 /// Facts whose value is a text of a person.
 constexpr std::array<std::string_view, 4> kTyped = {"Session", "Subject ID", "Label", "Notes"};
+constexpr std::string_view kCorrected = " (corrected; recorded: ";  // after the value of such a fact
 
 bool is_digit(char letter) { return std::isdigit(static_cast<unsigned char>(letter)) != 0; }
 bool is_of_word(char letter) { return std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '_' || letter == '.'; }
@@ -174,7 +175,11 @@ PageContent Translation::operator()(PageContent page) const {
   for (Fact& fact : page.facts) {
     const bool is_typed = std::ranges::find(kTyped, fact.name) != kTyped.end();
     fact.name = (*this)(fact.name);
-    if (!is_typed) fact.value = (*this)(fact.value);
+    if (!is_typed) {
+      fact.value = (*this)(fact.value);
+    } else if (const std::size_t at = fact.value.rfind(kCorrected); at != std::string::npos) {
+      fact.value = fact.value.substr(0, at) + (*this)(fact.value.substr(at));
+    }
   }
   for (std::string& alert : page.alerts) alert = (*this)(alert);
   for (Section& section : page.sections) {

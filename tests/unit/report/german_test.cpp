@@ -126,10 +126,40 @@ TEST(ReportTranslation, FindsTheClosestTextAndTranslatesItsParts) {
   EXPECT_EQ(german("No Romberg quotient for feet two: no trial with eyes closed counts."),
             "Kein Romberg-Quotient für zwei Füße: kein Durchgang mit Augen geschlossen zählt.");
   EXPECT_EQ(german("subject ID: none -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None."),
-            "Personen-ID: none -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None.");
+            "Personen-ID: keine -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None.");
   EXPECT_EQ(german("1.11 (0.80-1.32)"), "1,11 (0,80-1,32)");
   EXPECT_EQ(german("a text that nobody has translated 0.2.0 sim:a?b=0.5"), "a text that nobody has translated 0.2.0 sim:a?b=0.5");
   EXPECT_EQ(Translation(Language::English, {})("1.5 done"), "1.5 done");
+}
+
+TEST(ReportTranslation, CorrectionsHaveNoEnglishWordOfTheProgram) {
+  const Translation german(Language::German, {});
+  EXPECT_EQ(german("rejected: not valid (corrected; recorded: done)"), "verworfen: nicht gültig (berichtigt; aufgezeichnet: fertig)");
+  EXPECT_EQ(german("outcome of trial 1, attempt 2: done -> rejected, 2026-11-21 14:45:25 UTC, anna: done."),
+            "Ausgang von Durchgang 1, Versuch 2: fertig -> verworfen, 2026-11-21 14:45:25 UTC, anna: done.");
+  EXPECT_EQ(german("label: [removed] -> none, 2026-11-21 14:45:25 UTC, anna: open."),
+            "Stichwort: [entfernt] -> keine, 2026-11-21 14:45:25 UTC, anna: open.");
+  PageContent page;
+  page.facts = {{.name = "Subject ID", .value = "done (corrected; recorded: open)"},
+                {.name = "Label", .value = "open (corrected; recorded: none)"}};
+  const PageContent translated = german(page);
+  EXPECT_EQ(translated.facts[0].value, "done (berichtigt; aufgezeichnet: open)");  // what a person typed stays
+  EXPECT_EQ(translated.facts[1].value, "open (berichtigt; aufgezeichnet: keine)");
+}
+
+TEST(ReportTranslation, DamageAndGapsHaveNoEnglishText) {
+  const Translation german(Language::German, {});
+  EXPECT_EQ(
+      german("The recording a.xdf is damaged (incomplete: no footer; recovered, at most 0.75 s are lost): only the undamaged part is "
+             "shown."),
+      "Die Aufzeichnung a.xdf ist beschädigt (unvollständig: kein Abschluss; wiederhergestellt, höchstens 0,75 s fehlen): Gezeigt wird "
+      "nur der unbeschädigte Teil.");
+  EXPECT_EQ(german("chunk torn at byte 1234; no footer: it was never closed"),
+            "Block abgerissen bei Byte 1234; kein Abschluss: Sie wurde nie geschlossen");
+  EXPECT_EQ(german("The recording a.xdf has gaps: 12 scans lost in 1 gap: overrun 1."),
+            "Die Aufzeichnung a.xdf hat Lücken: 12 Abtastungen verloren in 1 Lücke: overrun 1.");
+  EXPECT_EQ(german("the trial has no samples"), "der Durchgang hat keine Abtastungen");
+  EXPECT_EQ(german("the session has too many samples for one report"), "die Untersuchung hat zu viele Abtastungen für einen Bericht");
 }
 
 TEST(ReportTranslation, EveryGermanTextHasThePlacesOfTheEnglishOne) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "report/outline.h"
+#include "report/page_parts.h"
 #include "report/spectrum_picture.h"
 #include "report/stabilogram.h"
 #include "report/sway_series.h"
@@ -190,6 +191,14 @@ TEST(Canvas, Text_IsEscapedAndCleaned) {
   const auto document = parsed(text);
   EXPECT_EQ(text.find("<script"), std::string::npos);
   EXPECT_STREQ(document.select_node("//text").node().text().as_string(), "<script>alert('x')</script> & \xef\xbf\xbd \xef\xbf\xbd \"q\"");
+}
+
+TEST(SvgPage, LongNameOfAFact_IsBrokenBeforeItsValue) {
+  const std::string text = svg_of(
+      {.title = "T", .subtitle = "", .facts = {{.name = "Largest reach of a person", .value = "124 cm"}}, .alerts = {}, .sections = {}});
+  EXPECT_EQ(text.find("Largest reach of a person"), std::string::npos) << "printed over its value";
+  EXPECT_NE(text.find(">Largest"), std::string::npos);
+  EXPECT_NE(text.find(">124 cm"), std::string::npos);
 }
 
 }  // namespace

@@ -17,8 +17,10 @@ SOURCES = (
     "daemon/access/gate.cpp", "daemon/session/correction_request.cpp", "daemon/session/label_rule.cpp", "daemon/session/protocol.cpp",
     "daemon/session/recordings_edit.cpp", "daemon/session/recordings_erase.cpp", "daemon/session/recordings_owed.cpp",
     "daemon/session/rig_session.cpp", "daemon/session/session.cpp", "daemon/session/supervisor.cpp", "daemon/session/supervisor_devices.cpp",
-    "daemon/session/supervisor_edit.cpp", "daemon/session/trial_run.cpp", "clients/gateway/archive/archive.cpp",
-    "clients/gateway/archive/export_maker.cpp", "clients/gateway/archive/session_files.cpp",
+    "daemon/session/subject_edit.cpp", "daemon/session/supervisor_edit.cpp", "daemon/session/supervisor_resume.cpp",
+    "daemon/session/trial_run.cpp", "clients/fhir/recorded_session.cpp", "clients/gateway/archive/archive.cpp",
+    "clients/gateway/archive/export_maker.cpp", "clients/gateway/archive/session_files.cpp", "clients/report/pdf.cpp",
+    "daemon/record/catalogue/subject_notes.cpp",
 )
 CATALOGUE = "clients/web/src/strings/de/daemon.ts"
 CALL = re.compile(r"\b(?:fail|wrong)\(")

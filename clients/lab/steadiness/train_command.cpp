@@ -135,8 +135,9 @@ void add_train(cli::CommandLine& line, CLI::App& steadiness) {
       ->option_text("COLUMN=VALUE[,VALUE]")
       ->allow_extra_args(false);
   command
-      .add_option("--against", arguments.against,
-                  "Facts that might predict the label as well. Default: those of age,height_cm,sex in the table. none: no facts")
+      .add_option(
+          "--against", arguments.against,
+          "Facts that might predict the label as well. Default: those of age,height_cm,sex in the table. Without age nothing is told")
       ->option_text("COLUMN,...")
       ->delimiter(',')
       ->allow_extra_args(false);

@@ -106,7 +106,7 @@ std::string facts_table(double shift) {
   for (int person = 0; person < 40; ++person) {
     const bool is_old = person % 2 == 0;
     const double own = normal(random) + (is_old ? shift : 0.0);
-    const double weight = 70.0 + 5.0 * normal(random) + (is_old ? 25.0 : 0.0);
+    const double weight = 70.0 + 5.0 * normal(random) + (is_old ? 15.0 : 0.0);
     for (int row = 0; row < 4; ++row) {
       text += "f" + std::to_string(row) + ",S" + std::to_string(person) + (row < 3 ? ",firm," : ",foam,") + (is_old ? "old," : "young,") +
               (is_old ? "70," : "30,") + std::to_string(weight) + (person % 4 < 2 ? ",f" : ",m") + ",lp10,100," +
@@ -115,6 +115,11 @@ std::string facts_table(double shift) {
     }
   }
   return text;
+}
+
+std::string with_other(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? std::string() : text.replace(at, from.size(), to);
 }
 
 TEST_F(SteadinessTest, Where_ChoosesTheRows) {
@@ -139,6 +144,27 @@ TEST_F(SteadinessTest, WeightThatTellsBetter_IsNamed) {
   EXPECT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--against", "weight", "--out", path("m.json")}), cli::kFailed);
   EXPECT_THAT(out(), HasSubstr("group: told by weight, not by sway: the AUC of weight alone is clearly larger"));
   EXPECT_FALSE(std::filesystem::exists(path("m.json")));
+}
+
+TEST_F(SteadinessTest, WithoutTheComparisonWithAge_NothingIsTold) {
+  RecordProperty("requirement", "SWAY-9");
+  const std::string facts = facts_table(3.0);
+  const std::string file = write("facts.csv", facts);
+  const auto train = [&](const std::string& table, const std::string& against) {
+    std::vector<std::string> words{"steadiness", "train", table, "--label", "group", "--out", path("m.json")};
+    if (!against.empty()) words.insert(words.end(), {"--against", against});
+    return run_with(words);
+  };
+  EXPECT_EQ(train(file, "none"), cli::kFailed);
+  EXPECT_THAT(out(), HasSubstr("group: not told: it was not compared with the people's age: the table needs the column 'age'"));
+  EXPECT_EQ(train(file, "sex"), cli::kFailed);
+  EXPECT_EQ(train(write("no_age.csv", with_other(facts, ",age,", ",years,")), ""), cli::kFailed);
+  EXPECT_THAT(out(), HasSubstr("the table needs the column 'age'"));
+
+  EXPECT_EQ(train(write("hole.csv", with_other(facts, ",old,70,", ",old,,")), ""), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("'age' is empty in line 2\n  try: choose other columns with --against, or remove the row"));
+  EXPECT_FALSE(std::filesystem::exists(path("m.json")));
+  EXPECT_EQ(train(file, "age"), cli::kOk) << talk();
 }
 
 TEST_F(SteadinessTest, NoiseOfTheRig_LeavesOutWhatItChangesUnpredictably) {

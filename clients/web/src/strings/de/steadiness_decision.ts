@@ -11,8 +11,11 @@ export const steadinessDecision: typeof english = {
   missing: (measures) => `Fehlt: ${measures}`,
   notComparable: 'Andere Abtastrate oder anderer Filter als im Training',
   people: (people, condition) => `Trainiert mit ${people} Personen${condition === '' ? '' : `, ${condition}`}`,
+  conditionOf: (condition) => condition.replace(/^condition=/, 'Bedingung '),
   auc: (auc, low, high) => `Richtige Reihenfolge bei einem Anteil von ${auc} der Paare (${low} bis ${high}); Zufall ist 0,50`,
   oneMeasure: (name, auc) => `Nicht besser als eine Kenngröße allein: ${name} (${auc})`,
-  rival: (facts, auc) => `Ohne Plattform, ${facts}: ${auc}`,
+  rival: (facts, auc) => `Ohne Plattform unterscheidet das ebenso gut: ${facts} (${auc})`,
+  facts: { age: 'Alter', height_cm: 'Körpergröße', sex: 'Geschlecht' },
+  and: ' mit ',
   limit: 'Keine Aussage über Gesundheit oder Sturzgefahr',
 };

@@ -9,8 +9,11 @@ export const steadinessDecision = {
   missing: (measures: string) => `Missing: ${measures}`,
   notComparable: 'Other rate or filter than in the training',
   people: (people: string, condition: string) => `Trained on ${people} people${condition === '' ? '' : `, ${condition}`}`,
+  conditionOf: (condition: string) => condition.replace(/^condition=/, 'condition '),
   auc: (auc: string, low: string, high: string) => `Right order in a share of ${auc} of pairs (${low} to ${high}); chance is 0.50`,
   oneMeasure: (name: string, auc: string) => `No better than one measure: ${name} (${auc})`,
-  rival: (facts: string, auc: string) => `Without a platform, ${facts}: ${auc}`,
+  rival: (facts: string, auc: string) => `Without a platform, ${facts} does as well as the model (${auc})`,
+  facts: { age: 'age', height_cm: 'height', sex: 'sex' },
+  and: ' with ',
   limit: 'No statement about health or risk of falling',
 };

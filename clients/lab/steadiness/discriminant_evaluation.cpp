@@ -295,7 +295,7 @@ bool is_age_excluded(const Evaluation& evaluation, const std::vector<std::size_t
 }
 
 /// The label is distinguished if people left out show it beyond chance, and no other fact of theirs shows it clearly better.
-/// Age explains much of what is known about people, so without it nothing is told.
+/// Age explains much of what is known about people, so the verdict needs it.
 void judge(Evaluation& evaluation) {
   const LeftOutTest& test = evaluation.deciding();
   const auto is_clearly_better = [](const Contest& rival) { return rival.gain.high < 0.0 && rival.auc.low > 0.5; };

@@ -15,6 +15,7 @@ pattern::PatternModel told_model() {
                               .condition = "condition=ec_firm",
                               .profile = "lp10",
                               .rate_hz = 100.0,
+                              .duration_s = 60.0,
                               .discriminant = {.classes = {"60plus", "under60"},
                                                .predictors = {{posturography::Measure::Mvelo, true, 2.0, 0.25, 3.0, 20.0}},
                                                .weights = {{0.7}, {-0.7}},

@@ -190,6 +190,18 @@ TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
   EXPECT_THAT(talk(), HasSubstr("another profile than 'lp10'"));
 }
 
+TEST_F(SteadinessTest, ShorterTrials_AreNotComparable) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
+  EXPECT_THAT(content("m.json"), HasSubstr("\"duration_s\": 30.0"));
+  const std::string other = write("other.csv", "file,duration_s,MVELO,RDIST,PEA95_F\na,30.1,8,8,8\nb,20,8,8,8\n");
+
+  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), other, "--json"}), cli::kOk) << talk();
+
+  EXPECT_EQ(json().at("predictions").at(0).at("outcome"), "decided");
+  EXPECT_EQ(json().at("predictions").at(1).at("outcome"), "not comparable");
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows are longer or shorter than 30 s, the duration of the trials of the training"));
+}
+
 TEST_F(SteadinessTest, FileOfForcePlates_IsAnalysedAtTheRateOfTheTraining) {
   ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
   for (const int rate_hz : {200, 130}) {  // every n-th sample is kept: of 130 Hz all

@@ -9,7 +9,7 @@ export const steadinessDecision: typeof english = {
   outside: (measures) => `Außerhalb des Trainings: ${measures}`,
   notValid: 'Durchgang ungültig: abgestiegen oder Füße bewegt',
   missing: (measures) => `Fehlt: ${measures}`,
-  notComparable: 'Andere Abtastrate oder anderer Filter als im Training',
+  notComparable: 'Andere Abtastrate, anderer Filter oder andere Dauer als im Training',
   people: (people, condition) => `Trainiert mit ${people} Personen${condition === '' ? '' : `, ${condition}`}`,
   conditionOf: (condition) => condition.replace(/^condition=/, 'Bedingung '),
   auc: (auc, low, high) => `Richtige Reihenfolge bei einem Anteil von ${auc} der Paare (${low} bis ${high}); Zufall ist 0,50`,

@@ -7,7 +7,7 @@ export const steadinessDecision = {
   outside: (measures: string) => `Outside of the training: ${measures}`,
   notValid: 'Trial not valid: stepped off or moved the feet',
   missing: (measures: string) => `Missing: ${measures}`,
-  notComparable: 'Other rate or filter than in the training',
+  notComparable: 'Other rate, filter or duration than in the training',
   people: (people: string, condition: string) => `Trained on ${people} people${condition === '' ? '' : `, ${condition}`}`,
   conditionOf: (condition: string) => condition.replace(/^condition=/, 'condition '),
   auc: (auc: string, low: string, high: string) => `Right order in a share of ${auc} of pairs (${low} to ${high}); chance is 0.50`,

@@ -47,7 +47,7 @@ std::string outside_text(const Answer& answer, const std::string& separator) {
 std::string csv_text(const std::vector<Prediction>& predictions, const PatternModel& model) {
   std::string text = "file,session,subject,trial,label";
   for (const std::string& name : model.discriminant.classes) text += "," + cell_text("p_" + name);
-  text += ",outside\n";
+  text += ",outside,outcome\n";
   for (const auto& [row, decision] : predictions) {
     const Answer& answer = decision.answer;
     text += cell_text(row.file) + "," + cell_text(row.session) + "," + cell_text(row.subject) + "," + cell_text(row.trial) + ",";
@@ -55,7 +55,7 @@ std::string csv_text(const std::vector<Prediction>& predictions, const PatternMo
     for (std::size_t k = 0; k < model.discriminant.classes.size(); ++k) {
       text += "," + (answer.best ? sway::number_text(answer.probabilities[k]) : std::string());
     }
-    text += "," + outside_text(answer, "|") + "\n";
+    text += "," + outside_text(answer, "|") + "," + std::string(name(decision.outcome)) + "\n";
   }
   return text;
 }

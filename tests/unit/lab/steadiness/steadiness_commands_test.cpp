@@ -44,7 +44,10 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
   EXPECT_THAT(talk(), HasSubstr("1 rows left out: the subject stepped off or moved the feet"));
 
   ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--out", path("pred.csv")}), cli::kOk) << talk();
-  EXPECT_THAT(content("pred.csv"), ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside\nt0.xdf,,S0,,open,"));
+  EXPECT_THAT(content("pred.csv"),
+              ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside,outcome\nt0.xdf,,S0,,open,"));
+  EXPECT_THAT(content("pred.csv"), HasSubstr(",decided\nt47.xdf,,"));
+  EXPECT_THAT(content("pred.csv"), ::testing::EndsWith(",,not valid\n")) << "the last one moved the feet, though a label is computed";
   ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--json"}), cli::kOk);
   ASSERT_EQ(json().at("predictions").size(), 48U);
   EXPECT_EQ(json().at("predictions").at(1).at("label"), "closed");

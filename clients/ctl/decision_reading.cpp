@@ -27,8 +27,7 @@ std::string decision_text(const v1::SteadinessDecision& decision) {
     case v1::DECISION_OUTCOME_OUTSIDE: return none + named(decision.outside(), "outside of the training");
     case v1::DECISION_OUTCOME_NOT_VALID: return none + "the trial is not valid (stepped off or moved the feet)";
     case v1::DECISION_OUTCOME_MISSING: return none + named(decision.missing(), "missing");
-    case v1::DECISION_OUTCOME_NOT_COMPARABLE:
-      return none + "the trial was analysed at another rate or with another filter than the training";
+    case v1::DECISION_OUTCOME_NOT_COMPARABLE: return none + "the trial has another rate, filter or duration than the training";
     default: return none + "unknown reason";
   }
 }

@@ -52,6 +52,11 @@ std::optional<pipeline::SteadinessModel> read_steadiness_model(TomlReader& top, 
     reader.report(kModel, core::to_string(model ? usable.error() : model.error()));
     return std::nullopt;
   }
+  if (!model->condition.empty() && labels.empty()) {
+    reader.report(kModel, "the model was trained with " + model->condition +
+                              " only: name its trials in [steadiness], for example trials = { eyes = \"closed\" }");
+    return std::nullopt;
+  }
   return pipeline::SteadinessModel{.model = std::move(*model), .text = std::move(text->first), .labels = std::move(labels)};
 }
 

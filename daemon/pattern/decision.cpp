@@ -6,12 +6,13 @@
 namespace dts::pattern {
 namespace {
 
-constexpr double kSameRate = 0.01;
+constexpr double kAlike = 0.01;
 
 bool is_comparable(const PatternModel& model, const Trial& trial) {
   const bool knows_profile = !model.profile.empty() && !trial.profile.empty();
-  const bool knows_rate = model.rate_hz > 0.0 && trial.rate_hz > 0.0;
-  return (!knows_profile || model.profile == trial.profile) && (!knows_rate || is_same_rate(trial.rate_hz, model.rate_hz));
+  const auto may_be = [](double given, double trained) { return !(given > 0.0 && trained > 0.0) || is_alike(given, trained); };
+  return (!knows_profile || model.profile == trial.profile) && may_be(trial.rate_hz, model.rate_hz) &&
+         may_be(trial.duration_s, model.duration_s);
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ std::string_view name(Outcome outcome) noexcept {
   return "";
 }
 
-bool is_same_rate(double a_hz, double b_hz) noexcept { return std::abs(a_hz - b_hz) <= kSameRate * b_hz; }
+bool is_alike(double a, double b) noexcept { return std::abs(a - b) <= kAlike * b; }
 
 Decision decide(const PatternModel& model, const Trial& trial) {
   Decision decision{.answer = classify(model.discriminant, trial.measures)};
@@ -44,10 +45,14 @@ Decision decide(const PatternModel& model, const Trial& trial) {
 }
 
 core::Status check_for_rig(const PatternModel& model) {
-  if (model.verdict == Verdict::Told) return {};
-  return core::fail(core::ErrorCode::InvalidArgument,
-                    "the model of '" + model.label + "' must not be shown: " + verdict_text(model) + " in people left out of the training",
-                    "use a model whose label is distinguished; dtslab steadiness train prints the reason");
+  const std::string refused = "the model of '" + model.label + "' must not be shown: ";
+  if (model.verdict != Verdict::Told)
+    return core::fail(core::ErrorCode::InvalidArgument, refused + verdict_text(model) + " in people left out of the training",
+                      "use a model whose label is distinguished; dtslab steadiness train prints the reason");
+  const bool is_known = !model.profile.empty() && model.rate_hz > 0.0 && model.duration_s > 0.0;
+  if (is_known) return {};
+  return core::fail(core::ErrorCode::InvalidArgument, refused + "the profile, rate or duration of its training trials is unknown or mixed",
+                    "train it with a table of dtslab sway --table, of trials with one profile, rate and duration");
 }
 
 }  // namespace dts::pattern

@@ -19,7 +19,7 @@ enum class Outcome : std::uint8_t {
   Outside,       ///< A measure is outside the training range; the probabilities are a guess.
   NotValid,      ///< The subject stepped off or moved the feet.
   Missing,       ///< The trial lacks a measure that the model needs.
-  NotComparable  ///< The trial was analysed with another profile or rate than the training.
+  NotComparable  ///< The trial was analysed with another profile or rate than the training, or is longer or shorter.
 };
 /// Returns "decided", "outside", "not valid", "missing", "not comparable".
 [[nodiscard]] std::string_view name(Outcome outcome) noexcept;
@@ -29,6 +29,7 @@ struct Trial {
   const posturography::Measures& measures;
   std::string_view profile;  ///< Empty: unknown.
   double rate_hz = 0.0;      ///< 0 or not finite: unknown.
+  double duration_s = 0.0;   ///< 0 or not finite: unknown.
   bool is_valid = true;      ///< Neither stepped off nor moved.
 };
 
@@ -41,11 +42,11 @@ struct Decision {
 /// Thread: any.
 [[nodiscard]] Decision decide(const PatternModel& model, const Trial& trial);
 
-/// Returns whether two rates differ by at most 1 %; false for unknown ones.
-[[nodiscard]] bool is_same_rate(double a_hz, double b_hz) noexcept;
+/// Returns whether two rates or two durations differ by at most 1 %; false for those that are not finite.
+[[nodiscard]] bool is_alike(double a, double b) noexcept;
 
 /// Checks that a rig may show the decisions of this model. Fails with InvalidArgument if the label was not told in people outside the
-/// training; the message names the verdict.
+/// training (the message names the verdict), or if the profile, rate or duration of its trials is not known.
 [[nodiscard]] core::Status check_for_rig(const PatternModel& model);
 
 }  // namespace dts::pattern

@@ -34,6 +34,7 @@ class ModelReader {
     model.about = text(json_, "about");
     model.profile = text(json_, "profile");
     model.rate_hz = number(json_, "rate_hz", 0.0, 1e9);
+    model.duration_s = number(json_, "duration_s", 0.0, 1e6);
     model.noise_mm = number(json_, "noise_mm", 0.0, 1e3);
     model.rows = count(json_, "rows");
     model.people = count(json_, "people");
@@ -244,6 +245,7 @@ std::string model_text(const PatternModel& model) {
             {"told_by", model.told_by},
             {"profile", model.profile},
             {"rate_hz", model.rate_hz},
+            {"duration_s", model.duration_s},
             {"noise_mm", model.noise_mm},
             {"rows", model.rows},
             {"people", model.people},

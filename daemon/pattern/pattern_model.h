@@ -57,12 +57,13 @@ struct Group {
 
 /// A discriminant with the facts needed to use it.
 struct PatternModel {
-  std::string label;      ///< The column that it predicts: "group60".
-  std::string condition;  ///< Which rows of the table were used: "condition=ec_firm"; empty: all.
-  std::string about;      ///< What a reader must know about the people; may be empty.
-  std::string profile;    ///< Of all training rows; empty: unknown or mixed.
-  double rate_hz = 0.0;   ///< At which all training rows were analysed; 0: unknown or mixed.
-  double noise_mm = 0.0;  ///< Noise of the rig (SD of one scan, each axis) that was added to the training.
+  std::string label;        ///< The column that it predicts: "group60".
+  std::string condition;    ///< Which rows of the table were used: "condition=ec_firm"; empty: all.
+  std::string about;        ///< What a reader must know about the people; may be empty.
+  std::string profile;      ///< Of all training rows; empty: unknown or mixed.
+  double rate_hz = 0.0;     ///< At which all training rows were analysed; 0: unknown or mixed.
+  double duration_s = 0.0;  ///< Of all training trials; 0: unknown or mixed.
+  double noise_mm = 0.0;    ///< Noise of the rig (SD of one scan, each axis) that was added to the training.
   Discriminant discriminant;
   std::size_t rows = 0;
   std::size_t people = 0;

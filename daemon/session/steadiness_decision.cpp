@@ -60,6 +60,7 @@ std::optional<v1::SteadinessDecision> SteadinessDecider::decide(const SwayTrialR
   const pattern::Decision decision = pattern::decide(model_->model, {.measures = analysis.measures,
                                                                      .profile = posturography::name(analysis.profile),
                                                                      .rate_hz = analysis.rate_hz,
+                                                                     .duration_s = analysis.duration_s,
                                                                      .is_valid = analysis.is_valid()});
   v1::SteadinessDecision message = facts_;
   message.set_outcome(static_cast<v1::DecisionOutcome>(decision.outcome));

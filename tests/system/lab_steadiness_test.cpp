@@ -40,6 +40,7 @@ pattern::PatternModel model_by_hand() {
                               .condition = "condition=ec_firm",
                               .profile = "lp10",
                               .rate_hz = 100.0,
+                              .duration_s = 4.0,
                               .discriminant = {.classes = {"old", "young"},
                                                .predictors = {{Measure::Mvelo, true, 2.1, 0.4, 0.01, 1000.0},
                                                               {Measure::Rdist, true, 1.4, 0.5, 0.01, 1000.0},

@@ -47,7 +47,7 @@ std::string outside_text(const Answer& answer, const std::string& separator) {
 std::string csv_text(const std::vector<Prediction>& predictions, const PatternModel& model) {
   std::string text = "file,session,subject,trial,label";
   for (const std::string& name : model.discriminant.classes) text += "," + cell_text("p_" + name);
-  text += ",outside\n";
+  text += ",outside,outcome\n";
   for (const auto& [row, decision] : predictions) {
     const Answer& answer = decision.answer;
     text += cell_text(row.file) + "," + cell_text(row.session) + "," + cell_text(row.subject) + "," + cell_text(row.trial) + ",";
@@ -55,7 +55,7 @@ std::string csv_text(const std::vector<Prediction>& predictions, const PatternMo
     for (std::size_t k = 0; k < model.discriminant.classes.size(); ++k) {
       text += "," + (answer.best ? sway::number_text(answer.probabilities[k]) : std::string());
     }
-    text += "," + outside_text(answer, "|") + "\n";
+    text += "," + outside_text(answer, "|") + "," + std::string(name(decision.outcome)) + "\n";
   }
   return text;
 }
@@ -115,13 +115,15 @@ void print_doubts(const std::vector<Prediction>& predictions, const PatternModel
   std::size_t invalid = 0;
   std::size_t differing = 0;
   std::size_t slower_or_faster = 0;
+  std::size_t longer_or_shorter = 0;
   for (const auto& [row, decision] : predictions) {
     const Answer& answer = decision.answer;
     if (!answer.best) ++silent;
     if (!answer.outside.empty()) ++outside;
     if (!row.is_valid) ++invalid;
     if (!row.profile.empty() && !model.profile.empty() && row.profile != model.profile) ++differing;
-    if (row.rate_hz > 0.0 && model.rate_hz > 0.0 && !pattern::is_same_rate(row.rate_hz, model.rate_hz)) ++slower_or_faster;
+    if (row.rate_hz > 0.0 && model.rate_hz > 0.0 && !pattern::is_alike(row.rate_hz, model.rate_hz)) ++slower_or_faster;
+    if (row.duration_s > 0.0 && model.duration_s > 0.0 && !pattern::is_alike(row.duration_s, model.duration_s)) ++longer_or_shorter;
   }
   const auto say = [&](std::size_t count, const std::string& text) {
     if (count > 0) warn(console, std::to_string(count) + " of " + std::to_string(predictions.size()) + " rows " + text);
@@ -134,6 +136,8 @@ void print_doubts(const std::vector<Prediction>& predictions, const PatternModel
   say(differing, "were measured with another profile than '" + model.profile + "', with which the model was trained");
   say(slower_or_faster,
       "were analysed at another rate than " + sway::significant(model.rate_hz, 4) + " Hz, at which the model was trained");
+  say(longer_or_shorter,
+      "are longer or shorter than " + sway::significant(model.duration_s, 4) + " s, the duration of the trials of the training");
 }
 
 int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
@@ -156,8 +160,9 @@ int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
   if (!problems.empty()) return report_problems(console, problems);
   std::vector<Prediction> predictions;
   for (SteadinessRow& row : rows) {
-    pattern::Decision decision =
-        decide(*model, {.measures = row.measures, .profile = row.profile, .rate_hz = row.rate_hz, .is_valid = row.is_valid});
+    pattern::Decision decision = decide(
+        *model,
+        {.measures = row.measures, .profile = row.profile, .rate_hz = row.rate_hz, .duration_s = row.duration_s, .is_valid = row.is_valid});
     predictions.push_back({std::move(row), std::move(decision)});
   }
   if (!arguments.out.empty()) {

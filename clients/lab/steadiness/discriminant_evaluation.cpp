@@ -18,7 +18,7 @@ constexpr std::size_t kResamples = 2000;
 constexpr std::size_t kPermutations = 499;
 constexpr std::size_t kRepeats = 10;
 constexpr double kWeakAuc = 0.65;  // below it, leave one out is biased: it sets a label that is not told below 0.5
-constexpr double kMostP = 0.01;
+constexpr const char* kAge = "age";
 
 /// The cases that the AUC of people counts: one per person and label, with the mean of its rows.
 struct Cases {
@@ -286,7 +286,16 @@ void add_shares(const Samples& samples, const Inputs& inputs, const People& peop
   evaluation.rows_without = static_cast<std::size_t>(std::ranges::count(samples.subjects, std::string()));
 }
 
+/// Returns whether age was compared, or defines the label, or is the same in all classes because every person has rows of each class.
+bool is_age_excluded(const Evaluation& evaluation, const std::vector<std::size_t>& classes) {
+  const auto& rivals = evaluation.left_out.rivals;
+  return std::ranges::find(rivals, kAge, &Contest::name) != rivals.end() ||
+         std::ranges::find(evaluation.definitions, kAge) != evaluation.definitions.end() ||
+         cases_of(evaluation.people, classes).person.size() == evaluation.people.count * evaluation.classes.size();
+}
+
 /// The label is distinguished if people left out show it beyond chance, and no other fact of theirs shows it clearly better.
+/// Age explains much of what is known about people, so the verdict needs it.
 void judge(Evaluation& evaluation) {
   const LeftOutTest& test = evaluation.deciding();
   const auto is_clearly_better = [](const Contest& rival) { return rival.gain.high < 0.0 && rival.auc.low > 0.5; };
@@ -294,7 +303,8 @@ void judge(Evaluation& evaluation) {
   if (better != test.rivals.end()) {
     evaluation.verdict = Verdict::ToldByOther;
     evaluation.told_by = better->name;
-  } else if (test.model.auc.low > 0.5 && evaluation.permutation_p <= kMostP && !evaluation.is_of_too_few()) {
+  } else if (test.model.auc.low > 0.5 && evaluation.permutation_p <= Evaluation::kMostP && !evaluation.is_of_too_few() &&
+             evaluation.is_age_excluded) {
     evaluation.verdict = Verdict::Told;
   }
 }
@@ -327,6 +337,7 @@ core::Result<Evaluation> evaluate_left_out(const Samples& samples, const std::ve
     evaluation.ten_fold->scheme = "10 x 10-fold";
   }
   evaluation.permutation_p = permutation_p(inputs, people, progress);
+  evaluation.is_age_excluded = is_age_excluded(evaluation, inputs.classes);
   judge(evaluation);
   return evaluation;
 }

@@ -62,6 +62,8 @@ struct Evaluation {
   std::optional<LeftOutTest> ten_fold{};  ///< Only if the AUC of `left_out` is below 0.65, where leave one out is biased downwards.
   double permutation_p = 1.0;
   std::vector<std::string> definitions{};  ///< Rivals that give every label without error: they define it, and are not compared.
+  bool is_age_excluded = false;            ///< Age cannot explain the label: it was compared, it defines the label, or every person has
+                                           ///< rows of each class.
   Verdict verdict = Verdict::NotTold;
   std::string told_by{};
 
@@ -72,11 +74,13 @@ struct Evaluation {
   [[nodiscard]] bool is_better_than_one_measure() const noexcept { return deciding().best.gain.low > 0.0; }
 
   static constexpr std::size_t kFewestSubjects = 10;
+  static constexpr double kMostP = 0.01;
 };
 
 /// Leaves out each subject in turn, fits the rest (including choice of measures, logarithms and scaling), and predicts the labels of the
 /// left-out subject. With more than 200 subjects, leaves out several at a time. Compares with the best measure alone and with `rivals`,
-/// each alone and all together. The same input gives the same result on every machine. Fails as `fit` on all rows.
+/// each alone and all together. A label is never told without the rival "age", unless every person has rows of each class. The same input
+/// gives the same result on every machine. Fails as `fit` on all rows.
 [[nodiscard]] core::Result<Evaluation> evaluate_left_out(const Samples& samples, const std::vector<Rival>& rivals,
                                                          const std::function<void(double)>& progress);
 

@@ -22,11 +22,11 @@ namespace {
 
 using pattern::PatternModel;
 
-/// Returns the rate of all rows; 0 if a row has none or another one.
-double common_rate(const std::vector<SteadinessRow>& rows) {
-  const double first_hz = rows.front().rate_hz;
-  const bool is_common = std::ranges::all_of(rows, [&](const SteadinessRow& row) { return pattern::is_same_rate(row.rate_hz, first_hz); });
-  return is_common ? first_hz : 0.0;
+/// Returns the rate or duration of all rows; 0 if a row has none or another one.
+double common(const std::vector<SteadinessRow>& rows, double SteadinessRow::*member) {
+  const double first = rows.front().*member;
+  const bool is_common = std::ranges::all_of(rows, [&](const SteadinessRow& row) { return pattern::is_alike(row.*member, first); });
+  return is_common ? first : 0.0;
 }
 
 std::vector<pattern::Group> groups_of(const TrainInput& input, const Evaluation& evaluation) {
@@ -58,7 +58,8 @@ PatternModel model_of(const TrainArguments& arguments, const TrainInput& input, 
           .condition = joined(arguments.where),
           .about = arguments.about,
           .profile = profiles.size() == 1 ? *profiles.begin() : std::string(),
-          .rate_hz = common_rate(input.rows),
+          .rate_hz = common(input.rows, &SteadinessRow::rate_hz),
+          .duration_s = common(input.rows, &SteadinessRow::duration_s),
           .noise_mm = arguments.noise_mm,
           .discriminant = std::move(discriminant),
           .rows = evaluation.rows,
@@ -136,7 +137,7 @@ void add_train(cli::CommandLine& line, CLI::App& steadiness) {
       ->allow_extra_args(false);
   command
       .add_option("--against", arguments.against,
-                  "Facts that might predict the label as well. Default: those of age,height_cm,sex in the table. none: no facts")
+                  "Facts that might predict the label as well. Default: those of age,height_cm,sex in the table. The verdict needs age")
       ->option_text("COLUMN,...")
       ->delimiter(',')
       ->allow_extra_args(false);

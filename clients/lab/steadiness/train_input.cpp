@@ -142,7 +142,7 @@ core::Result<Rival> rival_of(const std::string& fact, const std::vector<Steadine
   return rival;
 }
 
-core::Result<std::vector<Rival>> rivals_of(const TrainArguments& arguments, const std::vector<SteadinessRow>& rows, cli::Console& console) {
+core::Result<std::vector<Rival>> rivals_of(const TrainArguments& arguments, const std::vector<SteadinessRow>& rows) {
   std::vector<Rival> rivals;
   const bool is_asked = !arguments.against.empty();
   for (const std::string& fact : columns_to_read({}, arguments.against)) {
@@ -152,13 +152,8 @@ core::Result<std::vector<Rival>> rivals_of(const TrainArguments& arguments, cons
       return core::fail(core::ErrorCode::InvalidArgument, arguments.table + " has no column '" + fact + "'",
                         "choose other columns with --against");
     }
-    auto rival = rival_of(fact, rows);
-    if (!rival && is_asked) return tl::make_unexpected(rival.error());
-    if (!rival) {
-      warn(console, rival.error().what + ": not compared with it");
-    } else if (!rival->columns.empty()) {
-      rivals.push_back(std::move(*rival));
-    }
+    DTS_TRY_ASSIGN(auto rival, rival_of(fact, rows));
+    if (!rival.columns.empty()) rivals.push_back(std::move(rival));
   }
   return rivals;
 }
@@ -202,7 +197,7 @@ core::Result<TrainInput> read_train_input(const TrainArguments& arguments, cli::
     input.samples.labels.push_back(row.label);
     input.samples.subjects.push_back(row.subject);
   }
-  DTS_TRY_ASSIGN(input.rivals, rivals_of(arguments, input.rows, console));
+  DTS_TRY_ASSIGN(input.rivals, rivals_of(arguments, input.rows));
   return input;
 }
 

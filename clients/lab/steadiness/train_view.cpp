@@ -87,7 +87,10 @@ std::string reason_of(const Evaluation& evaluation) {
   if (evaluation.is_of_too_few())
     return "only " + std::to_string(evaluation.people.named) + " subjects: too few for any claim about other people";
   if (!(evaluation.deciding().model.auc.low > 0.5)) return "the interval of the AUC of people reaches 0.5";
-  return "random labels of the people are predicted as well (p = " + cli::decimal(evaluation.permutation_p, 3) + ", must be 0.01 or less)";
+  if (!(evaluation.permutation_p <= Evaluation::kMostP))
+    return "random labels of the people are predicted as well (p = " + cli::decimal(evaluation.permutation_p, 3) +
+           ", must be 0.01 or less)";
+  return "it was not compared with the people's age: the table needs the column 'age', and --against must not leave it out";
 }
 
 /// Prints the conclusions that the figures allow, and their limits.

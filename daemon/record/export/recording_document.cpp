@@ -85,6 +85,11 @@ void add_cells(const v1::Sway& sway, ResultCells& cells) {
   for (const v1::SwayMeasure& measure : sway.measures()) {
     cells.emplace_back(measure.symbol() + " [" + measure.unit() + "]", core::number_text(measure.value()));
   }
+  if (!sway.has_decision()) return;
+  std::string outcome = wire::enumerator_word(*v1::DecisionOutcome_descriptor(), sway.decision().outcome());
+  std::ranges::replace(outcome, '_', ' ');
+  cells.emplace_back("decision", std::move(outcome));
+  if (sway.decision().outcome() != v1::DECISION_OUTCOME_DECIDED) return;  // the more probable group of such a trial says nothing
   for (const v1::GroupProbability& group : sway.decision().probabilities())
     cells.emplace_back("p_" + group.group() + " [1]", core::number_text(group.probability()));
 }

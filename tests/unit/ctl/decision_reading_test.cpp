@@ -50,6 +50,8 @@ TEST(DecisionReading, WithoutADecision_NoGroupIsNamed) {
   decision.add_missing("MDIST");
   decision.set_outcome(v1::DECISION_OUTCOME_MISSING);
   EXPECT_EQ(decision_text(decision), "no decision: MDIST is missing");
+  decision.set_outcome(v1::DECISION_OUTCOME_NOT_COMPARABLE);
+  EXPECT_EQ(decision_text(decision), "no decision: the trial has another rate, filter or duration than the training");
   for (const auto outcome : {v1::DECISION_OUTCOME_NOT_COMPARABLE, v1::DECISION_OUTCOME_UNSPECIFIED}) {
     decision.set_outcome(outcome);
     EXPECT_THAT(decision_text(decision), Not(HasSubstr("under60")));

@@ -15,6 +15,7 @@ pattern::PatternModel told_model() {
                               .condition = "condition=ec_firm",
                               .profile = "lp10",
                               .rate_hz = 100.0,
+                              .duration_s = 60.0,
                               .discriminant = {.classes = {"60plus", "under60"},
                                                .predictors = {{posturography::Measure::Mvelo, true, 2.0, 0.25, 3.0, 20.0}},
                                                .weights = {{0.7}, {-0.7}},
@@ -62,6 +63,15 @@ TEST_F(SteadinessModelFile, WithoutATable_ThereIsNone) {
   EXPECT_EQ(text_of(problems), "");
 }
 
+TEST_F(SteadinessModelFile, ModelOfAllConditions_NeedsNoTrials) {
+  pattern::PatternModel model = told_model();
+  model.condition.clear();
+  write("rigs/all.json", pattern::model_text(model));
+  Problems problems;
+  EXPECT_TRUE(read_rig_file(rig_with("\n[steadiness]\nmodel = \"all.json\"\n"), problems).steadiness_model);
+  EXPECT_EQ(text_of(problems), "");
+}
+
 TEST_F(SteadinessModelFile, WrongTable_IsReported) {
   pattern::PatternModel illness = told_model();
   illness.label = "ill";
@@ -75,6 +85,8 @@ TEST_F(SteadinessModelFile, WrongTable_IsReported) {
            {"[steadiness]\nmodel = \"nowhere.json\"\n", "rigs/nowhere.json: "},
            {"[steadiness]\nmodel = \"damaged.json\"\n", "is not a model of dtslab steadiness train: 'kind' is not a text"},
            {"[steadiness]\nmodel = \"ill.json\"\n", "the model of 'ill' must not be shown: told by age, not by sway"},
+           {"[steadiness]\nmodel = \"group.json\"\n", "the model was trained with condition=ec_firm only: name its trials in [steadiness]"},
+           {"[steadiness]\nmodel = \"group.json\"\ntrials = {}\n", "the model was trained with condition=ec_firm only"},
            {"[steadiness]\nmodel = \"group.json\"\ntrial = {}\n", "unknown key 'trial' in [steadiness]; did you mean 'trials'?"},
            {"[steadiness]\nmodel = \"group.json\"\ntrials = { eyes = 3 }\n", "eyes must be a text in quotes"},
        }) {
@@ -86,7 +98,7 @@ TEST_F(SteadinessModelFile, WrongTable_IsReported) {
 }
 
 TEST_F(SteadinessModelFile, RigWithoutCop_CannotUseIt) {
-  std::string text = shipped_ + "\n[steadiness]\nmodel = \"group.json\"\n";
+  std::string text = shipped_ + "\n[steadiness]\nmodel = \"group.json\"\ntrials = { eyes = \"closed\" }\n";
   text = edited(text, "id = \"cop\"", "id = \"guard\"");
   Problems problems;
   (void)read_rig_file(write("rigs/floor.toml", text), problems);

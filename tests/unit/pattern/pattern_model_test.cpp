@@ -27,6 +27,7 @@ PatternModel made_model() {
       .about = "124 people of one city",
       .profile = "lp10",
       .rate_hz = 100.0,
+      .duration_s = 60.0,
       .noise_mm = 0.05,
       .discriminant = {.classes = {"old", "young"},
                        .predictors = {{Measure::Mvelo, true, 2.0, 0.25, 3.0, 20.0}, {Measure::EllAngle, false, 5.0, 30.0, -80.0, 85.0}},
@@ -77,6 +78,7 @@ TEST(PatternModel, Text_IsReadBackTheSame) {
   EXPECT_EQ(again->figures.auc.low, 0.7);
   EXPECT_EQ(again->groups.at(0).moved, 2U);
   EXPECT_EQ(again->verdict, Verdict::Told);
+  EXPECT_EQ(again->duration_s, 60.0);
 }
 
 TEST(PatternModel, WhatIsNotDefined_IsAbsent) {
@@ -203,11 +205,18 @@ TEST(Decision, MissingMeasure_IsNamed) {
   EXPECT_THAT(decision.answer.probabilities, IsEmpty());
 }
 
-TEST(Decision, OtherProfileOrRate_IsNotComparable) {
+TEST(Decision, OtherProfileRateOrDuration_IsNotComparable) {
   const auto measures = made_measures(8.0, 0.0);
   EXPECT_EQ(decide(made_model(), {.measures = measures, .profile = "asis", .rate_hz = 100.0}).outcome, Outcome::NotComparable);
   EXPECT_EQ(decide(made_model(), {.measures = measures, .profile = "lp10", .rate_hz = 130.0}).outcome, Outcome::NotComparable);
   EXPECT_EQ(decide(made_model(), {.measures = measures, .profile = "lp10", .rate_hz = 100.5}).outcome, Outcome::Decided);
+  const auto of_duration = [&](double duration_s) {
+    return decide(made_model(), {.measures = measures, .profile = "lp10", .rate_hz = 100.0, .duration_s = duration_s}).outcome;
+  };
+  EXPECT_EQ(of_duration(20.0), Outcome::NotComparable) << "sway depends on the duration";
+  EXPECT_EQ(of_duration(61.0), Outcome::NotComparable);
+  EXPECT_EQ(of_duration(59.9), Outcome::Decided);
+  EXPECT_EQ(of_duration(std::nan("")), Outcome::Decided) << "a table without the column";
   EXPECT_EQ(decide(made_model(), {.measures = measures}).outcome, Outcome::Decided) << "unknown is not another one";
 }
 
@@ -219,6 +228,17 @@ TEST(Decision, LabelThatIsNotTold_IsNotForARig) {
   model.verdict = Verdict::ToldByOther;
   model.told_by = "age";
   EXPECT_THAT(check_for_rig(model).error().what, HasSubstr("told by age, not by sway"));
+}
+
+TEST(Decision, ModelOfUnknownTrials_IsNotForARig) {
+  for (const auto& forget : {+[](PatternModel& model) { model.profile.clear(); }, +[](PatternModel& model) { model.rate_hz = 0.0; },
+                             +[](PatternModel& model) { model.duration_s = 0.0; }}) {
+    PatternModel model = made_model();
+    forget(model);
+    const auto checked = check_for_rig(model);
+    ASSERT_FALSE(checked);
+    EXPECT_THAT(checked.error().what, HasSubstr("the profile, rate or duration of its training trials is unknown or mixed"));
+  }
 }
 
 TEST(Probabilities, OfScores_DoNotOverflow) {

@@ -21,6 +21,7 @@ pipeline::SteadinessModel made_steadiness_model() {
                                            .about = "nearly nobody of 41 to 59",
                                            .profile = "lp10",
                                            .rate_hz = 100.0,
+                                           .duration_s = 60.0,
                                            .discriminant = {.classes = {"60plus", "under60"},
                                                             .predictors = {{Measure::Mvelo, true, 2.0, 0.25, 3.0, 20.0}},
                                                             .weights = {{0.75}, {-0.75}},
@@ -84,6 +85,9 @@ TEST(SteadinessDecider, WhatIsNoDecision_SaysWhy) {
   SwayTrialResult other = trial_of(11.0);
   other.analysis->rate_hz = 130.0;
   EXPECT_EQ(decider.decide(other)->outcome(), v1::DECISION_OUTCOME_NOT_COMPARABLE);
+  SwayTrialResult shorter = trial_of(11.0);
+  shorter.analysis->duration_s = 20.0;
+  EXPECT_EQ(decider.decide(shorter)->outcome(), v1::DECISION_OUTCOME_NOT_COMPARABLE);
 }
 
 TEST(SteadinessDecider, OtherTrials_HaveNoDecision) {

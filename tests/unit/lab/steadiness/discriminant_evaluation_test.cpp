@@ -272,6 +272,19 @@ TEST(Evaluation, FactThatDefinesTheLabel_IsNotCompared) {
   EXPECT_EQ(evaluation.verdict, Verdict::Told);
 }
 
+TEST(Evaluation, GroupsThatWereNotComparedByAge_AreNotTold) {
+  RecordProperty("requirement", "SWAY-9");
+  const Groups made = made_groups(60, 2.5, 0.7, 5);
+  const std::vector<double> drawn(made.age.rbegin(), made.age.rend());
+
+  const Evaluation alone = evaluated(made.samples);
+  EXPECT_GT(alone.deciding().model.auc.low, 0.5);
+  EXPECT_LE(alone.permutation_p, Evaluation::kMostP);
+  EXPECT_FALSE(alone.is_age_excluded);
+  EXPECT_EQ(alone.verdict, Verdict::NotTold);
+  EXPECT_EQ(evaluated(made.samples, {{.name = "luck", .columns = {drawn}}}).verdict, Verdict::NotTold) << "age is what must be compared";
+}
+
 TEST(Evaluation, SameInput_HasTheSameResult) {
   const Groups made = made_groups(20, 0.5, 0.5, 6);
   const Evaluation once = evaluated(made.samples);
@@ -288,7 +301,10 @@ TEST(Evaluation, ThreeLabels_AreEachComparedWithTheRest) {
     made.samples.values[row].set(Measure::Mvelo, std::exp(3.0 * static_cast<double>(group) + 0.01 * made.age[row]));
   }
 
-  const Evaluation evaluation = evaluated(made.samples);
+  std::vector<double> drawn = made.age;
+  std::ranges::sort(drawn);
+
+  const Evaluation evaluation = evaluated(made.samples, {{.name = "age", .columns = {drawn}}});
 
   EXPECT_EQ(evaluation.verdict, Verdict::Told);
   EXPECT_NEAR(evaluation.left_out.model.auc.value, 1.0, 0.02);

@@ -44,7 +44,10 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
   EXPECT_THAT(talk(), HasSubstr("1 rows left out: the subject stepped off or moved the feet"));
 
   ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--out", path("pred.csv")}), cli::kOk) << talk();
-  EXPECT_THAT(content("pred.csv"), ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside\nt0.xdf,,S0,,open,"));
+  EXPECT_THAT(content("pred.csv"),
+              ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside,outcome\nt0.xdf,,S0,,open,"));
+  EXPECT_THAT(content("pred.csv"), HasSubstr(",decided\nt47.xdf,,"));
+  EXPECT_THAT(content("pred.csv"), ::testing::EndsWith(",,not valid\n")) << "the last one moved the feet, though a label is computed";
   ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--json"}), cli::kOk);
   ASSERT_EQ(json().at("predictions").size(), 48U);
   EXPECT_EQ(json().at("predictions").at(1).at("label"), "closed");
@@ -117,6 +120,11 @@ std::string facts_table(double shift) {
   return text;
 }
 
+std::string with_other(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? std::string() : text.replace(at, from.size(), to);
+}
+
 TEST_F(SteadinessTest, Where_ChoosesTheRows) {
   const std::string file = write("facts.csv", facts_table(3.0));
   ASSERT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--where", "place=firm", "--out", path("m.json"), "--json"}),
@@ -141,6 +149,27 @@ TEST_F(SteadinessTest, WeightThatTellsBetter_IsNamed) {
   EXPECT_FALSE(std::filesystem::exists(path("m.json")));
 }
 
+TEST_F(SteadinessTest, WithoutTheComparisonWithAge_NothingIsTold) {
+  RecordProperty("requirement", "SWAY-9");
+  const std::string facts = facts_table(3.0);
+  const std::string file = write("facts.csv", facts);
+  const auto train = [&](const std::string& table, const std::string& against) {
+    std::vector<std::string> words{"steadiness", "train", table, "--label", "group", "--out", path("m.json")};
+    if (!against.empty()) words.insert(words.end(), {"--against", against});
+    return run_with(words);
+  };
+  EXPECT_EQ(train(file, "none"), cli::kFailed);
+  EXPECT_THAT(out(), HasSubstr("group: not told: it was not compared with the people's age: the table needs the column 'age'"));
+  EXPECT_EQ(train(file, "sex"), cli::kFailed);
+  EXPECT_EQ(train(write("no_age.csv", with_other(facts, ",age,", ",years,")), ""), cli::kFailed);
+  EXPECT_THAT(out(), HasSubstr("the table needs the column 'age'"));
+
+  EXPECT_EQ(train(write("hole.csv", with_other(facts, ",old,70,", ",old,,")), ""), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("'age' is empty in line 2\n  try: choose other columns with --against, or remove the row"));
+  EXPECT_FALSE(std::filesystem::exists(path("m.json")));
+  EXPECT_EQ(train(file, "age"), cli::kOk) << talk();
+}
+
 TEST_F(SteadinessTest, NoiseOfTheRig_LeavesOutWhatItChangesUnpredictably) {
   const std::string file = write("facts.csv", facts_table(3.0));
   ASSERT_EQ(run_with({"steadiness", "train", file, "--label", "group", "--noise-mm", "0.26", "--out", path("m.json"), "--json"}), cli::kOk)
@@ -162,6 +191,18 @@ TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
   EXPECT_THAT(talk(), HasSubstr("1 of 2 rows are outside"));
   EXPECT_THAT(talk(), HasSubstr("1 of 2 rows have no label"));
   EXPECT_THAT(talk(), HasSubstr("another profile than 'lp10'"));
+}
+
+TEST_F(SteadinessTest, ShorterTrials_AreNotComparable) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
+  EXPECT_THAT(content("m.json"), HasSubstr("\"duration_s\": 30.0"));
+  const std::string other = write("other.csv", "file,duration_s,MVELO,RDIST,PEA95_F\na,30.1,8,8,8\nb,20,8,8,8\n");
+
+  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), other, "--json"}), cli::kOk) << talk();
+
+  EXPECT_EQ(json().at("predictions").at(0).at("outcome"), "decided");
+  EXPECT_EQ(json().at("predictions").at(1).at("outcome"), "not comparable");
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows are longer or shorter than 30 s, the duration of the trials of the training"));
 }
 
 TEST_F(SteadinessTest, FileOfForcePlates_IsAnalysedAtTheRateOfTheTraining) {

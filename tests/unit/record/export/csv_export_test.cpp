@@ -180,6 +180,28 @@ TEST_F(CsvExportTest, Trials_HaveTheMeasuresOfTheirResults) {
                           "1,1,1,open,done,1,0,1,0,3,,20,8.25,5.5", "2,1,1,shut,done,0,0,4,0,6,stepped_off,20,9,"));
 }
 
+TEST_F(CsvExportTest, TrialWithoutADecision_HasItsReasonAndNoProbability) {
+  const std::string probabilities =
+      "probabilities { group: '60plus' probability: 0.25 } probabilities { group: 'under60' probability: 0.75 }";
+  for (const std::string& text :
+       {std::string("scan: 1 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 1 attempt: 1 condition: 'a' }"),
+        std::string("scan: 3 trial { step: TRIAL_EVENT_KIND_DONE trial: 1 attempt: 1 condition: 'a' }"),
+        std::string("scan: 4 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 2 attempt: 1 condition: 'a' }"),
+        std::string("scan: 6 trial { step: TRIAL_EVENT_KIND_DONE trial: 2 attempt: 1 condition: 'a' }"),
+        "scan: 6 sway { trial: 1 attempt: 1 is_valid: true decision { outcome: DECISION_OUTCOME_DECIDED group: 'under60' " + probabilities +
+            " } }",
+        "scan: 7 sway { trial: 2 attempt: 1 is_valid: true decision { outcome: DECISION_OUTCOME_NOT_COMPARABLE group: 'under60' " +
+            probabilities + " } }"}) {
+    recording_.items.emplace_back(TimedEvent{.time_s = 0.0, .event = test::event_of(text)});
+  }
+  ASSERT_TRUE(run().has_value());
+
+  const std::string place = "first_segment,first_scan,last_segment,last_scan";
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
+              ElementsAre("trial,attempt,block,condition,outcome,is_valid," + place + ",fault,decision,p_60plus [1],p_under60 [1]",
+                          "1,1,1,a,done,1,0,1,0,3,,decided,0.25,0.75", "2,1,1,a,done,1,0,4,0,6,,not comparable,,"));
+}
+
 TEST_F(CsvExportTest, CorrectedValues_StandBesideTheRecordedOnes) {
   const auto step = [](const std::string& position, const std::string& step_of_trial) {
     return TimedEvent{

@@ -48,13 +48,20 @@ test('decisionWords.Without a decision gives no group, but the reason', () => {
 test('decisionLimits.Every decision has its people, its accuracy, the one measure, the rival and the limit', () => {
   const limits = decisionLimits(decision);
   expect(limits).toEqual([
-    words.people('124', 'condition=ec_firm'),
+    words.people('124', words.conditionOf('condition=ec_firm')),
     words.auc('0.81', '0.73', '0.88'),
     words.oneMeasure('MVELO', '0.78'),
-    words.rival('height_cm with sex', '0.83'),
+    words.rival(`${words.facts.height_cm}${words.and}${words.facts.sex}`, '0.83'),
     'nearly nobody of 41 to 59',
     words.limit,
   ]);
+});
+
+test('decisionLimits.Facts and the condition are words, and the page says that facts do as well', () => {
+  const limits = decisionLimits(decision);
+  expect(limits).toContain('Trained on 124 people, condition ec_firm');
+  expect(limits).toContain('Without a platform, height with sex does as well as the model (0.83)');
+  expect(decisionLimits({ ...decision, rival: 'shoe_size' })).toContain('Without a platform, shoe_size does as well as the model (0.83)');
 });
 
 test('decisionLimits.A model that is better does not say that others do as well', () => {

@@ -30,13 +30,22 @@ export const decisionWords = (decision: SteadinessDecision): { readonly value: s
   }
 };
 
+/** Returns facts of people ("height_cm with sex") in words. A fact without a word stays as it is. */
+const factsOf = (rival: string): string => {
+  const names: Readonly<Record<string, string | undefined>> = words.facts;
+  return rival
+    .split(' with ')
+    .map((fact) => (Object.hasOwn(names, fact) ? (names[fact] ?? fact) : fact))
+    .join(words.and);
+};
+
 /** Returns what must stand beside every decision, one sentence each. */
 export const decisionLimits = (decision: SteadinessDecision): readonly string[] =>
   [
-    words.people(whole(decision.people), decision.condition),
+    words.people(whole(decision.people), words.conditionOf(decision.condition)),
     words.auc(fixed(decision.auc, 2), fixed(decision.aucLow, 2), fixed(decision.aucHigh, 2)),
     decision.isBetterThanOneMeasure ? '' : words.oneMeasure(decision.bestMeasure, fixed(decision.bestMeasureAuc, 2)),
-    decision.rivalAuc === undefined || decision.isBetterThanRival ? '' : words.rival(decision.rival, fixed(decision.rivalAuc, 2)),
+    decision.rivalAuc === undefined || decision.isBetterThanRival ? '' : words.rival(factsOf(decision.rival), fixed(decision.rivalAuc, 2)),
     decision.about,
     words.limit,
   ].filter((line) => line !== '');

@@ -189,21 +189,26 @@ core::Result<std::vector<std::string>> subjects_with_notes(const std::string& re
   return subjects;
 }
 
-core::Status remove_mentions_in_notes(const std::string& recordings, const std::string& subject) {
+core::Result<std::vector<std::string>> remove_mentions_in_notes(const std::string& recordings, const std::string& subject) {
   DTS_TRY_ASSIGN(const auto subjects, subjects_with_notes(recordings));
+  std::vector<std::string> unread;
   for (const std::string& other : subjects) {
     if (other == subject) continue;
-    DTS_TRY_ASSIGN(auto notes, read_subject_notes(recordings, other));
+    auto notes = read_subject_notes(recordings, other);
+    if (!notes) {
+      unread.push_back(notes_file(recordings, other));
+      continue;
+    }
     bool is_changed = false;
-    for (SubjectNote& note : notes.notes) {
+    for (SubjectNote& note : notes->notes) {
       auto cleaned = without_mention(note.text, subject);
       if (!cleaned) continue;
       note.text = std::move(*cleaned);
       is_changed = true;
     }
-    if (is_changed) DTS_TRY(write_subject_notes(recordings, notes));
+    if (is_changed) DTS_TRY(write_subject_notes(recordings, *notes));
   }
-  return {};
+  return unread;
 }
 
 }  // namespace dts::record

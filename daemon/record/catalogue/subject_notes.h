@@ -58,7 +58,7 @@ inline constexpr std::size_t kMostPlanned = 100;
 [[nodiscard]] core::Status remove_subject_notes(const std::string& recordings, const std::string& subject);
 /// Returns the IDs of the subjects that have a file, sorted.
 [[nodiscard]] core::Result<std::vector<std::string>> subjects_with_notes(const std::string& recordings);
-/// Removes mentions of this subject ID from the texts of other subjects' notes. Fails with the first file that cannot be read.
-[[nodiscard]] core::Status remove_mentions_in_notes(const std::string& recordings, const std::string& subject);
+/// Removes mentions of this subject ID from the texts of other subjects' notes. Returns the files that cannot be read and may have some.
+[[nodiscard]] core::Result<std::vector<std::string>> remove_mentions_in_notes(const std::string& recordings, const std::string& subject);
 
 }  // namespace dts::record

@@ -101,5 +101,15 @@ TEST_F(SubjectNotesTest, AMentionOfAnErasedSubjectIsRemovedFromOthers) {
   EXPECT_EQ(read_subject_notes(folder_, "P017")->notes.front().text, "walks with [erased] and a \"stick\"");
 }
 
+TEST_F(SubjectNotesTest, ADamagedFileOfAnotherSubjectIsReported_AndTheOthersAreCleaned) {
+  write("garbage");
+  ASSERT_TRUE(write_subject_notes(folder_, notes_of("P019")));
+  const auto unread = remove_mentions_in_notes(folder_, "P018");
+  ASSERT_TRUE(unread) << what(unread);
+  EXPECT_EQ(*unread, std::vector<std::string>{file("P017")});
+  EXPECT_EQ(text_of("P019").find("P018"), std::string::npos);
+  EXPECT_EQ(text_of("P017"), "garbage");
+}
+
 }  // namespace
 }  // namespace dts::record

@@ -101,6 +101,18 @@ TEST_F(SubjectNotesTest, AMentionOfAnErasedSubjectIsRemovedFromOthers) {
   EXPECT_EQ(read_subject_notes(folder_, "P017")->notes.front().text, "walks with [erased] and a \"stick\"");
 }
 
+TEST_F(SubjectNotesTest, WhatACrashLeftOfAFileIsListedAndRemoved) {
+  ASSERT_TRUE(write_subject_notes(folder_, notes_of("P017")));
+  std::ofstream(file("P017") + ".new") << "walks";
+  std::ofstream(file("P020") + ".new") << "walks with P017";
+  EXPECT_EQ(subjects_with_notes(folder_).value(), (std::vector<std::string>{"P017", "P020"}));
+  ASSERT_TRUE(remove_subject_notes(folder_, "P017"));
+  EXPECT_FALSE(fs::exists(file("P017")));
+  EXPECT_FALSE(fs::exists(file("P017") + ".new"));
+  EXPECT_EQ(remove_mentions_in_notes(folder_, "P017").value(), std::vector<std::string>{});
+  EXPECT_EQ(subjects_with_notes(folder_).value(), std::vector<std::string>{}) << "the other's may mention it";
+}
+
 TEST_F(SubjectNotesTest, ADamagedFileOfAnotherSubjectIsReported_AndTheOthersAreCleaned) {
   write("garbage");
   ASSERT_TRUE(write_subject_notes(folder_, notes_of("P019")));

@@ -178,7 +178,8 @@ core::Status Recordings::keep_notes(const record::SubjectNotes& notes) {
 core::Status Recordings::erase_rows(record::Erasure& erasure) {
   DTS_TRY(catalogue_->erase(erasure.sessions));
   DTS_TRY(record::remove_subject_notes(sessions_directory(config_), erasure.subject));
-  DTS_TRY(record::remove_mentions_in_notes(sessions_directory(config_), erasure.subject));
+  DTS_TRY_ASSIGN(const auto unread, record::remove_mentions_in_notes(sessions_directory(config_), erasure.subject));
+  for (const std::string& file : unread) unerased_.push_back("the notes in '" + file + "' cannot be read; look there for this subject ID");
   return remove_mentions(erasure);
 }
 

@@ -29,6 +29,7 @@ using core::ErrorCode;
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kNotesEnding = ".json";
+constexpr std::string_view kUnfinishedEnding = ".new";  ///< Of a file that a crash left while it was replaced.
 constexpr std::uintmax_t kLongestNotesFile = 4U << 20U;
 constexpr const char* kNotesHint = "check the permissions of the folder of the recordings and whether its disk is full or read-only";
 
@@ -165,9 +166,8 @@ core::Status write_subject_notes(const std::string& recordings, const SubjectNot
 core::Status remove_subject_notes(const std::string& recordings, const std::string& subject) {
   if (!is_subject_id(subject)) return {};
   const std::string file = notes_file(recordings, subject);
-  if (::unlink(file.c_str()) != 0) {
-    if (errno == ENOENT) return {};
-    return core::fail_errno(errno, "cannot remove '" + file + "'", kNotesHint);
+  for (const std::string& one : {file, file + std::string(kUnfinishedEnding)}) {
+    if (::unlink(one.c_str()) != 0 && errno != ENOENT) return core::fail_errno(errno, "cannot remove '" + one + "'", kNotesHint);
   }
   synchronise_folder(notes_folder(recordings));
   return {};
@@ -179,31 +179,40 @@ core::Result<std::vector<std::string>> subjects_with_notes(const std::string& re
   fs::directory_iterator entries(notes_folder(recordings), error);
   if (error == std::errc::no_such_file_or_directory) return subjects;
   for (; !error && entries != fs::directory_iterator(); entries.increment(error)) {
-    const std::string name = entries->path().filename().string();
+    std::string name = entries->path().filename().string();
+    if (name.ends_with(kUnfinishedEnding)) name.resize(name.size() - kUnfinishedEnding.size());
     if (!name.ends_with(kNotesEnding)) continue;
     std::string subject = name.substr(0, name.size() - kNotesEnding.size());
     if (is_subject_id(subject)) subjects.push_back(std::move(subject));
   }
   if (error) return core::fail_errno(error.value(), "cannot read the folder '" + notes_folder(recordings) + "'", kNotesHint);
   std::ranges::sort(subjects);
+  subjects.erase(std::ranges::unique(subjects).begin(), subjects.end());
   return subjects;
 }
 
-core::Status remove_mentions_in_notes(const std::string& recordings, const std::string& subject) {
+core::Result<std::vector<std::string>> remove_mentions_in_notes(const std::string& recordings, const std::string& subject) {
   DTS_TRY_ASSIGN(const auto subjects, subjects_with_notes(recordings));
+  std::vector<std::string> unread;
   for (const std::string& other : subjects) {
     if (other == subject) continue;
-    DTS_TRY_ASSIGN(auto notes, read_subject_notes(recordings, other));
+    const std::string unfinished = notes_file(recordings, other) + std::string(kUnfinishedEnding);
+    if (::unlink(unfinished.c_str()) != 0 && errno != ENOENT) unread.push_back(unfinished);
+    auto notes = read_subject_notes(recordings, other);
+    if (!notes) {
+      unread.push_back(notes_file(recordings, other));
+      continue;
+    }
     bool is_changed = false;
-    for (SubjectNote& note : notes.notes) {
+    for (SubjectNote& note : notes->notes) {
       auto cleaned = without_mention(note.text, subject);
       if (!cleaned) continue;
       note.text = std::move(*cleaned);
       is_changed = true;
     }
-    if (is_changed) DTS_TRY(write_subject_notes(recordings, notes));
+    if (is_changed) DTS_TRY(write_subject_notes(recordings, *notes));
   }
-  return {};
+  return unread;
 }
 
 }  // namespace dts::record

@@ -54,11 +54,11 @@ inline constexpr std::size_t kMostPlanned = 100;
 [[nodiscard]] core::Result<SubjectNotes> read_subject_notes(const std::string& recordings, const std::string& subject);
 /// Replaces the file as a whole; removes it if the notes are empty. It is on the disk when this returns. `subject` must be an ID.
 [[nodiscard]] core::Status write_subject_notes(const std::string& recordings, const SubjectNotes& notes);
-/// Removes the file, if there is one.
+/// Removes the file, if there is one, and what a crash left of it.
 [[nodiscard]] core::Status remove_subject_notes(const std::string& recordings, const std::string& subject);
-/// Returns the IDs of the subjects that have a file, sorted.
+/// Returns the IDs of the subjects that have a file, or one that a crash left unfinished; sorted, each once.
 [[nodiscard]] core::Result<std::vector<std::string>> subjects_with_notes(const std::string& recordings);
-/// Removes mentions of this subject ID from the texts of other subjects' notes. Fails with the first file that cannot be read.
-[[nodiscard]] core::Status remove_mentions_in_notes(const std::string& recordings, const std::string& subject);
+/// Removes mentions of this subject ID from the texts of other subjects' notes. Returns the files that cannot be read and may have some.
+[[nodiscard]] core::Result<std::vector<std::string>> remove_mentions_in_notes(const std::string& recordings, const std::string& subject);
 
 }  // namespace dts::record

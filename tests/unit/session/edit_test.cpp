@@ -466,6 +466,22 @@ TEST_F(EditTest, ARecordingOfAnotherSubjectStays_AndIsReported) {
   EXPECT_TRUE(std::filesystem::exists(row(id).parts.at(0).file));
 }
 
+TEST_F(EditTest, ADamagedFileOfNotesOfAnotherSubject_HindersNoErasure) {
+  RecordProperty("requirement", "SES-10");
+  start({Protocol{}, standing()});
+  const std::string recording = row(brief("P017")).parts.at(0).file;
+  std::filesystem::create_directories(folder_ / "sessions" / "subjects");
+  std::ofstream(folder_ / "sessions" / "subjects" / "Q1.json") << "garbage";
+  ASSERT_TRUE(supervisor_->erase_subject("P017", kAnna));
+  const auto done = erased();
+  ASSERT_TRUE(done);
+  EXPECT_EQ(done->sessions, 1U);
+  EXPECT_FALSE(std::filesystem::exists(recording));
+  ASSERT_EQ(done->left.size(), 1U);
+  EXPECT_THAT(done->left[0], HasSubstr("Q1.json' cannot be read"));
+  EXPECT_TRUE(is_completed());
+}
+
 TEST_F(EditTest, ResultsFollowTheOutcomes_AlsoIfTheDaemonEndedBeforeTheyWereWritten) {
   start({Protocol{}, standing()});
   const std::string id = stand();

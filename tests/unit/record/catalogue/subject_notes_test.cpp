@@ -101,5 +101,27 @@ TEST_F(SubjectNotesTest, AMentionOfAnErasedSubjectIsRemovedFromOthers) {
   EXPECT_EQ(read_subject_notes(folder_, "P017")->notes.front().text, "walks with [erased] and a \"stick\"");
 }
 
+TEST_F(SubjectNotesTest, WhatACrashLeftOfAFileIsListedAndRemoved) {
+  ASSERT_TRUE(write_subject_notes(folder_, notes_of("P017")));
+  std::ofstream(file("P017") + ".new") << "walks";
+  std::ofstream(file("P020") + ".new") << "walks with P017";
+  EXPECT_EQ(subjects_with_notes(folder_).value(), (std::vector<std::string>{"P017", "P020"}));
+  ASSERT_TRUE(remove_subject_notes(folder_, "P017"));
+  EXPECT_FALSE(fs::exists(file("P017")));
+  EXPECT_FALSE(fs::exists(file("P017") + ".new"));
+  EXPECT_EQ(remove_mentions_in_notes(folder_, "P017").value(), std::vector<std::string>{});
+  EXPECT_EQ(subjects_with_notes(folder_).value(), std::vector<std::string>{}) << "the other's may mention it";
+}
+
+TEST_F(SubjectNotesTest, ADamagedFileOfAnotherSubjectIsReported_AndTheOthersAreCleaned) {
+  write("garbage");
+  ASSERT_TRUE(write_subject_notes(folder_, notes_of("P019")));
+  const auto unread = remove_mentions_in_notes(folder_, "P018");
+  ASSERT_TRUE(unread) << what(unread);
+  EXPECT_EQ(*unread, std::vector<std::string>{file("P017")});
+  EXPECT_EQ(text_of("P019").find("P018"), std::string::npos);
+  EXPECT_EQ(text_of("P017"), "garbage");
+}
+
 }  // namespace
 }  // namespace dts::record

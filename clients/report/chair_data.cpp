@@ -123,6 +123,7 @@ std::string ChairTrial::number() const {
 core::Result<ChairData> read_chair_session(const ReportSource& source, const ReportProgress& progress) {
   ChairData chair;
   chair.software = source.software;
+  chair.for_record = source.for_record;
   Waiting waiting(progress);
   const std::vector<std::string> files = leading_files(source.files);
   std::vector<session::SessionFigure> live;

@@ -120,6 +120,7 @@ core::Result<RecordedPart> read_part(const std::string& path, const record::Corr
     part.period = {.begins_utc_ns = utc_of(items.first_time_s, part.facts),
                    .ends_utc_ns = utc_of(items.first_time_s + recording->duration_s(), part.facts)};
   }
+  part.has_corrected_subject = corrections.value(record::CorrectedField::Subject) != nullptr;
   add_trials(items, corrections, part);
   DTS_TRY(add_results(path, items, part));
   return part;

@@ -36,6 +36,7 @@ struct RecordedPart {
   std::vector<RecordedTrial> trials{};
   std::vector<record::ResultRow> results{};  ///< Of the session, from the trials that are done after corrections.
   bool has_corrected_outcomes = false;
+  bool has_corrected_subject = false;
 };
 
 struct RecordedSession {

@@ -224,7 +224,7 @@ class Bundles(unittest.TestCase):
         file, bundle = self.export(session, "corrected")
 
         self.assert_valid(file)
-        self.assertEqual([one["status"] for one in observations(bundle, "standing-trial")], ["final", "entered-in-error"])
+        self.assertEqual([one["status"] for one in observations(bundle, "standing-trial")], ["amended", "entered-in-error"])
         self.assertEqual(resources(bundle, "Patient")[0]["identifier"][0]["value"], "P-019")
         self.assertNotIn("P-017", file.read_text())
         if shutil.which("rsvg-convert") is None or shutil.which("pdftotext") is None:

@@ -262,6 +262,7 @@ TEST_F(BundleTest, WithoutASubject_ThePatientHasNoIdentifier) {
 
 TEST_F(BundleTest, ACorrectedSubject_IsThatOfThePatient) {
   const std::string file = write(made_session());
+  const Json before = bundle_of(file);
   record::Corrections corrections{.session_id = kSession};
   corrections.add(
       {.utc_ns = 1, .who = "local", .field = record::CorrectedField::Subject, .old_value = "P017", .new_value = "P018", .reason = "test"});
@@ -271,6 +272,14 @@ TEST_F(BundleTest, ACorrectedSubject_IsThatOfThePatient) {
 
   EXPECT_EQ(resources_of(Json::parse(text), "Patient").front()["identifier"][0]["value"], "P018");
   EXPECT_THAT(text, Not(HasSubstr("P017")));
+  const Json after = Json::parse(text);
+  const std::string id = resources_of(after, "Patient").front()["id"];
+  EXPECT_NE(id, resources_of(before, "Patient").front()["id"]) << "it is another person";
+  EXPECT_EQ(resources_of(after, "DiagnosticReport").front()["id"], resources_of(before, "DiagnosticReport").front()["id"]);
+  for (const Json& one : resources_of(after, "Observation")) {
+    EXPECT_EQ(one["status"], "amended");
+    EXPECT_EQ(one["subject"]["reference"], "urn:uuid:" + id);
+  }
 }
 
 TEST_F(BundleTest, ThePdf_IsInTheReport) {

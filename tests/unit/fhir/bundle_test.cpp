@@ -333,8 +333,23 @@ TEST_F(BundleTest, TwoParts_AreOneBundle) {
 
   EXPECT_EQ(resources_of(bundle, "Patient").size(), 1U);
   EXPECT_EQ(resources_of(bundle, "Device").size(), 1U) << "it is the same rig";
-  EXPECT_EQ(resources_of(bundle, "Observation").size(), 10U);
+  EXPECT_EQ(resources_of(bundle, "Observation").size(), 4U) << "the trials: results of one part are not those of the session";
+  for (const Json& one : resources_of(bundle, "Observation")) EXPECT_EQ(one["status"], "final");
   EXPECT_EQ(bundle.dump().find("null"), std::string::npos);
+}
+
+TEST_F(BundleTest, TrialsOfAnInterruptedPart_ArePreliminary) {
+  report::MadeStanding interrupted = made_session();
+  interrupted.events.resize(2);  // without the results of the session
+  report::MadeStanding second = made_session();
+  second.facts.part = 2;
+
+  const Json bundle = Json::parse(text_of({write(interrupted), write(second, "b.xdf")}));
+
+  std::vector<std::string> statuses;
+  for (const Json& one : resources_of(bundle, "Observation")) statuses.push_back(one["status"]);
+  EXPECT_THAT(statuses, ElementsAre("preliminary", "preliminary", "final", "final"));
+  EXPECT_EQ(observation_of(bundle_of(write(interrupted, "c.xdf")), "standing-trial")["status"], "preliminary") << "a crash";
 }
 
 TEST_F(BundleTest, PartsOfTwoSessions_Fail) {

@@ -37,6 +37,8 @@ struct ChairTrial {
   [[nodiscard]] const core::TrunkMovement* movement() const {
     return recorded.result && recorded.result->movement ? &*recorded.result->movement : nullptr;
   }
+  /// Returns whether the class is on the subject's own scale.
+  [[nodiscard]] bool is_calibrated() const { return movement() != nullptr && (movement()->reasons & core::class_reason::kCalibrated) != 0; }
   /// Returns the time of a scan after the cue, s.
   [[nodiscard]] double after_cue_s(core::ScanIndex scan) const {
     return (static_cast<double>(scan.value) - static_cast<double>(recorded.go.value)) / raw_rate_hz;

@@ -650,6 +650,10 @@ constexpr auto kTexts = std::to_array<Translated>({
     {" at {} Hz ({!})", " bei {} Hz ({})"},
     {", data acquisition by {!}, at {} Hz", ", Datenerfassung mit {}, bei {} Hz"},
     {" at {} Hz", " bei {} Hz"},
+    {"The class and angle of 1 trial use the general model instead of this scale.",
+     "Klasse und Winkel von 1 Durchgang verwenden statt dieses Maßstabs das allgemeine Modell."},
+    {"The classes and angles of {} trials use the general model instead of this scale.",
+     "Klassen und Winkel von {} Durchgängen verwenden statt dieses Maßstabs das allgemeine Modell."},
     // Texts made of several ones
     {"{}; {}", "{}; {}"},
     {"{} ({})", "{} ({})"},

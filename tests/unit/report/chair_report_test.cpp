@@ -10,6 +10,7 @@
 
 #include "made_reaching.h"
 #include "report/chair_data.h"
+#include "report/chair_tables.h"
 #include "report/chair_words.h"
 #include "report/report.h"
 #include "unit/record/xdf_fixture.h"
@@ -185,6 +186,23 @@ TEST_F(ChairReportTest, WithoutMeasuresOfTheBody_ThereIsNoExpectationAndNoOwnSca
   EXPECT_THAT(row(html, "Trials", "1"), testing::Contains("-"));
   made.facts.fields = {{"weight_kg", "68"}, {"height_cm", "175"}, {"arm_length_cm", "67"}, {"max_reach_cm", "124"}, {"group", "stroke"}};
   EXPECT_THAT(page(report_of(write(made, "b.xdf")), "session.html"), HasSubstr("Own scale: not used after a stroke"));
+}
+
+TEST_F(ChairReportTest, TrialsOfTheGeneralModel_AreNotPutOnTheOwnScale) {
+  MadeReaching made = three_reaches();
+  made.reaches[1].movement.reasons = core::class_reason::kCalibrated;
+  auto chair = read_chair_session({.files = {write(made)}, .software = "test 1"}, always);
+  ASSERT_TRUE(chair) << core::to_string(chair.error());
+  chair->scale = classifier::SubjectCalibration{.max_d2_mm = 2.2, .max_flexion_deg = 52.0};
+
+  EXPECT_THAT(scale_table(*chair).footnotes,
+              ElementsAre("The classes and angles of 2 trials use the general model instead of this scale."));
+  const Table consistency = consistency_table(*chair);
+  ASSERT_EQ(consistency.rows.size(), 2U);
+  EXPECT_EQ(consistency.rows[0].cells[3], "-");
+  EXPECT_EQ(consistency.rows[1].cells[3], "100 %");
+  EXPECT_EQ(movement_table(*chair, chair->trials[1]).rows.back().cells[0], "Rise d2 of own maximum");
+  EXPECT_NE(movement_table(*chair, chair->trials[2]).rows.back().cells[0], "Rise d2 of own maximum");
 }
 
 TEST_F(ChairReportTest, WithoutTrials_TheSessionHasItsPage) {

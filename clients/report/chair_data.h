@@ -53,6 +53,7 @@ struct ChairData : SessionInfo {
   std::optional<classifier::TrunkModel> model{};        ///< As recorded.
   std::optional<physics::Person> person{};              ///< Absent: not all measures of the body are known.
   std::optional<classifier::SubjectCalibration> scale;  ///< The subject's own.
+  std::size_t scale_part = 0;                           ///< Index of the part from whose reaches the scale is.
   std::vector<session::TargetSummary> targets;          ///< Of the valid trials.
   std::vector<session::SessionFigure> summary;
   std::uint64_t reaches = 0;                   ///< Found in the whole session, inside or outside trials.

@@ -654,6 +654,8 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Klasse und Winkel von 1 Durchgang verwenden statt dieses Maßstabs das allgemeine Modell."},
     {"The classes and angles of {} trials use the general model instead of this scale.",
      "Klassen und Winkel von {} Durchgängen verwenden statt dieses Maßstabs das allgemeine Modell."},
+    {"The own scale may contain the reach of trial {}, which was corrected to {}.",
+     "Der eigene Maßstab enthält möglicherweise die Reichbewegung von Durchgang {}, berichtigt auf {}."},
     // Texts made of several ones
     {"{}; {}", "{}; {}"},
     {"{} ({})", "{} ({})"},

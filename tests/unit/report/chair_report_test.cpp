@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <pugixml.hpp>
+#include <utility>
 
 #include "made_reaching.h"
 #include "report/chair_data.h"
 #include "report/chair_tables.h"
 #include "report/chair_words.h"
+#include "report/page_parts.h"
 #include "report/report.h"
 #include "unit/record/xdf_fixture.h"
 
@@ -203,6 +205,19 @@ TEST_F(ChairReportTest, TrialsOfTheGeneralModel_AreNotPutOnTheOwnScale) {
   EXPECT_EQ(consistency.rows[1].cells[3], "100 %");
   EXPECT_EQ(movement_table(*chair, chair->trials[1]).rows.back().cells[0], "Rise d2 of own maximum");
   EXPECT_NE(movement_table(*chair, chair->trials[2]).rows.back().cells[0], "Rise d2 of own maximum");
+}
+
+TEST_F(ChairReportTest, AMaximumReachThatACorrectionTakesBack_IsNamedBesideTheOwnScale) {
+  auto chair = read_chair_session({.files = {write(three_reaches())}, .software = "test 1"}, always);
+  ASSERT_TRUE(chair) << core::to_string(chair.error());
+  const auto take_back = [](ChairTrial& trial) { trial.recorded_outcome = std::exchange(trial.recorded.outcome, "rejected"); };
+  take_back(chair->trials[0]);  // not at the maximum
+  take_back(chair->trials[1]);
+  EXPECT_THAT(session_content(*chair, SessionPageLimits{.trials = 9, .pictures = 9}).alerts, ElementsAre()) << "no scale";
+  chair->scale = classifier::SubjectCalibration{.max_d2_mm = 2.2, .max_flexion_deg = 52.0};
+
+  EXPECT_THAT(session_content(*chair, SessionPageLimits{.trials = 9, .pictures = 9}).alerts,
+              ElementsAre("The own scale may contain the reach of trial 2, which was corrected to rejected."));
 }
 
 TEST_F(ChairReportTest, WithoutTrials_TheSessionHasItsPage) {

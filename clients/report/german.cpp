@@ -610,12 +610,6 @@ constexpr auto kTexts = std::to_array<Translated>({
      "eine Klasse, und {} % dieser Klassen sind richtig; RMS-Fehler des Winkels {} \u00B0. {}"},
     {"All these people were simulated: the accuracy for real people is not known.",
      "Alle diese Personen waren simuliert: Die Genauigkeit bei echten Personen ist nicht bekannt."},
-    {"The transient falls when the trunk leaves the back rest (reach initiation, P1 to P2) and rises while the trunk bends "
-     "(to P3). Trunk angle: 0 \u00B0 is upright, forward is positive. 90 % interval: 9 of 10 such intervals contain the "
-     "true angle. Smoothness: nearer to 0 is smoother.",
-     "Die Transiente sinkt, wenn der Rumpf die Lehne verlässt (Einleitung, P1 bis P2), und steigt, während der Rumpf sich "
-     "beugt (bis P3). Rumpfwinkel: 0 \u00B0 ist aufrecht, nach vorn ist positiv. 90-%-Intervall: 9 von 10 solchen "
-     "Intervallen enthalten den wahren Winkel. Glattheit: näher an 0 ist glatter."},
     {"the seat's deflection was simulated for an instrumented chair{}. The transient is the mean deflection at four "
      "sensors; reaches were found in its means over 50 ms at 100 Hz. P1 is the start of the reach, P2 the minimum of the "
      "reach initiation, P3 the maximum (thesis on distributive tactile sensing, section 5.3.3); d1 = P1 - P2, d2 = P3 - P1. "
@@ -656,6 +650,12 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Klassen und Winkel von {} Durchgängen verwenden statt dieses Maßstabs das allgemeine Modell."},
     {"The own scale may contain the reach of trial {}, which was corrected to {}.",
      "Der eigene Maßstab enthält möglicherweise die Reichbewegung von Durchgang {}, berichtigt auf {}."},
+    {"The transient falls when the trunk leaves the back rest (reach initiation, P1 to P2) and rises while the trunk bends "
+     "(to P3). Trunk angle: 0 \u00B0 is upright, forward is positive. 90 % interval: meant to contain the true angle in 9 of 10 "
+     "reaches; checked with simulated people only. Smoothness: nearer to 0 is smoother.",
+     "Die Transiente sinkt, wenn der Rumpf die Lehne verlässt (Einleitung, P1 bis P2), und steigt, während der Rumpf sich "
+     "beugt (bis P3). Rumpfwinkel: 0 \u00B0 ist aufrecht, nach vorn ist positiv. 90-%-Intervall: soll bei 9 von 10 "
+     "Reichbewegungen den wahren Winkel enthalten; nur mit simulierten Personen geprüft. Glattheit: näher an 0 ist glatter."},
     // Texts made of several ones
     {"{}; {}", "{}; {}"},
     {"{} ({})", "{} ({})"},

@@ -112,6 +112,7 @@ TEST_F(ChairReportTest, RowOfATrial_HasClassAngleIntervalAndFeatures) {
               ElementsAre("150", "26.0 (1.4)", "1.30 (0.14)", "-", "-1.90 (0.00)"));
   EXPECT_THAT(html, HasSubstr("Live and recomputed values match in 3 trials."));
   EXPECT_THAT(html, Not(HasSubstr("Rejected reaches")));
+  EXPECT_THAT(html, HasSubstr("in 9 of 10 reaches; checked with simulated people only.")) << "what the interval is worth";
 }
 
 TEST_F(ChairReportTest, PageOfATrial_ShowsThePointsAtTheirTimes) {

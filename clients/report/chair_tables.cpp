@@ -103,7 +103,7 @@ Table reach_table(const ChairData& chair, std::size_t most_rows) {
 }
 
 Table class_table(const ChairData& chair) {
-  Table table{.title = "Trunk class by target, valid trials",
+  Table table{.title = "Trunk class by target, trials that are done",
               .columns = {{.head = "Target", .share = 2.5},
                           {.head = "Distance, cm", .share = 1.1, .is_number = true},
                           {.head = "Trials", .share = 0.8, .is_number = true},

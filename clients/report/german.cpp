@@ -502,7 +502,6 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Smooth- ness", "Glatt- heit"},
     {"Smoothness", "Glattheit"},
     {"No trial with a cue in this session.", "Kein Durchgang mit Startsignal in dieser Untersuchung."},
-    {"Trunk class by target, valid trials", "Rumpfklasse nach Ziel, gültige Durchgänge"},
     {"Trunk classes", "Rumpfklassen"},
     {"Class as expected", "Klasse wie erwartet"},
     {"Expected class: from target distance and body measures. A reach with the arm alone and a very small trunk movement "
@@ -579,7 +578,6 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"the person stood up", "die Person stand auf"},
     {"the chair was not tared", "der Stuhl war nicht tariert"},
     {"no dip at the start: P2 equals P1", "keine Senke am Anfang: P2 gleich P1"},
-    {"Valid trials", "Gültige Durchgänge"},
     {"Targets", "Ziele"},
     {"Trials with a reach", "Durchgänge mit Reichbewegung"},
     {"Reaches without a trunk class", "Reichbewegungen ohne Rumpfklasse"},
@@ -656,6 +654,8 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Die Transiente sinkt, wenn der Rumpf die Lehne verlässt (Einleitung, P1 bis P2), und steigt, während der Rumpf sich "
      "beugt (bis P3). Rumpfwinkel: 0 \u00B0 ist aufrecht, nach vorn ist positiv. 90-%-Intervall: soll bei 9 von 10 "
      "Reichbewegungen den wahren Winkel enthalten; nur mit simulierten Personen geprüft. Glattheit: näher an 0 ist glatter."},
+    {"Trunk class by target, trials that are done", "Rumpfklasse nach Ziel, fertige Durchgänge"},
+    {"Trials done", "Fertige Durchgänge"},
     // Texts made of several ones
     {"{}; {}", "{}; {}"},
     {"{} ({})", "{} ({})"},

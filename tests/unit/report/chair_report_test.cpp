@@ -106,7 +106,7 @@ TEST_F(ChairReportTest, RowOfATrial_HasClassAngleIntervalAndFeatures) {
 
   EXPECT_THAT(row(html, "Trials", "2"),
               ElementsAre("2", "max", "124.0", "done", "maximum", "maximum", "52.5", "44.3 to 60.8", "0.30", "2.20", "0.80", "-1.90"));
-  EXPECT_THAT(row(html, "Trunk class by target, valid trials", "150"), ElementsAre("150", "100.5", "2", "moderate 2", "2 of 2"));
+  EXPECT_THAT(row(html, "Trunk class by target, trials that are done", "150"), ElementsAre("150", "100.5", "2", "moderate 2", "2 of 2"));
   // Mean of 25 and 27 degrees, and their standard deviation of 1.41; of 1.2 and 1.4 mm.
   EXPECT_THAT(row(html, "Consistency by target: mean (standard deviation)", "150"),
               ElementsAre("150", "26.0 (1.4)", "1.30 (0.14)", "-", "-1.90 (0.00)"));
@@ -139,7 +139,8 @@ TEST_F(ChairReportTest, RejectedReach_IsListedWithItsReasons) {
 
   EXPECT_THAT(row(page(report, "session.html"), "Rejected reaches: no trunk class", "3"),
               ElementsAre("3", "150", "moderate, p 0.60", "no class is probable enough; the reach is doubtful; no return to rest"));
-  EXPECT_THAT(row(page(report, "session.html"), "Trunk class by target, valid trials", "150"), testing::Contains("moderate 1, rejected 1"));
+  EXPECT_THAT(row(page(report, "session.html"), "Trunk class by target, trials that are done", "150"),
+              testing::Contains("moderate 1, rejected 1"));
   EXPECT_THAT(page(report, "trial-03.html"), AllOf(HasSubstr("No trunk class: no class is probable enough; the reach is doubtful."),
                                                    HasSubstr("About the reach: no return to rest.")));
 }
@@ -156,8 +157,9 @@ TEST_F(ChairReportTest, TrialsThatDoNotCount_HavePagesAndAreNotInTheMeans) {
   EXPECT_THAT(row(page(report, "trial-03.html"), "Trunk movement", "Trunk class"), testing::Contains("moderate")) << "it has its result";
   EXPECT_THAT(page(report, "trial-03-attempt-2.html"), HasSubstr("Not valid: no reach."));
   EXPECT_THAT(page(report, "trial-04.html"), HasSubstr("This trial was aborted: it is not valid."));
-  EXPECT_THAT(row(html, "Trunk class by target, valid trials", "150"),
+  EXPECT_THAT(row(html, "Trunk class by target, trials that are done", "150"),
               ElementsAre("150", "100.5", "2", "moderate 1, no reach 1", "1 of 1"));
+  EXPECT_THAT(row(html, "Results of the session", "Trials done"), testing::Contains("3")) << "one of them is not valid";
   EXPECT_THAT(html, AllOf(HasSubstr("Trial 3: redone: not valid."), HasSubstr("Trial 3, attempt 2: done, not valid: no reach."),
                           HasSubstr("Trial 4: aborted: not valid.")));
 }
@@ -168,7 +170,7 @@ TEST_F(ChairReportTest, AReachWithinTheArmsLength_NeedsNoReachOfTheSeat) {
   const std::string html = page(report_of(write(made)), "session.html");
 
   EXPECT_THAT(row(html, "Trials", "1"), testing::IsSupersetOf({"done", "no reach", "none"}));
-  EXPECT_THAT(row(html, "Trunk class by target, valid trials", "80"), testing::Contains("1 of 1"));
+  EXPECT_THAT(row(html, "Trunk class by target, trials that are done", "80"), testing::Contains("1 of 1"));
 }
 
 TEST_F(ChairReportTest, RecordedResultsThatDiffer_AreReported) {

@@ -656,6 +656,7 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Reichbewegungen den wahren Winkel enthalten; nur mit simulierten Personen geprüft. Glattheit: näher an 0 ist glatter."},
     {"Trunk class by target, trials that are done", "Rumpfklasse nach Ziel, fertige Durchgänge"},
     {"Trials done", "Fertige Durchgänge"},
+    {"none or minor", "keine oder gering"},
     // Texts made of several ones
     {"{}; {}", "{}; {}"},
     {"{} ({})", "{} ({})"},

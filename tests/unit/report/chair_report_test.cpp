@@ -223,6 +223,17 @@ TEST_F(ChairReportTest, AMaximumReachThatACorrectionTakesBack_IsNamedBesideTheOw
               ElementsAre("The own scale may contain the reach of trial 2, which was corrected to rejected."));
 }
 
+TEST_F(ChairReportTest, AMinorReach_IsNoneOrMinorAsInEveryOtherPlace) {
+  MadeReaching made = three_reaches();
+  for (std::size_t index : {0U, 1U}) made.reaches[index].movement.trunk_class = core::TrunkClass::Minor;
+  made.reaches[0].movement.reasons = core::class_reason::kMinor;
+  const Report report = report_of(write(made));
+
+  EXPECT_EQ(row(page(report, "session.html"), "Trials", "1").at(4), "none or minor");
+  EXPECT_EQ(row(page(report, "session.html"), "Trials", "2").at(4), "minor");
+  EXPECT_THAT(row(page(report, "trial-01.html"), "Trunk movement", "Trunk class"), testing::Contains("none or minor"));
+}
+
 TEST_F(ChairReportTest, WithoutTrials_TheSessionHasItsPage) {
   const Report report = report_of(write(MadeReaching{}));
 

@@ -66,7 +66,8 @@ core::Result<Bundle> make_bundle(const BundleSource& source, const BundleProgres
 
 core::Result<Bundle> make_session_bundle(const std::vector<std::string>& files, const std::string& software,
                                          const BundleProgress& progress) {
-  const auto page = report::make_session_pdf({.files = files, .software = software}, [&](double done) { return progress(0.5 * done); });
+  const auto page = report::make_session_pdf({.files = files, .software = software, .for_record = true},
+                                             [&](double done) { return progress(0.5 * done); });
   BundleSource source{.files = files};
   if (page) source.pdf = *page;
   DTS_TRY_ASSIGN(auto bundle, make_bundle(source, [&](double done) { return progress(0.5 + 0.5 * done); }));

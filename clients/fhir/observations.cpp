@@ -202,6 +202,13 @@ core::Status add_values(const v1::Event& result, Json& observation) {
   return {};
 }
 
+std::string_view status_of(const RecordedPart& part, const RecordedTrial& trial) {
+  if (trial.is_withdrawn()) return "entered-in-error";
+  // The daemon never judged the trials again with all that is known at the end of the session, and the PDF does.
+  if (part.is_interrupted) return "preliminary";
+  return trial.is_corrected || part.has_corrected_subject ? "amended" : "final";
+}
+
 core::Result<Resource> trial_observation(const RecordedPart& part, const RecordedTrial& trial, const About& about) {
   v1::Event result;
   if (!trial.row.result.empty()) {
@@ -213,7 +220,7 @@ core::Result<Resource> trial_observation(const RecordedPart& part, const Recorde
     result = std::move(*read);
   }
   const std::string_view code = result.has_sway() ? "standing-trial" : result.has_trial_result() ? "reaching-trial" : "trial";
-  const std::string_view status = trial.is_withdrawn() ? "entered-in-error" : trial.is_corrected ? "amended" : "final";
+  const std::string_view status = status_of(part, trial);
   const std::string what = "trial/" + std::to_string(trial.row.trial) + "/" + std::to_string(trial.row.attempt);
   Resource resource = begin_observation(part, about, what, code, status, trial.period);
   add_context(trial, result, resource.json);
@@ -240,8 +247,8 @@ std::string_view group_code(const std::string& group, bool has_trials) {
 Resource result_observation(const RecordedPart& part, const About& about, const std::string& group,
                             const std::vector<record::ResultRow>& rows, const std::vector<std::string>& trial_ids) {
   const std::string_view code = group_code(group, !trial_ids.empty());
-  Resource resource =
-      begin_observation(part, about, "result/" + group, code, part.has_corrected_outcomes ? "amended" : "final", part.period);
+  const bool is_amended = part.has_corrected_outcomes || part.has_corrected_subject;
+  Resource resource = begin_observation(part, about, "result/" + group, code, is_amended ? "amended" : "final", part.period);
   Components components(resource.json);
   components.integer("part", record::leading_part(part.facts));
   if (!group.empty())

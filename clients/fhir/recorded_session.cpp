@@ -87,6 +87,7 @@ void add_trials(const Items& items, const record::Corrections& corrections, Reco
 
 core::Status add_results(const std::string& path, const Items& items, RecordedPart& part) {
   part.results = items.trials.session_results();
+  part.is_interrupted = part.results.empty() && std::ranges::any_of(items.trials.rows(), record::is_valid);
   if (!part.has_corrected_outcomes) return {};
   const std::uint32_t number = record::leading_part(part.facts);
   record::SessionRow session{.id = part.facts.session_id, .rig = part.facts.rig};
@@ -120,6 +121,7 @@ core::Result<RecordedPart> read_part(const std::string& path, const record::Corr
     part.period = {.begins_utc_ns = utc_of(items.first_time_s, part.facts),
                    .ends_utc_ns = utc_of(items.first_time_s + recording->duration_s(), part.facts)};
   }
+  part.has_corrected_subject = corrections.value(record::CorrectedField::Subject) != nullptr;
   add_trials(items, corrections, part);
   DTS_TRY(add_results(path, items, part));
   return part;
@@ -150,6 +152,10 @@ core::Result<RecordedSession> read_recorded_session(const std::vector<std::strin
     if (session.parts.back().facts.session_id != session.parts.front().facts.session_id) {
       return core::fail(core::ErrorCode::Unsupported, "'" + leading[index] + "' is of another session", "export one session at a time");
     }
+  }
+  // Results of a part are not those of the session: an interrupted part has none, and the last part has those of its own trials.
+  if (session.parts.size() > 1) {
+    for (RecordedPart& part : session.parts) part.results.clear();
   }
   return session;
 }

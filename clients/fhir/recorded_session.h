@@ -34,8 +34,10 @@ struct RecordedPart {
   std::string damage{};          ///< Empty: the file is whole.
   Period period{};
   std::vector<RecordedTrial> trials{};
-  std::vector<record::ResultRow> results{};  ///< Of the session, from the trials that are done after corrections.
+  std::vector<record::ResultRow> results{};  ///< Of the session, from the trials that are done after corrections; none with other parts.
+  bool is_interrupted = false;               ///< The part has valid trials and no results: it ended before the session's end.
   bool has_corrected_outcomes = false;
+  bool has_corrected_subject = false;
 };
 
 struct RecordedSession {

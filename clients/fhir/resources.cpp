@@ -53,7 +53,8 @@ void add_identifier(Resource& resource) {
 }
 
 Resource patient(const RecordedPart& part) {
-  Resource resource = begin_resource(part, "Patient", "patient");
+  // With the subject ID: after a correction of it, the resource is another person's, and must not replace the first person's.
+  Resource resource = begin_resource(part, "Patient", "patient/" + part.facts.subject);
   const std::string& subject = part.facts.subject;
   if (subject.empty() || subject == record::kErasedText) return resource;
   // Without a system: the clinic has assigned the ID. The same ID of another clinic is another person.

@@ -75,7 +75,10 @@ core::Status read_chair_part(const std::string& path, Waiting& waiting, const Sh
   if (!traces) return tl::make_unexpected(traces.error());
   chair.reaches += reaches->reaches;
   chair.person = reaches->person;
-  if (reaches->scale && !chair.scale) chair.scale = reaches->scale;
+  if (reaches->scale && !chair.scale) {
+    chair.scale = reaches->scale;
+    chair.scale_part = chair.parts.size() - 1;
+  }
   add_trials(*reaches, *traces, opened->session() ? opened->session()->part : 1, recording, raw_rate_hz, chair);
   live = std::move(reaches->live_summary);
   return {};
@@ -123,6 +126,7 @@ std::string ChairTrial::number() const {
 core::Result<ChairData> read_chair_session(const ReportSource& source, const ReportProgress& progress) {
   ChairData chair;
   chair.software = source.software;
+  chair.for_record = source.for_record;
   Waiting waiting(progress);
   const std::vector<std::string> files = leading_files(source.files);
   std::vector<session::SessionFigure> live;

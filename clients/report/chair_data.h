@@ -37,6 +37,8 @@ struct ChairTrial {
   [[nodiscard]] const core::TrunkMovement* movement() const {
     return recorded.result && recorded.result->movement ? &*recorded.result->movement : nullptr;
   }
+  /// Returns whether the class is on the subject's own scale.
+  [[nodiscard]] bool is_calibrated() const { return movement() != nullptr && (movement()->reasons & core::class_reason::kCalibrated) != 0; }
   /// Returns the time of a scan after the cue, s.
   [[nodiscard]] double after_cue_s(core::ScanIndex scan) const {
     return (static_cast<double>(scan.value) - static_cast<double>(recorded.go.value)) / raw_rate_hz;
@@ -51,6 +53,7 @@ struct ChairData : SessionInfo {
   std::optional<classifier::TrunkModel> model{};        ///< As recorded.
   std::optional<physics::Person> person{};              ///< Absent: not all measures of the body are known.
   std::optional<classifier::SubjectCalibration> scale;  ///< The subject's own.
+  std::size_t scale_part = 0;                           ///< Index of the part from whose reaches the scale is.
   std::vector<session::TargetSummary> targets;          ///< Of the valid trials.
   std::vector<session::SessionFigure> summary;
   std::uint64_t reaches = 0;                   ///< Found in the whole session, inside or outside trials.

@@ -63,7 +63,8 @@ std::string model_note(const ChairData& chair) {
 
 std::string explanation_of_chair() {
   return "The transient falls when the trunk leaves the back rest (reach initiation, P1 to P2) and rises while the trunk bends (to P3). "
-         "Trunk angle: 0 \u00B0 is upright, forward is positive. 90 % interval: 9 of 10 such intervals contain the true angle. Smoothness: "
+         "Trunk angle: 0 \u00B0 is upright, forward is positive. 90 % interval: meant to contain the true angle in 9 of 10 reaches; "
+         "checked with simulated people only. Smoothness: "
          "nearer to 0 is smoother.";
 }
 

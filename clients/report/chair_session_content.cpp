@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <set>
 
 #include "report/chair_parts.h"
@@ -15,6 +17,7 @@ constexpr double kReachesMm = 52.0;
 constexpr double kAnglesMm = 62.0;
 constexpr std::size_t kMostRejected = 200;
 constexpr std::size_t kMostExcluded = 20;
+constexpr double kSameTargetCm = 0.05;  // the same as for the scale
 
 Notes excluded_reaches(const ChairData& chair) {
   Notes notes{.title = "Excluded trials", .items = {}};
@@ -54,6 +57,22 @@ Notes notes_of(const ChairData& chair) {
   return notes;
 }
 
+/// The scale is from the recorded outcomes. Returns an alert for each reach to the maximum that does not count any more.
+std::vector<std::string> scale_alerts(const ChairData& chair) {
+  std::vector<std::string> alerts;
+  if (!chair.scale || !chair.person) return alerts;
+  for (const ChairTrial& trial : chair.trials) {
+    const bool is_at_maximum =
+        trial.recorded.target_cm && std::abs(*trial.recorded.target_cm - chair.person->max_reach_cm) <= kSameTargetCm;
+    const bool is_taken_back = trial.recorded_outcome == "done" && trial.recorded.outcome != "done" && trial.reach() != nullptr;
+    if (is_at_maximum && is_taken_back && trial.part == chair.scale_part && alerts.size() < kMostExcluded) {
+      alerts.push_back("The own scale may contain the reach of trial " + trial.number() + ", which was corrected to " +
+                       trial.recorded.outcome + ".");
+    }
+  }
+  return alerts;
+}
+
 }  // namespace
 
 PageContent session_content(const ChairData& chair, const SessionPageLimits& limits) {
@@ -64,6 +83,7 @@ PageContent session_content(const ChairData& chair, const SessionPageLimits& lim
                    .facts = session_facts(chair, static_cast<std::size_t>(valid), {}),
                    .alerts = session_alerts(chair),
                    .sections = {}};
+  std::ranges::move(scale_alerts(chair), std::back_inserter(page.alerts));
   if (!chair.targets.empty()) {
     page.sections.push_back({.columns = {{result_table(chair)}}});
     page.sections.push_back(

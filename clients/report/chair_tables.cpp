@@ -103,7 +103,7 @@ Table reach_table(const ChairData& chair, std::size_t most_rows) {
 }
 
 Table class_table(const ChairData& chair) {
-  Table table{.title = "Trunk class by target, valid trials",
+  Table table{.title = "Trunk class by target, trials that are done",
               .columns = {{.head = "Target", .share = 2.5},
                           {.head = "Distance, cm", .share = 1.1, .is_number = true},
                           {.head = "Trials", .share = 0.8, .is_number = true},
@@ -136,9 +136,13 @@ Table consistency_table(const ChairData& chair) {
                           {.head = "Smoothness", .share = 1.6, .is_number = true}},
               .rows = {}};
   for (const session::TargetSummary& target : chair.targets) {
-    table.rows.push_back({.cells = {target_text(chair, target.condition), spread_text(target.trunk_deg, 1), spread_text(target.d2_mm, 2),
-                                    chair.scale ? percent_text(target.d2_mm.mean.value_or(core::kNaN), chair.scale->max_d2_mm) : "-",
-                                    spread_text(target.sparc, 2)}});
+    const bool is_own = std::ranges::none_of(chair.trials, [&target](const ChairTrial& trial) {
+      return trial.counts() && trial.recorded.condition == target.condition && !trial.is_calibrated();
+    });
+    table.rows.push_back(
+        {.cells = {target_text(chair, target.condition), spread_text(target.trunk_deg, 1), spread_text(target.d2_mm, 2),
+                   chair.scale && is_own ? percent_text(target.d2_mm.mean.value_or(core::kNaN), chair.scale->max_d2_mm) : "-",
+                   spread_text(target.sparc, 2)}});
   }
   table.footnotes.emplace_back("Angles without rejected reaches, unless nothing but their class is uncertain.");
   return table;
@@ -176,7 +180,12 @@ Table scale_table(const ChairData& chair) {
   table.rows.push_back({.cells = {"Rise d2, median", fixed(chair.scale->max_d2_mm, 2) + " mm"}});
   table.rows.push_back({.cells = {"Hold, median", fixed(chair.scale->max_hold_mm, 2) + " mm"}});
   table.rows.push_back({.cells = {"Trunk angle, from body measures", fixed(chair.scale->max_flexion_deg, 1) + " \u00B0"}});
-  table.footnotes.emplace_back("The classes and angles on this page use this scale.");
+  const auto general =
+      std::ranges::count_if(chair.trials, [](const ChairTrial& trial) { return trial.movement() != nullptr && !trial.is_calibrated(); });
+  table.footnotes.emplace_back(general == 0   ? "The classes and angles on this page use this scale."
+                               : general == 1 ? "The class and angle of 1 trial use the general model instead of this scale."
+                                              : "The classes and angles of " + std::to_string(general) +
+                                                    " trials use the general model instead of this scale.");
   return table;
 }
 
@@ -222,14 +231,14 @@ Table movement_table(const ChairData& chair, const ChairTrial& trial) {
   add("Trunk angle at P3", std::isfinite(movement->trunk_deg) ? fixed(movement->trunk_deg, 1) + " \u00B0" : "-");
   const std::string interval = interval_text(*movement);
   add("90 % interval", interval == "-" ? interval : interval + " \u00B0");
-  const bool is_own = (movement->reasons & core::class_reason::kCalibrated) != 0;
+  const bool is_own = trial.is_calibrated();
   add("Scale", is_own ? "the subject's own" : "general model");
   if (const auto& first = trial.recorded.first_movement; is_own && first && (first->reasons & core::class_reason::kCalibrated) == 0) {
     add("When the trial ended",
         class_word(first->trunk_class) + (std::isfinite(first->trunk_deg) ? ", " + fixed(first->trunk_deg, 1) + " \u00B0" : ""));
     table.footnotes.emplace_back("When the trial ended, the own scale was not known yet: general model.");
   }
-  if (chair.scale && trial.reach() != nullptr)
+  if (chair.scale && is_own && trial.reach() != nullptr)
     add("Rise d2 of own maximum", percent_text(trial.reach()->features.d2_mm(), chair.scale->max_d2_mm));
   return table;
 }

@@ -11,7 +11,7 @@ namespace dts::report {
 /// Returns a table with one trial per row: target, outcome, trunk class, angle, features. With more than `most_rows` trials, the table
 /// states their number.
 [[nodiscard]] Table reach_table(const ChairData& chair, std::size_t most_rows);
-/// Returns the classes of the valid trials, one target per row.
+/// Returns the classes of the trials that are done, one target per row: also of those that are not valid without a reach.
 [[nodiscard]] Table class_table(const ChairData& chair);
 /// Returns mean and standard deviation of angle, rise and smoothness, one target per row.
 [[nodiscard]] Table consistency_table(const ChairData& chair);

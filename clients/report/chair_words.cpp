@@ -64,7 +64,10 @@ std::string class_of(const ChairTrial& trial) {
   if (!trial.recorded.result) return "-";
   if (trial.recorded.result->has_gap) return "scans missing";
   if (trial.reach() == nullptr) return "no reach";
-  return trial.movement() == nullptr ? "-" : class_word(trial.movement()->trunk_class);
+  if (trial.movement() == nullptr) return "-";
+  // A minor reach is at most minor: the chair does not distinguish its trunk movement from none.
+  const bool is_small = trial.movement()->trunk_class == core::TrunkClass::Minor && (trial.movement()->reasons & reason::kMinor) != 0;
+  return is_small ? "none or minor" : class_word(trial.movement()->trunk_class);
 }
 
 std::vector<std::string> reason_words(std::uint16_t reasons) { return words_for(reasons, kReasons); }

@@ -529,7 +529,6 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Smooth- ness", "Glatt- heit"},
     {"Smoothness", "Glattheit"},
     {"No trial with a cue in this session.", "Kein Durchgang mit Startsignal in dieser Untersuchung."},
-    {"Trunk class by target, valid trials", "Rumpfklasse nach Ziel, gültige Durchgänge"},
     {"Trunk classes", "Rumpfklassen"},
     {"Class as expected", "Klasse wie erwartet"},
     {"Expected class: from target distance and body measures. A reach with the arm alone and a very small trunk movement "
@@ -606,7 +605,6 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"the person stood up", "die Person stand auf"},
     {"the chair was not tared", "der Stuhl war nicht tariert"},
     {"no dip at the start: P2 equals P1", "keine Senke am Anfang: P2 gleich P1"},
-    {"Valid trials", "Gültige Durchgänge"},
     {"Targets", "Ziele"},
     {"Trials with a reach", "Durchgänge mit Reichbewegung"},
     {"Reaches without a trunk class", "Reichbewegungen ohne Rumpfklasse"},
@@ -637,12 +635,6 @@ constexpr auto kTexts = std::to_array<Translated>({
      "eine Klasse, und {} % dieser Klassen sind richtig; RMS-Fehler des Winkels {} \u00B0. {}"},
     {"All these people were simulated: the accuracy for real people is not known.",
      "Alle diese Personen waren simuliert: Die Genauigkeit bei echten Personen ist nicht bekannt."},
-    {"The transient falls when the trunk leaves the back rest (reach initiation, P1 to P2) and rises while the trunk bends "
-     "(to P3). Trunk angle: 0 \u00B0 is upright, forward is positive. 90 % interval: 9 of 10 such intervals contain the "
-     "true angle. Smoothness: nearer to 0 is smoother.",
-     "Die Transiente sinkt, wenn der Rumpf die Lehne verlässt (Einleitung, P1 bis P2), und steigt, während der Rumpf sich "
-     "beugt (bis P3). Rumpfwinkel: 0 \u00B0 ist aufrecht, nach vorn ist positiv. 90-%-Intervall: 9 von 10 solchen "
-     "Intervallen enthalten den wahren Winkel. Glattheit: näher an 0 ist glatter."},
     {"the seat's deflection was simulated for an instrumented chair{}. The transient is the mean deflection at four "
      "sensors; reaches were found in its means over 50 ms at 100 Hz. P1 is the start of the reach, P2 the minimum of the "
      "reach initiation, P3 the maximum (thesis on distributive tactile sensing, section 5.3.3); d1 = P1 - P2, d2 = P3 - P1. "
@@ -677,6 +669,21 @@ constexpr auto kTexts = std::to_array<Translated>({
     {" at {} Hz ({!})", " bei {} Hz ({})"},
     {", data acquisition by {!}, at {} Hz", ", Datenerfassung mit {}, bei {} Hz"},
     {" at {} Hz", " bei {} Hz"},
+    {"The class and angle of 1 trial use the general model instead of this scale.",
+     "Klasse und Winkel von 1 Durchgang verwenden statt dieses Maßstabs das allgemeine Modell."},
+    {"The classes and angles of {} trials use the general model instead of this scale.",
+     "Klassen und Winkel von {} Durchgängen verwenden statt dieses Maßstabs das allgemeine Modell."},
+    {"The own scale may contain the reach of trial {}, which was corrected to {}.",
+     "Der eigene Maßstab enthält möglicherweise die Reichbewegung von Durchgang {}, berichtigt auf {}."},
+    {"The transient falls when the trunk leaves the back rest (reach initiation, P1 to P2) and rises while the trunk bends "
+     "(to P3). Trunk angle: 0 \u00B0 is upright, forward is positive. 90 % interval: meant to contain the true angle in 9 of 10 "
+     "reaches; checked with simulated people only. Smoothness: nearer to 0 is smoother.",
+     "Die Transiente sinkt, wenn der Rumpf die Lehne verlässt (Einleitung, P1 bis P2), und steigt, während der Rumpf sich "
+     "beugt (bis P3). Rumpfwinkel: 0 \u00B0 ist aufrecht, nach vorn ist positiv. 90-%-Intervall: soll bei 9 von 10 "
+     "Reichbewegungen den wahren Winkel enthalten; nur mit simulierten Personen geprüft. Glattheit: näher an 0 ist glatter."},
+    {"Trunk class by target, trials that are done", "Rumpfklasse nach Ziel, fertige Durchgänge"},
+    {"Trials done", "Fertige Durchgänge"},
+    {"none or minor", "keine oder gering"},
     // Texts made of several ones
     {"{}; {}", "{}; {}"},
     {"{} ({})", "{} ({})"},

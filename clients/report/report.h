@@ -27,6 +27,8 @@ struct ReportSource {
   bool with_svg = true;
   bool with_pdf = false;                  ///< "report.pdf": the session's page and the pages of its trials in one document.
   Language language = Language::English;  ///< Of all pages; the figures are the same.
+  /// For a person's record outside the clinic's own recordings: no label, notes, corrections with their authors, or values before them.
+  bool for_record = false;
 };
 
 /// Receives the progress, 0..1. Returns false to stop the report.

@@ -18,7 +18,7 @@ constexpr std::string_view kRombergGroup = "romberg";
 /// Results that are no measures of steadiness.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kOthers{
     {{"load_n", "Load while standing"},
-     {"trials", "Valid trials"},
+     {"trials", "Trials done"},
      {"targets", "Targets"},
      {"reaches_detected_share", "Trials with a reach, share of 1"},
      {"rejected_share", "Reaches without a trunk class, share of 1"},

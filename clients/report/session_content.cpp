@@ -20,8 +20,9 @@ constexpr double kCellTextMm = 6.5;
 constexpr double kMostHalfMm = 11.8;
 constexpr std::size_t kMostPointsOfCell = 1200;
 
-/// Returns the corrected value with the recorded one.
+/// Returns the corrected value with the recorded one; without it for a person's record: it may be the ID of another person.
 std::string with_recorded(const SessionInfo& session, record::CorrectedField field, const std::string& value) {
+  if (session.for_record) return value;
   const auto first = std::ranges::find(session.corrections.all, field, &record::Correction::field);
   if (first == session.corrections.all.end() || first->old_value == value) return value;
   return value + " (corrected; recorded: " + (first->old_value.empty() ? "none" : first->old_value) + ")";
@@ -145,6 +146,7 @@ std::vector<Fact> session_facts(const SessionInfo& session, std::size_t valid_tr
     if (facts.size() < 16) facts.push_back(field_fact(session, name, value));
   }
   std::ranges::copy(of_rig, std::back_inserter(facts));
+  if (session.for_record) return facts;
   if (!about.label.empty()) {
     facts.push_back({.name = "Label", .value = with_recorded(session, record::CorrectedField::Label, about.label)});
   }
@@ -155,6 +157,7 @@ std::vector<Fact> session_facts(const SessionInfo& session, std::size_t valid_tr
 
 Notes corrections_of(const SessionInfo& session) {
   Notes notes{.title = "Corrections", .items = {}};
+  if (session.for_record) return notes;
   const auto value = [](const std::string& text) { return text.empty() ? std::string("none") : text; };
   for (const record::Correction& correction : session.corrections.all) {
     if (correction.field == record::CorrectedField::Deleted) continue;

@@ -144,6 +144,7 @@ std::string TrialData::number() const {
 core::Result<SessionData> read_session(const ReportSource& source, const ReportProgress& progress) {
   SessionData session;
   session.software = source.software;
+  session.for_record = source.for_record;
   if (source.files.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no recording for the report");
   Waiting waiting(progress);
   const std::vector<std::string> files = leading_files(source.files);

@@ -32,6 +32,7 @@ struct SessionInfo {
   std::vector<PartData> parts;
   session::Protocol protocol{};  ///< As recorded, for names.
   std::uint32_t planned_trials = 0;
+  bool for_record = false;  ///< As `ReportSource::for_record`.
 
   [[nodiscard]] std::string session_id() const { return facts ? facts->session_id : ""; }
   [[nodiscard]] bool is_synthetic() const { return facts && facts->device_uri.starts_with("sim:"); }

@@ -218,14 +218,23 @@ class Bundles(unittest.TestCase):
         session = self.examine("floor", "brief-standing", {})
         with self.process.connect() as daemon:
             daemon.correct_session(session, "subject talked", trial=2, outcome="rejected")
-            daemon.correct_session(session, "wrong subject", subject="P-019")
+            daemon.correct_session(session, "Mrs Example was mixed up", subject="P-019")
+            daemon.correct_session(session, "a note", notes="asked her sister")
 
         file, bundle = self.export(session, "corrected")
 
         self.assert_valid(file)
-        self.assertEqual([one["status"] for one in observations(bundle, "standing-trial")], ["final", "entered-in-error"])
+        self.assertEqual([one["status"] for one in observations(bundle, "standing-trial")], ["amended", "entered-in-error"])
         self.assertEqual(resources(bundle, "Patient")[0]["identifier"][0]["value"], "P-019")
         self.assertNotIn("P-017", file.read_text())
+        if shutil.which("rsvg-convert") is None or shutil.which("pdftotext") is None:
+            self.skipTest("rsvg-convert or pdftotext is not installed")
+        (form,) = resources(bundle, "DiagnosticReport")[0]["presentedForm"]
+        page = subprocess.run(["pdftotext", "-layout", "-", "-"], input=base64.b64decode(form["data"]), capture_output=True, check=True,
+                              timeout=PATIENCE_S).stdout.decode()
+        self.assertIn("P-019", page)
+        for left_out in ("P-017", "first day", "Example", "sister", "corrected; recorded: P"):
+            self.assertNotIn(left_out, page)
 
     def test_EveryMutantIsFound(self) -> None:
         """Shows that each check can fail, with the faults that an exporter could have."""

@@ -262,6 +262,7 @@ TEST_F(BundleTest, WithoutASubject_ThePatientHasNoIdentifier) {
 
 TEST_F(BundleTest, ACorrectedSubject_IsThatOfThePatient) {
   const std::string file = write(made_session());
+  const Json before = bundle_of(file);
   record::Corrections corrections{.session_id = kSession};
   corrections.add(
       {.utc_ns = 1, .who = "local", .field = record::CorrectedField::Subject, .old_value = "P017", .new_value = "P018", .reason = "test"});
@@ -271,6 +272,14 @@ TEST_F(BundleTest, ACorrectedSubject_IsThatOfThePatient) {
 
   EXPECT_EQ(resources_of(Json::parse(text), "Patient").front()["identifier"][0]["value"], "P018");
   EXPECT_THAT(text, Not(HasSubstr("P017")));
+  const Json after = Json::parse(text);
+  const std::string id = resources_of(after, "Patient").front()["id"];
+  EXPECT_NE(id, resources_of(before, "Patient").front()["id"]) << "it is another person";
+  EXPECT_EQ(resources_of(after, "DiagnosticReport").front()["id"], resources_of(before, "DiagnosticReport").front()["id"]);
+  for (const Json& one : resources_of(after, "Observation")) {
+    EXPECT_EQ(one["status"], "amended");
+    EXPECT_EQ(one["subject"]["reference"], "urn:uuid:" + id);
+  }
 }
 
 TEST_F(BundleTest, ThePdf_IsInTheReport) {
@@ -325,8 +334,23 @@ TEST_F(BundleTest, TwoParts_AreOneBundle) {
 
   EXPECT_EQ(resources_of(bundle, "Patient").size(), 1U);
   EXPECT_EQ(resources_of(bundle, "Device").size(), 1U) << "it is the same rig";
-  EXPECT_EQ(resources_of(bundle, "Observation").size(), 10U);
+  EXPECT_EQ(resources_of(bundle, "Observation").size(), 4U) << "the trials: results of one part are not those of the session";
+  for (const Json& one : resources_of(bundle, "Observation")) EXPECT_EQ(one["status"], "final");
   EXPECT_EQ(bundle.dump().find("null"), std::string::npos);
+}
+
+TEST_F(BundleTest, TrialsOfAnInterruptedPart_ArePreliminary) {
+  report::MadeStanding interrupted = made_session();
+  interrupted.events.resize(2);  // without the results of the session
+  report::MadeStanding second = made_session();
+  second.facts.part = 2;
+
+  const Json bundle = Json::parse(text_of({write(interrupted), write(second, "b.xdf")}));
+
+  std::vector<std::string> statuses;
+  for (const Json& one : resources_of(bundle, "Observation")) statuses.push_back(one["status"]);
+  EXPECT_THAT(statuses, ElementsAre("preliminary", "preliminary", "final", "final"));
+  EXPECT_EQ(observation_of(bundle_of(write(interrupted, "c.xdf")), "standing-trial")["status"], "preliminary") << "a crash";
 }
 
 TEST_F(BundleTest, PartsOfTwoSessions_Fail) {

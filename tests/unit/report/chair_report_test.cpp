@@ -7,10 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <pugixml.hpp>
+#include <utility>
 
 #include "made_reaching.h"
 #include "report/chair_data.h"
+#include "report/chair_tables.h"
 #include "report/chair_words.h"
+#include "report/page_parts.h"
 #include "report/report.h"
 #include "unit/record/xdf_fixture.h"
 
@@ -103,12 +106,13 @@ TEST_F(ChairReportTest, RowOfATrial_HasClassAngleIntervalAndFeatures) {
 
   EXPECT_THAT(row(html, "Trials", "2"),
               ElementsAre("2", "max", "124.0", "done", "maximum", "maximum", "52.5", "44.3 to 60.8", "0.30", "2.20", "0.80", "-1.90"));
-  EXPECT_THAT(row(html, "Trunk class by target, valid trials", "150"), ElementsAre("150", "100.5", "2", "moderate 2", "2 of 2"));
+  EXPECT_THAT(row(html, "Trunk class by target, trials that are done", "150"), ElementsAre("150", "100.5", "2", "moderate 2", "2 of 2"));
   // Mean of 25 and 27 degrees, and their standard deviation of 1.41; of 1.2 and 1.4 mm.
   EXPECT_THAT(row(html, "Consistency by target: mean (standard deviation)", "150"),
               ElementsAre("150", "26.0 (1.4)", "1.30 (0.14)", "-", "-1.90 (0.00)"));
   EXPECT_THAT(html, HasSubstr("Live and recomputed values match in 3 trials."));
   EXPECT_THAT(html, Not(HasSubstr("Rejected reaches")));
+  EXPECT_THAT(html, HasSubstr("in 9 of 10 reaches; checked with simulated people only.")) << "what the interval is worth";
 }
 
 TEST_F(ChairReportTest, PageOfATrial_ShowsThePointsAtTheirTimes) {
@@ -135,7 +139,8 @@ TEST_F(ChairReportTest, RejectedReach_IsListedWithItsReasons) {
 
   EXPECT_THAT(row(page(report, "session.html"), "Rejected reaches: no trunk class", "3"),
               ElementsAre("3", "150", "moderate, p 0.60", "no class is probable enough; the reach is doubtful; no return to rest"));
-  EXPECT_THAT(row(page(report, "session.html"), "Trunk class by target, valid trials", "150"), testing::Contains("moderate 1, rejected 1"));
+  EXPECT_THAT(row(page(report, "session.html"), "Trunk class by target, trials that are done", "150"),
+              testing::Contains("moderate 1, rejected 1"));
   EXPECT_THAT(page(report, "trial-03.html"), AllOf(HasSubstr("No trunk class: no class is probable enough; the reach is doubtful."),
                                                    HasSubstr("About the reach: no return to rest.")));
 }
@@ -152,8 +157,9 @@ TEST_F(ChairReportTest, TrialsThatDoNotCount_HavePagesAndAreNotInTheMeans) {
   EXPECT_THAT(row(page(report, "trial-03.html"), "Trunk movement", "Trunk class"), testing::Contains("moderate")) << "it has its result";
   EXPECT_THAT(page(report, "trial-03-attempt-2.html"), HasSubstr("Not valid: no reach."));
   EXPECT_THAT(page(report, "trial-04.html"), HasSubstr("This trial was aborted: it is not valid."));
-  EXPECT_THAT(row(html, "Trunk class by target, valid trials", "150"),
+  EXPECT_THAT(row(html, "Trunk class by target, trials that are done", "150"),
               ElementsAre("150", "100.5", "2", "moderate 1, no reach 1", "1 of 1"));
+  EXPECT_THAT(row(html, "Results of the session", "Trials done"), testing::Contains("3")) << "one of them is not valid";
   EXPECT_THAT(html, AllOf(HasSubstr("Trial 3: redone: not valid."), HasSubstr("Trial 3, attempt 2: done, not valid: no reach."),
                           HasSubstr("Trial 4: aborted: not valid.")));
 }
@@ -164,7 +170,7 @@ TEST_F(ChairReportTest, AReachWithinTheArmsLength_NeedsNoReachOfTheSeat) {
   const std::string html = page(report_of(write(made)), "session.html");
 
   EXPECT_THAT(row(html, "Trials", "1"), testing::IsSupersetOf({"done", "no reach", "none"}));
-  EXPECT_THAT(row(html, "Trunk class by target, valid trials", "80"), testing::Contains("1 of 1"));
+  EXPECT_THAT(row(html, "Trunk class by target, trials that are done", "80"), testing::Contains("1 of 1"));
 }
 
 TEST_F(ChairReportTest, RecordedResultsThatDiffer_AreReported) {
@@ -185,6 +191,47 @@ TEST_F(ChairReportTest, WithoutMeasuresOfTheBody_ThereIsNoExpectationAndNoOwnSca
   EXPECT_THAT(row(html, "Trials", "1"), testing::Contains("-"));
   made.facts.fields = {{"weight_kg", "68"}, {"height_cm", "175"}, {"arm_length_cm", "67"}, {"max_reach_cm", "124"}, {"group", "stroke"}};
   EXPECT_THAT(page(report_of(write(made, "b.xdf")), "session.html"), HasSubstr("Own scale: not used after a stroke"));
+}
+
+TEST_F(ChairReportTest, TrialsOfTheGeneralModel_AreNotPutOnTheOwnScale) {
+  MadeReaching made = three_reaches();
+  made.reaches[1].movement.reasons = core::class_reason::kCalibrated;
+  auto chair = read_chair_session({.files = {write(made)}, .software = "test 1"}, always);
+  ASSERT_TRUE(chair) << core::to_string(chair.error());
+  chair->scale = classifier::SubjectCalibration{.max_d2_mm = 2.2, .max_flexion_deg = 52.0};
+
+  EXPECT_THAT(scale_table(*chair).footnotes,
+              ElementsAre("The classes and angles of 2 trials use the general model instead of this scale."));
+  const Table consistency = consistency_table(*chair);
+  ASSERT_EQ(consistency.rows.size(), 2U);
+  EXPECT_EQ(consistency.rows[0].cells[3], "-");
+  EXPECT_EQ(consistency.rows[1].cells[3], "100 %");
+  EXPECT_EQ(movement_table(*chair, chair->trials[1]).rows.back().cells[0], "Rise d2 of own maximum");
+  EXPECT_NE(movement_table(*chair, chair->trials[2]).rows.back().cells[0], "Rise d2 of own maximum");
+}
+
+TEST_F(ChairReportTest, AMaximumReachThatACorrectionTakesBack_IsNamedBesideTheOwnScale) {
+  auto chair = read_chair_session({.files = {write(three_reaches())}, .software = "test 1"}, always);
+  ASSERT_TRUE(chair) << core::to_string(chair.error());
+  const auto take_back = [](ChairTrial& trial) { trial.recorded_outcome = std::exchange(trial.recorded.outcome, "rejected"); };
+  take_back(chair->trials[0]);  // not at the maximum
+  take_back(chair->trials[1]);
+  EXPECT_THAT(session_content(*chair, SessionPageLimits{.trials = 9, .pictures = 9}).alerts, ElementsAre()) << "no scale";
+  chair->scale = classifier::SubjectCalibration{.max_d2_mm = 2.2, .max_flexion_deg = 52.0};
+
+  EXPECT_THAT(session_content(*chair, SessionPageLimits{.trials = 9, .pictures = 9}).alerts,
+              ElementsAre("The own scale may contain the reach of trial 2, which was corrected to rejected."));
+}
+
+TEST_F(ChairReportTest, AMinorReach_IsNoneOrMinorAsInEveryOtherPlace) {
+  MadeReaching made = three_reaches();
+  for (std::size_t index : {0U, 1U}) made.reaches[index].movement.trunk_class = core::TrunkClass::Minor;
+  made.reaches[0].movement.reasons = core::class_reason::kMinor;
+  const Report report = report_of(write(made));
+
+  EXPECT_EQ(row(page(report, "session.html"), "Trials", "1").at(4), "none or minor");
+  EXPECT_EQ(row(page(report, "session.html"), "Trials", "2").at(4), "minor");
+  EXPECT_THAT(row(page(report, "trial-01.html"), "Trunk movement", "Trunk class"), testing::Contains("none or minor"));
 }
 
 TEST_F(ChairReportTest, WithoutTrials_TheSessionHasItsPage) {

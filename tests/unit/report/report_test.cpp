@@ -361,6 +361,30 @@ TEST_F(ReportTest, CorrectedValues_AreShownWithTheRecordedOnes) {
   expect_well_formed(report);
 }
 
+TEST_F(ReportTest, ForTheRecordOfAPerson_HasNoFreeTextAndNoValueBeforeACorrection) {
+  MadeStanding made = two_trials();
+  made.facts.label = "first day";
+  const std::string file = write(made);
+  record::Corrections corrections{.session_id = made.facts.session_id};
+  corrections.add({.who = "local:anna",
+                   .field = record::CorrectedField::Subject,
+                   .old_value = made.facts.subject,
+                   .new_value = "S099",
+                   .reason = "mixed up"});
+  corrections.add({.who = "local:anna", .field = record::CorrectedField::Notes, .new_value = "asked her sister", .reason = "a note"});
+  ASSERT_TRUE(record::write_corrections(record::corrections_file(file, made.facts.session_id), corrections));
+
+  const auto report = make_report({.files = {file}, .software = "test 1", .for_record = true}, always);
+
+  ASSERT_TRUE(report) << core::to_string(report.error());
+  const std::string session = page(*report, "session.html");
+  EXPECT_THAT(session, HasSubstr("S099"));
+  for (const std::string& text : {made.facts.subject, std::string("anna"), std::string("mixed up"), std::string("sister"),
+                                  std::string("first day"), std::string("Corrections")}) {
+    EXPECT_THAT(session, Not(HasSubstr(text)));
+  }
+}
+
 TEST_F(ReportTest, Page_FetchesNothing) {
   for (const Page& each : report_of(write(two_trials())).pages) {
     EXPECT_THAT(each.text, AllOf(Not(HasSubstr("<script")), Not(HasSubstr("src=")), Not(HasSubstr("url(")), Not(HasSubstr("@import")),

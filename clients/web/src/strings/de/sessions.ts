@@ -214,7 +214,7 @@ export const sessions: typeof english = {
       HC_SD: 'Standardabweichung der Richtungsänderung (experimentell)',
       HC_RATE: 'mittlere Geschwindigkeit der Richtungsänderung (experimentell)',
       AP_USE: 'Spannweite vorn-hinten, Anteil der Fußlänge',
-      trials: 'Durchgänge',
+      trials: 'fertige Durchgänge',
       targets: 'Ziele',
       reaches_detected_share: 'Durchgänge mit Reichbewegung, Anteil an 1',
       rejected_share: 'Reichbewegungen ohne Rumpfklasse, Anteil an 1',

@@ -189,7 +189,7 @@ export const sessions = {
       HC_SD: 'standard deviation of the change of heading (experimental)',
       HC_RATE: 'mean rate of change of heading (experimental)',
       AP_USE: 'front-back range, share of the foot length',
-      trials: 'trials',
+      trials: 'trials done',
       targets: 'targets',
       reaches_detected_share: 'trials with a reach, share of 1',
       rejected_share: 'reaches without a trunk class, share of 1',

@@ -218,8 +218,8 @@ class Bundles(unittest.TestCase):
         session = self.examine("floor", "brief-standing", {})
         with self.process.connect() as daemon:
             daemon.correct_session(session, "subject talked", trial=2, outcome="rejected")
-            daemon.correct_session(session, "Mrs Example was mixed up", subject="P-019")
-            daemon.correct_session(session, "a note", notes="asked her sister")
+            daemon.correct_session(session, "wrong subject", subject="P-019")
+            daemon.correct_session(session, "a note", notes="was dizzy")
 
         file, bundle = self.export(session, "corrected")
 
@@ -233,7 +233,7 @@ class Bundles(unittest.TestCase):
         page = subprocess.run(["pdftotext", "-layout", "-", "-"], input=base64.b64decode(form["data"]), capture_output=True, check=True,
                               timeout=PATIENCE_S).stdout.decode()
         self.assertIn("P-019", page)
-        for left_out in ("P-017", "first day", "Example", "sister", "corrected; recorded: P"):
+        for left_out in ("P-017", "first day", "wrong subject", "dizzy", "corrected; recorded: P"):
             self.assertNotIn(left_out, page)
 
     def test_EveryMutantIsFound(self) -> None:

@@ -117,7 +117,7 @@ int run_subject_trend(const Arguments& arguments, cli::Console& console) {
     const auto& sentences = visits::sentences_in(arguments.subject.language);
     console.out << cli::document(visits::document_of(*subject, *protocols, sentences, arguments.subject.measure));
   } else {
-    print_trend(arguments, console, *subject, visits::titles_of(*protocols));
+    print_trend(arguments, console, *subject, visits::titles_of(*protocols, visits::sentences_in(arguments.subject.language)));
   }
   console.out.flush();
   return cli::kOk;

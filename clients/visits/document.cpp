@@ -39,7 +39,7 @@ Document json_of_series(const Series& series) {
 
 Document document_of(const v1::SubjectRecord& subject, const v1::ListProtocolsResponse& protocols, const Sentences& sentences,
                      const std::string& measure) {
-  const Titles titles = titles_of(protocols);
+  const Titles titles = titles_of(protocols, sentences);
   const std::vector<Series> all = series_of(subject);
   Document series = Document::array();
   for (const Series& one : all) {
@@ -52,7 +52,7 @@ Document document_of(const v1::SubjectRecord& subject, const v1::ListProtocolsRe
     if (!said.empty()) sessions.push_back({{"session", session.session_id()}, {"sentences", std::move(said)}});
   }
   return {{"subject", subject.about().subject()},
-          {"language", &sentences == &german() ? "de" : "en"},
+          {"language", sentences.language()},
           {"series", std::move(series)},
           {"words", {{"changes", words_of_changes(all, sentences, titles)}, {"sessions", std::move(sessions)}}}};
 }

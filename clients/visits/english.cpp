@@ -8,6 +8,7 @@ std::string en(double value, int decimals) { return figure(value, decimals, '.')
 
 class English final : public Sentences {
  public:
+  [[nodiscard]] std::string language() const override { return "en"; }
   [[nodiscard]] std::string condition(const std::string& name, const std::string& title) const override {
     return title.empty() ? spoken_condition(name) : title;
   }
@@ -72,10 +73,10 @@ class English final : public Sentences {
     return condition + ": the trunk angle varied " + (to_deg > from_deg ? "more" : "less") + " than" + values;
   }
   [[nodiscard]] std::string within_retest(double percent) const override {
-    return "This is within the known variation between two days (" + en(percent, 0) + " %).";
+    return "This is within the variation between two days that is known of people above 65 (" + en(percent, 0) + " %).";
   }
   [[nodiscard]] std::string beyond_retest(double percent) const override {
-    return "This is more than the known variation between two days (" + en(percent, 0) + " %).";
+    return "This is more than the variation between two days that is known of people above 65 (" + en(percent, 0) + " %).";
   }
   [[nodiscard]] std::string no_retest_known() const override {
     return "For measures without this remark no published variation is known here: the difference may be chance.";

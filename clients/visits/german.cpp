@@ -14,6 +14,7 @@ std::string de_day(const std::string& day) {
 
 class German final : public Sentences {
  public:
+  [[nodiscard]] std::string language() const override { return "de"; }
   [[nodiscard]] std::string condition(const std::string& name, const std::string& title) const override {
     if (name == "eyes-open") return "Augen offen";
     if (name == "eyes-closed") return "Augen geschlossen";
@@ -80,10 +81,10 @@ class German final : public Sentences {
     return condition + ": Der Rumpfwinkel schwankte " + (to_deg > from_deg ? "mehr" : "weniger") + " als" + values;
   }
   [[nodiscard]] std::string within_retest(double percent) const override {
-    return "Das liegt innerhalb der bekannten Schwankung zwischen zwei Tagen (" + de(percent, 0) + " %).";
+    return "Das liegt innerhalb der Schwankung zwischen zwei Tagen, die von Menschen über 65 bekannt ist (" + de(percent, 0) + " %).";
   }
   [[nodiscard]] std::string beyond_retest(double percent) const override {
-    return "Das ist mehr als die bekannte Schwankung zwischen zwei Tagen (" + de(percent, 0) + " %).";
+    return "Das ist mehr als die Schwankung zwischen zwei Tagen, die von Menschen über 65 bekannt ist (" + de(percent, 0) + " %).";
   }
   [[nodiscard]] std::string no_retest_known() const override {
     return "Für Kenngrößen ohne diesen Hinweis ist hier keine veröffentlichte Schwankung bekannt: Der Unterschied kann Zufall sein.";

@@ -99,18 +99,24 @@ std::optional<std::string> change_words(const Series& series, const Point& from,
 
 }  // namespace
 
-Titles titles_of(const v1::ListProtocolsResponse& protocols) {
+Titles titles_of(const v1::ListProtocolsResponse& protocols, const Sentences& sentences) {
   Titles titles;
   for (const v1::ProtocolInfo& protocol : protocols.protocols()) {
-    for (const v1::ProtocolCondition& condition : protocol.conditions()) titles[{protocol.name(), condition.name()}] = condition.title();
+    for (const v1::ProtocolCondition& condition : protocol.conditions()) {
+      std::string& title = titles[{protocol.name(), condition.name()}] = condition.title();
+      for (const v1::Translation& translation : condition.translations()) {
+        if (translation.language() == sentences.language() && !translation.title().empty()) title = translation.title();
+      }
+    }
   }
   return titles;
 }
 
 std::vector<std::string> words_of_session(const v1::SessionRecord& session, const Sentences& sentences, const Titles& titles) {
   std::vector<std::string> words;
-  add_standing(session, sentences, words);
-  add_reaching(session, sentences, titles, words);
+  const v1::SessionRecord alone = session_of_one_part(session);
+  add_standing(alone, sentences, words);
+  add_reaching(alone, sentences, titles, words);
   return words;
 }
 

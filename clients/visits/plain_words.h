@@ -13,9 +13,9 @@
 
 namespace dts::visits {
 
-/// Titles of conditions by protocol and condition.
+/// Titles of conditions by protocol and condition, in the language of the sentences where the protocol has it, else in English.
 using Titles = std::map<std::pair<std::string, std::string>, std::string>;
-[[nodiscard]] Titles titles_of(const v1::ListProtocolsResponse& protocols);
+[[nodiscard]] Titles titles_of(const v1::ListProtocolsResponse& protocols, const Sentences& sentences);
 
 /// Returns what the results of one session say, as sentences without a judgement: eyes closed against eyes open; trunk angle by target,
 /// classes, consistency. Empty for a session without such results.

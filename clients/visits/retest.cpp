@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "visits/retest.h"
 
+#include <cmath>
+
 namespace dts::visits {
 namespace {
 
@@ -14,6 +16,10 @@ constexpr Retest kVelocityMl{
 }  // namespace
 
 const Retest* retest_of(const Series& series) noexcept {
+  constexpr double kStudiedS = 45.0;
+  constexpr double kToleranceS = 15.0;
+  if (series.points.empty() || !series.points.back().duration_s) return nullptr;
+  if (std::abs(*series.points.back().duration_s - kStudiedS) > kToleranceS) return nullptr;
   const bool is_same_task = series.condition == "eyes-open" || series.condition == "eyes-closed";
   return is_same_task && series.measure == "MVELO_ML" ? &kVelocityMl : nullptr;
 }

@@ -11,7 +11,8 @@ struct Retest {
   const char* source = "";
 };
 
-/// Returns the published variation of a measure between two days; nullptr if none is known. Nothing is estimated here: see the README.
+/// Returns the published variation of a measure between two days; nullptr if none is known for this
+/// condition and for trials as long as those of the newest point. Nothing is estimated here: see the README.
 [[nodiscard]] const Retest* retest_of(const Series& series) noexcept;
 
 }  // namespace dts::visits

@@ -22,6 +22,7 @@ struct Change {
 /// differently: no sentence is put together from fragments. A sentence says what was measured. It never judges a person.
 class Sentences {
  public:
+  [[nodiscard]] virtual std::string language() const = 0;  ///< "en", "de"
   virtual ~Sentences() = default;
   Sentences(const Sentences&) = delete;
   Sentences& operator=(const Sentences&) = delete;
@@ -48,6 +49,7 @@ class Sentences {
   [[nodiscard]] virtual std::string trunk_spread_since(const std::string& condition, double from_deg, double to_deg,
                                                        const std::string& day) const = 0;
   // Behind a sentence of a change.
+  // Two days: the study is that of retest.cpp.
   [[nodiscard]] virtual std::string within_retest(double percent) const = 0;
   [[nodiscard]] virtual std::string beyond_retest(double percent) const = 0;
   /// Stands once below changes without a known variation.

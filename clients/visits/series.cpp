@@ -40,7 +40,9 @@ bool is_near(const std::optional<double>& one, const std::optional<double>& othe
   return one.has_value() == other.has_value() && (!one || std::abs(*one - *other) <= tolerance);
 }
 
+/// Measures of standing depend on the duration, so that an unknown one is like no other.
 bool is_same(const Analysis& one, const Analysis& other) {
+  if (!one.profile.empty() && (!one.duration_s || !other.duration_s)) return false;
   return one.profile == other.profile && is_near(one.rate_hz, other.rate_hz, 1e-6) &&
          is_near(one.duration_s, other.duration_s, kSameDurationS) && is_near(one.target_cm, other.target_cm, kSameTargetCm);
 }
@@ -67,8 +69,8 @@ class Collector {
   void add(const v1::SessionRecord& session) {
     if (session.is_deleted() || session.state() == "running") return;
     for (const v1::SessionResult& result : session.results()) {
-      const auto [name, part] = session::without_part_suffix(result.name());
-      if (part > 1 || !std::isfinite(result.value())) continue;
+      const std::string& name = result.name();
+      if (!std::isfinite(result.value())) continue;
       const Json details = details_of(result);
       if (name == "targets") {
         add_targets(session, details);
@@ -93,7 +95,7 @@ class Collector {
                     .unit = newest.unit};
       for (const Found& one : found) {
         series.points.push_back(one.point);
-        series.points.back().is_comparable = one.unit == newest.unit && is_same(one.analysis, newest.analysis);
+        series.points.back().is_comparable = &one == &newest || (one.unit == newest.unit && is_same(one.analysis, newest.analysis));
       }
       all.push_back(std::move(series));
     }
@@ -132,7 +134,8 @@ class Collector {
                 .utc_ns = session.started_utc_ns(),
                 .value = value,
                 .spread = number_in(details, spread.empty() ? "sd" : spread.c_str()),
-                .trials = count_in(details, has_reaches ? "reaches_detected" : "trials").value_or(0)};
+                .trials = count_in(details, has_reaches ? "reaches_detected" : "trials").value_or(0),
+                .duration_s = analysis.duration_s};
     found_[{session.rig(), session.protocol(), condition, measure}].push_back(
         {.point = std::move(point), .unit = unit, .analysis = std::move(analysis)});
   }
@@ -144,8 +147,27 @@ class Collector {
 
 std::vector<Series> series_of(const v1::SubjectRecord& subject) {
   Collector collector;
-  for (const v1::SessionRecord& session : subject.sessions()) collector.add(session);
+  for (const v1::SessionRecord& session : subject.sessions()) collector.add(session_of_one_part(session));
   return collector.take();
+}
+
+v1::SessionRecord session_of_one_part(const v1::SessionRecord& session) {
+  std::map<std::uint32_t, std::uint64_t> trials;  // by part
+  for (const v1::SessionResult& result : session.results())
+    trials[session::without_part_suffix(result.name()).second] += count_in(details_of(result), "trials").value_or(0);
+  const auto fewer = [](const auto& one, const auto& other) {
+    return std::pair(one.second, one.first) < std::pair(other.second, other.first);
+  };
+  const auto chosen = std::ranges::max_element(trials, fewer);
+  v1::SessionRecord alone = session;
+  alone.clear_results();
+  for (const v1::SessionResult& result : session.results()) {
+    const auto [name, part] = session::without_part_suffix(result.name());
+    if (part != chosen->first) continue;
+    *alone.add_results() = result;
+    alone.mutable_results(alone.results_size() - 1)->set_name(std::string(name));
+  }
+  return alone;
 }
 
 std::vector<Point> comparable_points(const Series& series) {

@@ -97,6 +97,42 @@ TEST(Series, LeaveOutWhatIsDeletedOrRunningOrOfAnotherPart) {
   EXPECT_EQ(find(all, "eyes-open", "PEA95_F_part_2"), nullptr);
 }
 
+TEST(Series, AResumedSessionHasTheResultsOfThePartWithMostTrials) {
+  auto crashed = session_on(0, "floor", "romberg");
+  add_result(crashed, "eyes-open/PEA95_F_part_2", 99, "mm2", kAnalysis);
+  auto both = session_on(1, "floor", "romberg");
+  add_result(both, "eyes-open/PEA95_F", 50, "mm2", R"({"trials":1,"profile":"lp10","rate_hz":100,"duration_s":30})");
+  add_result(both, "eyes-open/PEA95_F_part_2", 77, "mm2", kAnalysis);
+  const auto all = series_of(subject_with({crashed, both}));
+  ASSERT_EQ(all.size(), 1U);
+  ASSERT_EQ(all[0].points.size(), 2U);
+  EXPECT_EQ(all[0].points[0].value, 99);
+  EXPECT_EQ(all[0].points[1].value, 77);
+}
+
+TEST(Series, TrialsOfUnknownLengthAreNotCompared) {
+  constexpr const char* kUnknown = R"({"trials":2,"profile":"lp10","rate_hz":100})";
+  auto one = session_on(0, "floor", "romberg");
+  add_result(one, "eyes-open/PEA95_F", 50, "mm2", kUnknown);
+  auto other = session_on(1, "floor", "romberg");
+  add_result(other, "eyes-open/PEA95_F", 60, "mm2", kUnknown);
+  EXPECT_EQ(comparable_points(series_of(subject_with({one, other}))[0]).size(), 1U);
+}
+
+TEST(PlainWords, TitlesAreInTheLanguageOfTheSentences) {
+  v1::ListProtocolsResponse protocols;
+  auto& protocol = *protocols.add_protocols();
+  protocol.set_name("reaching-short");
+  auto& condition = *protocol.add_conditions();
+  condition.set_name("120");
+  condition.set_title("120 % of arm length");
+  auto& translation = *condition.add_translations();
+  translation.set_language("de");
+  translation.set_title("120 % der Armlänge");
+  EXPECT_EQ(titles_of(protocols, english()).begin()->second, "120 % of arm length");
+  EXPECT_EQ(titles_of(protocols, german()).begin()->second, "120 % der Armlänge");
+}
+
 TEST(Series, NeverMixRigsOrProtocols) {
   RecordProperty("requirement", "UI-13");
   auto other = standing_on(1, 200, 4);
@@ -169,7 +205,7 @@ TEST(PlainWords, SayWhatTheTrunkDid) {
   condition.set_name("120");
   condition.set_title("120 % of arm length");
   EXPECT_EQ(
-      words_of_session(reaching_on(0, 12.14), english(), titles_of(protocols)),
+      words_of_session(reaching_on(0, 12.14), english(), titles_of(protocols, english())),
       (std::vector<std::string>{"120 % of arm length: the trunk bent 12.1° on average, in 3 reaches.",
                                 "The trunk class was as expected for the target in 6 of 8 trials.", "1 of 9 reaches have no trunk class.",
                                 "At the same target the trunk angle varied by 2.0° from reach to reach (standard deviation)."}));
@@ -182,9 +218,9 @@ TEST(PlainWords, CompareWithTheVisitBeforeAndTheFirst) {
   const auto words = words_of_changes(series, english());
   EXPECT_EQ(words, (std::vector<std::string>{
                        "Eyes open: the mean velocity to the sides is 125 % higher than on 2026-11-25 (9.0 against 4.0 mm/s). This is more "
-                       "than the known variation between two days (65 %).",
+                       "than the variation between two days that is known of people above 65 (65 %).",
                        "Eyes open: the mean velocity to the sides is 80 % higher than on 2026-11-18 (9.0 against 5.0 mm/s). This is more "
-                       "than the known variation between two days (65 %).",
+                       "than the variation between two days that is known of people above 65 (65 %).",
                        "Eyes open: the ellipse is 5 % larger than on 2026-11-25 (210 against 200 mm²).",
                        "Eyes open: the ellipse is 13 % smaller than on 2026-11-18 (210 against 240 mm²).",
                        "For measures without this remark no published variation is known here: the difference may be chance."}));
@@ -197,7 +233,7 @@ TEST(PlainWords, ADifferenceWithinTheKnownVariationSaysSo) {
   ASSERT_FALSE(words.empty());
   EXPECT_EQ(words.front(),
             "Augen offen: Die mittlere Geschwindigkeit zur Seite ist 20 % niedriger als am 18.11.2026 (4,0 gegenüber 5,0 mm/s). Das liegt "
-            "innerhalb der bekannten Schwankung zwischen zwei Tagen (65 %).");
+            "innerhalb der Schwankung zwischen zwei Tagen, die von Menschen über 65 bekannt ist (65 %).");
 }
 
 TEST(PlainWords, OneVisitHasNoChange) {
@@ -215,13 +251,16 @@ TEST(PlainWords, TheTrunkIsComparedInDegrees) {
 
 TEST(Retest, IsKnownOnlyWithASource) {
   RecordProperty("requirement", "UI-13");
-  Series series{.condition = "eyes-open", .measure = "MVELO_ML"};
+  const std::vector<Point> points{{.duration_s = 30.0}};
+  Series series{.condition = "eyes-open", .measure = "MVELO_ML", .points = points};
   ASSERT_NE(retest_of(series), nullptr);
   EXPECT_NE(std::string(retest_of(series)->source).find("doi:"), std::string::npos);
   series.condition = "foam-eyes-open";
   EXPECT_EQ(retest_of(series), nullptr) << "people on foam were not measured there";
-  series = {.condition = "eyes-open", .measure = "MVELO"};
+  series = {.condition = "eyes-open", .measure = "MVELO", .points = points};
   EXPECT_EQ(retest_of(series), nullptr);
+  series = {.condition = "eyes-open", .measure = "MVELO_ML", .points = {{.duration_s = 20.0}}};
+  EXPECT_EQ(retest_of(series), nullptr) << "the study has 45 s";
 }
 
 TEST(Sentences, TheLanguageIsTheFirstPartOfItsTag) {

@@ -97,7 +97,7 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
             {record.plan.map((planned) => (
               <tr key={planned.number} data-testid="planned" data-state={planned.sessionId === '' ? 'due' : 'done'}>
                 <th scope="row">{protocolName(planned.protocol)}</th>
-                <td data-label={heads.due}>{planned.dueDate === '' ? words.plan.anyDay : day(BigInt(Date.parse(planned.dueDate)) * 1_000_000n)}</td>
+                <td data-label={heads.due}>{planned.dueDate === '' ? words.plan.anyDay : day(BigInt(Date.parse(`${planned.dueDate}T12:00:00`)) * 1_000_000n)}</td>
                 <td data-label={heads.state}>
                   {planned.sessionId === '' ? (
                     words.plan.due

@@ -274,7 +274,7 @@ TEST_F(BundleTest, ACorrectedSubject_IsThatOfThePatient) {
   EXPECT_THAT(text, Not(HasSubstr("P017")));
   const Json after = Json::parse(text);
   const std::string id = resources_of(after, "Patient").front()["id"];
-  EXPECT_NE(id, resources_of(before, "Patient").front()["id"]) << "it is another person";
+  EXPECT_NE(id, resources_of(before, "Patient").front()["id"].get<std::string>()) << "it is another person";
   EXPECT_EQ(resources_of(after, "DiagnosticReport").front()["id"], resources_of(before, "DiagnosticReport").front()["id"]);
   for (const Json& one : resources_of(after, "Observation")) {
     EXPECT_EQ(one["status"], "amended");

@@ -87,7 +87,7 @@ describe('a subject with five visits of each rig', () => {
     assert.ok((await shown('floor romberg', 'PEA95_F')) >= 2 * visits, 'both conditions at each visit');
     assert.ok((await by(page, 'no-band').count()) === 1, 'no source, no band');
     await shown('floor romberg', 'MVELO_ML');
-    assert.match(await by(page, 'band').first().innerText(), /±65 %/);
+    assert.equal(await by(page, 'band').count(), 0, 'the published study has 45 s, these trials are shorter');
     assert.ok((await shown('chair reaching-short', 'trunk_mean_deg')) >= visits);
     await shown('chair reaching-short', 'trunk_class');
 

@@ -37,6 +37,7 @@ std::vector<Value> values_of(const v1::Sway& sway) {
   for (const v1::SwayMeasure& measure : sway.measures()) {
     values.add(measure.symbol(), report::plain_name(measure.symbol()), measure.value(), measure.unit());
   }
+  if (sway.decision().outcome() != v1::DECISION_OUTCOME_DECIDED) return values.all;
   for (const v1::GroupProbability& group : sway.decision().probabilities()) {
     const std::string name = "Probability of " + group.group() + " by the steadiness model of " + sway.decision().label() + " (" +
                              decision_text(sway.decision()) + ")";

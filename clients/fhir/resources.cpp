@@ -38,10 +38,17 @@ Json period_json(const Period& period) {
   return json;
 }
 
+/// Returns why nobody was measured in this session; nullptr if somebody was.
+static const char* note_of(const record::SessionFacts& facts) {
+  if (facts.device_uri.starts_with("sim:")) return "Simulated rig: all values are synthetic.";
+  if (facts.device_uri.starts_with("replay:")) return "A recording was played on this rig: nobody was measured in this session.";
+  return nullptr;
+}
+
 Resource begin_resource(const RecordedPart& part, std::string_view type, std::string_view what) {
   Resource resource{.id = resource_id(part.facts, what), .json = {{"resourceType", type}}};
   resource.json["id"] = resource.id;
-  if (part.facts.device_uri.starts_with("sim:")) {
+  if (note_of(part.facts) != nullptr) {
     resource.json["meta"]["security"] =
         list_of({{"system", "http://terminology.hl7.org/CodeSystem/v3-ActReason"}, {"code", "HTEST"}, {"display", "test health data"}});
   }
@@ -81,7 +88,7 @@ Resource device(const RecordedPart& part) {
         std::pair{"calibration", facts.calibration_id}, std::pair{"SHA-256 of the model", facts.model_sha256}}) {
     if (!value.empty()) json["version"].push_back({{"type", {{"text", type}}}, {"value", core::printable(value)}});
   }
-  if (facts.device_uri.starts_with("sim:")) json["note"] = list_of({{"text", "Simulated rig: all values are synthetic."}});
+  if (const char* note = note_of(facts)) json["note"] = list_of({{"text", note}});
   return resource;
 }
 

@@ -17,7 +17,6 @@ constexpr double kReachesMm = 52.0;
 constexpr double kAnglesMm = 62.0;
 constexpr std::size_t kMostRejected = 200;
 constexpr std::size_t kMostExcluded = 20;
-constexpr double kSameTargetCm = 0.05;  // the same as for the scale
 
 Notes excluded_reaches(const ChairData& chair) {
   Notes notes{.title = "Excluded trials", .items = {}};
@@ -63,7 +62,7 @@ std::vector<std::string> scale_alerts(const ChairData& chair) {
   if (!chair.scale || !chair.person) return alerts;
   for (const ChairTrial& trial : chair.trials) {
     const bool is_at_maximum =
-        trial.recorded.target_cm && std::abs(*trial.recorded.target_cm - chair.person->max_reach_cm) <= kSameTargetCm;
+        trial.recorded.target_cm && std::abs(*trial.recorded.target_cm - chair.person->max_reach_cm) <= session::kSameTargetCm;
     const bool is_taken_back = trial.recorded_outcome == "done" && trial.recorded.outcome != "done" && trial.reach() != nullptr;
     if (is_at_maximum && is_taken_back && trial.part == chair.scale_part && alerts.size() < kMostExcluded) {
       alerts.push_back("The own scale may contain the reach of trial " + trial.number() + ", which was corrected to " +

@@ -14,9 +14,6 @@ namespace {
 
 namespace flag = core::reach_flag;
 
-/// Targets in protocols have a resolution of 1 mm at best.
-constexpr double kSameTargetCm = 0.05;
-
 /// A reach with one of these flags cannot set a person's scale. A resumed reach, or one without a dip, can: its height is still valid.
 constexpr std::uint16_t kNoScale = flag::kMinor | flag::kBaselineUncertain | flag::kDipOnly | flag::kTimeout | flag::kSubstituted |
                                    flag::kSaturated | flag::kImplausible | flag::kStoodUp | flag::kUntared;

@@ -19,6 +19,9 @@
 
 namespace dts::session {
 
+/// Targets that differ by less are the same: protocols have a resolution of 1 mm at best.
+inline constexpr double kSameTargetCm = 0.05;
+
 /// The result of one trial of the reaching task.
 struct ReachTrialResult {
   std::uint32_t trial = 0;

@@ -38,14 +38,14 @@ struct TargetSummary {
     return of_class.at(static_cast<std::size_t>(static_cast<int>(trunk_class) + 1));
   }
 };
-/// Groups valid trials by target, in the order in which the targets first occur.
+/// Groups trials that are done by target, in the order in which the targets first occur.
 [[nodiscard]] std::vector<TargetSummary> summarize_targets(std::span<const ReachTrialResult> results);
 
 /// Results over all trials of a session. A result is present only if it has a value; `details` is one JSON object.
 ///
 /// | name | unit | what |
 /// |---|---|---|
-/// | trials | 1 | valid trials |
+/// | trials | 1 | trials that are done |
 /// | reaches_detected_share | 1 | reaches found, of the trials without a gap |
 /// | rejected_share | 1 | rejected reaches, of the classified ones |
 /// | class_agreement_share | 1 | class equals the expected class, of the classified reaches; finding no reach agrees with "none" |

@@ -159,8 +159,7 @@ describe('the whole day', () => {
 
   const stopped = async (page, by_) => {
     await by_.command('trial-next', 'a');
-    await is(page, 'measuring');
-    await is(page, 'finished');
+    await is(page, 'finished'); // on a busy machine, the page may not show "measuring" before the short trial has ended
     await by_.press('stop-session');
     await waitForText(page, 'toast', 'Session stops in 5 s');
     await by_.command('undo', 'u');

@@ -36,7 +36,7 @@ struct PlannedSession {
 /// catalogue has a copy.
 struct SubjectNotes {
   std::string subject;
-  std::uint32_t next_number = 1;  ///< Numbers of removed entries are not used again.
+  std::uint32_t next_number = 1;  ///< Numbers of removed entries are not used again, until the last entry is removed.
   std::vector<SubjectNote> notes{};
   std::vector<PlannedSession> plan{};
 

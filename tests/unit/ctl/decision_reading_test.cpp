@@ -88,6 +88,9 @@ TEST(DecisionReading, Csv_HasEveryBitOfTheProbabilities) {
   sway.mutable_decision()->mutable_probabilities(0)->set_probability(1.0 / 3.0);
   EXPECT_THAT(trials_csv(session), HasSubstr("p_60plus,\"Probability of 60plus by the steadiness model of group60 (like under60, p 0.83)\","
                                              "0.3333333333333333,1\n"));
+
+  sway.mutable_decision()->set_outcome(v1::DECISION_OUTCOME_OUTSIDE);
+  EXPECT_THAT(trials_csv(session), Not(HasSubstr("p_60plus"))) << "a trial without a decision has no probability";
 }
 
 }  // namespace

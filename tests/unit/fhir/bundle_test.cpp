@@ -304,6 +304,16 @@ TEST_F(BundleTest, OnlyASimulatedRig_HasTheLabelOfTestData) {
   for (const Json& entry : bundle["entry"]) EXPECT_EQ(entry["resource"]["meta"]["security"][0]["code"], "HTEST");
 }
 
+TEST_F(BundleTest, AReplayedRecording_HasTheLabelOfTestData) {
+  report::MadeStanding made = made_session();
+  made.facts.device_uri = "replay:/var/lib/dtsd/a.xdf";
+
+  const Json bundle = bundle_of(write(made, "b.xdf"));
+
+  for (const Json& entry : bundle["entry"]) EXPECT_EQ(entry["resource"]["meta"]["security"][0]["code"], "HTEST");
+  EXPECT_THAT(bundle.dump(), HasSubstr("A recording was played on this rig"));
+}
+
 TEST_F(BundleTest, TheSameRecording_GivesTheSameBytesInAnotherFolder) {
   const std::string file = write(made_session());
   const std::string elsewhere = directory_ / "folder";

@@ -91,7 +91,7 @@ inline std::string write_reaching(const std::string& name, const MadeReaching& m
        .value_type = record::ValueType::Float32,
        .rate = *core::Rate::create(100, 1),
        .channels = {{.label = "transient_mm", .unit = "mm"}, {.label = "ratio", .unit = "1"}, {.label = "twist", .unit = "1"}}});
-  const auto tell = [&](v1::Event event, std::uint64_t scan) {
+  const auto add_event = [&](v1::Event event, std::uint64_t scan) {
     event.set_segment(1);
     event.set_scan(scan);
     const std::vector<std::pair<double, std::string>> texts{{kOrigin_s + static_cast<double>(scan) / kRateHz, wire::to_json(event)}};
@@ -100,7 +100,7 @@ inline std::string write_reaching(const std::string& name, const MadeReaching& m
   v1::Event begin;
   begin.set_host_time_ns(10'000'000'000);
   static_cast<void>(begin.mutable_segment_start());
-  tell(begin, 0);
+  add_event(begin, 0);
   std::uint64_t first = 0;
   for (const MadeReach& reach : made.reaches) {
     std::vector<double> values;
@@ -112,7 +112,7 @@ inline std::string write_reaching(const std::string& name, const MadeReaching& m
     const auto step = [&](session::TrialEventKind kind, std::uint64_t scan) {
       const session::TrialEvent event{
           .kind = kind, .trial = reach.trial, .attempt = reach.attempt, .condition = reach.condition, .target_cm = reach.target_cm};
-      tell(session::to_event(event, made.facts.session_id), first + scan);
+      add_event(session::to_event(event, made.facts.session_id), first + scan);
     };
     step(session::TrialEventKind::Go, 100);
     session::ReachTrialResult result{.trial = reach.trial,
@@ -124,16 +124,16 @@ inline std::string write_reaching(const std::string& name, const MadeReaching& m
     if (reach.rise_mm != 0.0) {
       result.reach = made_reach_event(reach, first);
       result.movement = reach.movement;
-      tell(events::make(*result.reach, ""), first + 320);
-      tell(events::make(core::ClassEvent{.number = reach.trial, .segment = 1, .scan = {first + 320}, .movement = reach.movement}, ""),
-           first + 320);
+      add_event(events::make(*result.reach, ""), first + 320);
+      add_event(events::make(core::ClassEvent{.number = reach.trial, .segment = 1, .scan = {first + 320}, .movement = reach.movement}, ""),
+                first + 320);
       result.movement->trunk_deg += made.recorded_deg_more;
     }
     if (reach.outcome == "aborted") {
       step(session::TrialEventKind::Aborted, 500);
     } else {
       step(session::TrialEventKind::Done, 500);
-      if (made.has_results) tell(session::to_event(result, made.facts.session_id), first + 501);
+      if (made.has_results) add_event(session::to_event(result, made.facts.session_id), first + 501);
     }
     if (reach.outcome == "redone") step(session::TrialEventKind::Redone, 510);
     if (reach.outcome == "rejected") step(session::TrialEventKind::Rejected, 510);

@@ -189,7 +189,7 @@ TEST(Evaluation, RandomLabels_AreNotTold) {
 /// People of two groups with three trials each; the group shifts one measure by `shift` SD between people.
 struct Groups {
   Samples samples;
-  std::vector<double> age;  ///< Tells the group as well as `age_shift` SD.
+  std::vector<double> age;  ///< Shows the group as well as `age_shift` SD.
 };
 
 Groups made_groups(int people, double shift, double age_shift, unsigned seed) {
@@ -212,7 +212,7 @@ Groups made_groups(int people, double shift, double age_shift, unsigned seed) {
   return made;
 }
 
-/// Each person sways in an own way, and the label is drawn by person: rows of one person on both sides would tell it apart.
+/// Each person sways in an own way, and the label is drawn by person: rows of one person on both sides would show it.
 TEST(Evaluation, PeopleAreLeftOutWhole) {
   RecordProperty("requirement", "SWAY-9");
   Groups made = made_groups(12, 0.0, 0.0, 9);

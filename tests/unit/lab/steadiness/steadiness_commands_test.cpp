@@ -101,7 +101,7 @@ TEST_F(SteadinessTest, MovedFeet_AreCountedByGroup) {
   EXPECT_EQ(json().at("groups").at(1).at("not_valid"), 0);
 }
 
-/// People of two groups, with facts about them: age defines the group, weight tells it, and the place is where they stood.
+/// People of two groups, with facts about them: age defines the group, weight shows it, and the place is where they stood.
 std::string facts_table(double shift) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;

@@ -2,7 +2,7 @@
 // Everything about one subject: start of a session, plan, notes, trend, plain words, sessions, erasure.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
-import { useLayoutEffect, useRef } from 'preact/hooks';
+import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
 
 import { Role } from '../../generated/dts/v1/options_pb';
 import type { EraseSubjectResponse, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
@@ -103,7 +103,7 @@ const Erased = ({ subject, erased }: { subject: string; erased: EraseSubjectResp
   </>
 );
 
-/** Results over the visits. They are asked for again after each session of the subject. */
+/** Results over the visits. They are asked for again if this page learns of another number of sessions. */
 const Results = ({ link, subject, record }: { link: Link; subject: string; record: SubjectRecord }): JSX.Element => {
   const key = link.state.value === 'up' ? `trend ${subject} ${record.sessions.length}` : '';
   const { answer, error, isBusy } = useAsked(key, (signal) => askTrend(link, subject, signal)).value;
@@ -129,6 +129,9 @@ export const SubjectPage = ({ link, subject }: { link: Link; subject: string }):
   const changed = useSignal<SubjectRecord | undefined>(undefined);
   const isUp = link.state.value === 'up' && erased.value === undefined;
   const { answer: asked, error } = useAsked(isUp ? `subject ${subject}` : '', () => askSubject(link, subject)).value;
+  useEffect(() => {
+    changed.value = undefined; // a newer answer than that to the own change
+  }, [asked]);
   const answer = changed.value ?? asked;
   const isEmpty = erased.value === undefined && answer !== undefined && answer.sessions.length + answer.notes.length + answer.plan.length === 0;
   const whyNot = whyNotOperate(link) || (link.me.value.role < Role.ENGINEER ? words.needsEngineer : '');

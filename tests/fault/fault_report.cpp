@@ -209,18 +209,27 @@ int inject_all(std::size_t jobs, std::size_t every) {
   return print_problems(table.problems);
 }
 
-int power(std::size_t cuts, double seconds, std::uint32_t seed) {
+/// `disk` is the file system of a disk whose power fails, or empty: the model in memory.
+int power(std::size_t cuts, double seconds, const std::string& disk, std::uint32_t seed) {
+  constexpr std::size_t kCutsOfASession = 50;
   const Reference reference = Reference::compute(floor16_rig(), 60.0 + seconds);
   Distribution recorded_s, lost_s, told_s;
   std::vector<std::string> problems;
-  for (const PowerCut& cut : cut_power(seconds, cuts, seed, reference)) {
-    recorded_s.add(cut.recorded_s);
-    lost_s.add(cut.lost_s);
-    told_s.add(cut.told_lost_s_at_most);
-    if (!cut.problem.empty()) problems.push_back(cut.problem + " (cut after " + std::to_string(cut.recorded_s) + " s)");
+  for (std::size_t done = 0; done < cuts;) {
+    const std::size_t count = std::min(kCutsOfASession, cuts - done);
+    const std::uint32_t session_seed = seed + static_cast<std::uint32_t>(done);
+    for (const PowerCut& cut : disk.empty() ? cut_power(seconds, count, session_seed, reference)
+                                            : cut_power_of_disk(disk, seconds, count, session_seed, reference)) {
+      recorded_s.add(cut.recorded_s);
+      lost_s.add(cut.lost_s);
+      told_s.add(cut.told_lost_s_at_most);
+      if (!cut.problem.empty()) problems.push_back(cut.problem + " (cut after " + std::to_string(cut.recorded_s) + " s)");
+    }
+    done += count;
+    draw_progress(done, cuts);
   }
-  std::printf("%zu power cuts (all that was not synchronised is gone) in %.0f s of recording 16 channels at 1500 Hz, seed %u\n\n", cuts,
-              seconds, seed);
+  std::printf("%zu power cuts (%s) in sessions of %.0f s with 16 channels at 1500 Hz, seed %u\n\n", cuts,
+              disk.empty() ? "all that was not synchronised is gone" : (disk + " on a disk with a volatile cache").c_str(), seconds, seed);
   std::printf("| s | min | p50 | p95 | max |\n|---|---|---|---|---|\n");
   recorded_s.print_row("recorded until the cut");
   lost_s.print_row("lost: cut - last time stamp recovered");
@@ -269,6 +278,9 @@ int main(int argc, char** argv) {
   inject->add_option("--every", every, "only every so many-th n")->check(CLI::Range(1, 1000))->capture_default_str();
   auto* power = app.add_subcommand("power", "take away what was not synchronised, at random moments");
   power->add_option("cuts", cuts, "how many")->check(CLI::Range(1, 1000))->capture_default_str();
+  std::string disk;
+  power->add_option("--disk", disk, "fail a disk with this file system, of this machine's kernel; needs root")
+      ->check(CLI::IsMember({"ext4", "xfs"}));
   power->add_option("--seconds", seconds, "of recording")->check(CLI::Range(1.0, 300.0))->capture_default_str();
   auto* hours = app.add_subcommand("hours", "record hours in accelerated time");
   hours->add_option("hours", count, "how many; 11 GB are 16 hours")->check(CLI::Range(0.02, 100.0))->capture_default_str();
@@ -280,7 +292,7 @@ int main(int argc, char** argv) {
     if (*kills) return dts::fault::kills(rounds, jobs, longest_s, seed);
     if (*pair) return dts::fault::pair_kills(pair_rounds, 2.0, seed);
     if (*inject) return dts::fault::inject_all(jobs, every);
-    if (*power) return dts::fault::power(cuts, seconds, seed);
+    if (*power) return dts::fault::power(cuts, seconds, disk, seed);
     return dts::fault::hours(count);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <random>
 #include <stdexcept>
 #include <thread>
 
 #include "fault/child_process.h"
 #include "fault/durable_model.h"
+#include "fault/logged_disk.h"
 #include "fault/recorded_session.h"
 #include "fault/rigs.h"
 #include "support/patient_clock.h"
@@ -18,17 +20,20 @@ namespace {
 
 constexpr double kPromisedAtPowerCutS = 1.0;
 
+/// Puts in the place of the state folder what a power failure left of it.
+using Restore = std::function<void()>;
+
 struct Moment {
   std::int64_t at_ns = 0;
-  DurableModel::Survivors survivors{};
+  Restore restore{};
 };
 
 /// Cuts at the moments given, on a thread of its own: the session does not know of it.
-void take_cuts(const DurableModel& model, core::Clock& clock, std::vector<Moment>& moments) {
+void take_cuts(const std::function<Restore()>& cut, core::Clock& clock, std::vector<Moment>& moments) {
   for (Moment& moment : moments) {
     clock.sleep_until_ns(moment.at_ns);
     moment.at_ns = clock.now_ns();  // before the copy: what becomes durable in between must not count against the promise
-    moment.survivors = model.cut();
+    moment.restore = cut();
   }
 }
 
@@ -44,8 +49,7 @@ std::vector<Moment> random_moments(std::int64_t from_ns, double seconds, std::si
 /// What has survived takes the place of what was there: the catalogue names its files by their whole path.
 PowerCut judge(const Moment& moment, const std::string& folder, std::int64_t started_ns, const Reference& reference) {
   PowerCut cut{.recorded_s = static_cast<double>(moment.at_ns - started_ns) * 1e-9};
-  std::filesystem::remove_all(folder);
-  put(moment.survivors, folder);
+  moment.restore();
   const Afterwards after = look_afterwards(folder, reference);
   cut.problem = after.problem;
   if (!cut.problem.empty()) return cut;
@@ -65,6 +69,29 @@ PowerCut judge(const Moment& moment, const std::string& folder, std::int64_t sta
   return cut;
 }
 
+/// Records for `seconds` in `state`. Calls `cut` at random moments, and then judges what each left.
+std::vector<PowerCut> record_and_cut(const std::string& state, const std::function<Restore()>& cut, double seconds, std::size_t cuts,
+                                     std::uint32_t seed, const Reference& reference) {
+  std::vector<Moment> moments;
+  std::int64_t started_ns = 0;
+  {
+    test::PatientClock clock;  // what the machine makes late is not what is promised
+    clock.start();
+    auto session = RecordedSession::open(state, floor16_rig(), clock);
+    if (!session) throw std::runtime_error(core::to_string(session.error()));
+    SessionCourse course = (*session)->start();
+    if (!course.has_started) throw std::runtime_error("no session starts: " + course.refusal + course.hang);
+    started_ns = clock.now_ns();
+    moments = random_moments(started_ns, seconds, cuts, seed);
+    const std::jthread cutter([&] { take_cuts(cut, clock, moments); });
+    (*session)->run_for(seconds + 0.2);
+    (*session)->stop(course);
+  }
+  std::vector<PowerCut> results;
+  for (const Moment& moment : moments) results.push_back(judge(moment, state, started_ns, reference));
+  return results;
+}
+
 }  // namespace
 
 std::vector<PowerCut> cut_power(double seconds, std::size_t cuts, std::uint32_t seed, const Reference& reference) {
@@ -73,25 +100,22 @@ std::vector<PowerCut> cut_power(double seconds, std::size_t cuts, std::uint32_t 
   DurableModel model(state);
   FaultyDisk disk(state);
   disk.on_synchronise = [&](int descriptor, const std::string& path) { return model.synchronising(descriptor, path); };
-  test::PatientClock clock;  // what the machine makes late is not what is promised
-  clock.start();
-  std::vector<Moment> moments;
-  std::int64_t started_ns = 0;
-  {
-    auto session = RecordedSession::open(state, floor16_rig(), clock);
-    if (!session) throw std::runtime_error(core::to_string(session.error()));
-    SessionCourse course = (*session)->start();
-    if (!course.has_started) throw std::runtime_error("no session starts: " + course.refusal + course.hang);
-    started_ns = clock.now_ns();
-    moments = random_moments(started_ns, seconds, cuts, seed);
-    const std::jthread cutter([&] { take_cuts(model, clock, moments); });
-    (*session)->run_for(seconds + 0.2);
-    (*session)->stop(course);
-  }
-  disk.on_synchronise = {};
-  std::vector<PowerCut> results;
-  for (const Moment& moment : moments) results.push_back(judge(moment, state, started_ns, reference));
-  return results;
+  const auto cut = [&]() -> Restore {
+    return [&, survivors = model.cut()] {
+      std::filesystem::remove_all(state);
+      put(survivors, state);
+    };
+  };
+  return record_and_cut(state, cut, seconds, cuts, seed, reference);
+}
+
+std::vector<PowerCut> cut_power_of_disk(std::string_view file_system, double seconds, std::size_t cuts, std::uint32_t seed,
+                                        const Reference& reference) {
+  const TemporaryFolder folder;
+  LoggedDisk disk(file_system, folder.path());
+  std::mt19937 random(seed);
+  const auto cut = [&]() -> Restore { return [&, moment = disk.written()] { disk.restore(moment, random); }; };
+  return record_and_cut(folder.path() + "/state", cut, seconds, cuts, seed, reference);
 }
 
 }  // namespace dts::fault

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fault/reference.h"
@@ -21,5 +22,9 @@ struct PowerCut {
 /// Records the floor with 16 sensors at 1500 Hz for `seconds` in this process and takes the power away at `cuts` random moments, by the
 /// model of durable_model.h: what would have survived is put back and recovered.
 [[nodiscard]] std::vector<PowerCut> cut_power(double seconds, std::size_t cuts, std::uint32_t seed, const Reference& reference);
+
+/// The same on a file system ("ext4" or "xfs") of this machine's kernel, on a LoggedDisk. Throws std::runtime_error if there can be none.
+[[nodiscard]] std::vector<PowerCut> cut_power_of_disk(std::string_view file_system, double seconds, std::size_t cuts, std::uint32_t seed,
+                                                      const Reference& reference);
 
 }  // namespace dts::fault

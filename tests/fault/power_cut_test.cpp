@@ -5,10 +5,16 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <random>
+#include <string>
 
 #include "fault/child_process.h"
 #include "fault/durable_model.h"
+#include "fault/logged_disk.h"
 #include "fault/rigs.h"
 
 namespace dts::fault {
@@ -36,6 +42,36 @@ TEST(DurableModel, WrittenAfterTheLastSynchronisation_IsGone) {
   ASSERT_EQ(survivors.size(), 1U);
   EXPECT_EQ(survivors.begin()->first, "kept");  // the folder was not synchronised after the change of its name
   EXPECT_EQ(*survivors.begin()->second, "durable");
+}
+
+/// Sectors of 512 bytes that hold `letter`, of a disk of 16 sectors.
+std::size_t sectors_of(char letter, std::span<const DiskEvent> events, std::uint32_t seed) {
+  const TemporaryFolder folder;
+  const std::string image = folder.path() + "/image";
+  std::ofstream(image).close();
+  std::filesystem::resize_file(image, 16 * 512);
+  std::mt19937 random(seed);
+  write_survivors(events, random, image);
+  std::ifstream file(image, std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return static_cast<std::size_t>(std::ranges::count(content, letter)) / 512;
+}
+
+TEST(LoggedDisk, WrittenBeforeTheLastFlush_IsKept_AfterIt_MayBeLostOrTorn) {
+  const std::vector<DiskEvent> events{{.offset = 0, .bytes = std::vector<char>(4 * 512, 'a')},
+                                      {.is_flush = true},
+                                      {.offset = 4 * 512, .bytes = std::vector<char>(8 * 512, 'b')}};
+  std::size_t whole = 0, lost = 0, torn = 0;
+
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+    EXPECT_EQ(sectors_of('a', events, seed), 4U) << "seed " << seed;
+    const std::size_t kept = sectors_of('b', events, seed);
+    ++(kept == 8 ? whole : kept == 0 ? lost : torn);
+  }
+
+  EXPECT_GT(whole, 0U);
+  EXPECT_GT(lost, 0U);
+  EXPECT_GT(torn, 0U);
 }
 
 TEST(PowerCut, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs the fuzz targets without libFuzzer: fuzz_driver TARGET FOLDER COUNT runs every file of the folder, and COUNT changed versions of each,
-// the same ones every time.
+// Runs the fuzz targets without libFuzzer: fuzz_driver TARGET FOLDER COUNT KEPT runs every file of the folder, and COUNT changed versions
+// of each, the same ones every time. Then every file of the folder KEPT, if there is one: what scripts/fuzz --keep has found.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -47,13 +47,17 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-int run_target(TryBytes try_bytes, const std::filesystem::path& folder, long versions) {
+std::string content_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+int run_target(TryBytes try_bytes, const std::filesystem::path& folder, long versions, const std::filesystem::path& kept_folder) {
   const auto run = [try_bytes](const std::string& bytes) { try_bytes(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()); };
   const auto files = files_of(folder);
   std::mt19937 random(7);
   for (const auto& file : files) {
-    std::ifstream in(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    const std::string bytes = content_of(file);
     run(bytes);
     for (long version = 0; version < versions; ++version) {
       std::string changed = bytes;
@@ -62,7 +66,9 @@ int run_target(TryBytes try_bytes, const std::filesystem::path& folder, long ver
       run(changed);
     }
   }
-  std::printf("%zu files, %ld changed versions of each\n", files.size(), versions);
+  const auto kept = std::filesystem::is_directory(kept_folder) ? files_of(kept_folder) : std::vector<std::filesystem::path>{};
+  for (const auto& file : kept) run(content_of(file));
+  std::printf("%zu files, %ld changed versions of each, %zu kept files\n", files.size(), versions, kept.size());
   return files.empty() ? 1 : 0;
 }
 
@@ -74,6 +80,6 @@ void add_target(const char* name, TryBytes try_bytes) { targets()[name] = try_by
 
 int main(int count, char** arguments) {
   using dts::fuzz::targets;
-  if (count != 4 || !targets().contains(arguments[1])) return 2;
-  return dts::fuzz::run_target(targets().at(arguments[1]), arguments[2], std::strtol(arguments[3], nullptr, 10));
+  if (count != 5 || !targets().contains(arguments[1])) return 2;
+  return dts::fuzz::run_target(targets().at(arguments[1]), arguments[2], std::strtol(arguments[3], nullptr, 10), arguments[4]);
 }

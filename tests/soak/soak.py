@@ -9,6 +9,7 @@ import argparse
 import csv
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -32,7 +33,13 @@ STUCK = 2
 LONG_S = 600.0
 PAGE_CONNECTIONS = 16  # that a browser and the metrics' reader keep open or close
 LOSSES = ("lost_scans_total", "gaps_total", "dropped_blocks_total")
+DASHBOARD = Path(os.environ.get("DTS_WEB_ROOT", PROGRAMS.parent / "share" / "dts-gateway" / "web"))
+CHROMIUM = Path(os.environ.get("DTS_CHROMIUM", "/usr/bin/chromium"))
 Child = subprocess.Popen[str]
+
+
+def has_dashboard() -> bool:
+    return (DASHBOARD / "index.html").is_file()
 
 
 def state_of(child: Child) -> str:
@@ -40,9 +47,10 @@ def state_of(child: Child) -> str:
     return Path(f"/proc/{child.pid}/stat").read_text().rpartition(")")[2].split()[0]
 
 
-def use_of(process: int, at_s: float) -> Sample:
+def use_of(name: str, process: int, at_s: float) -> Sample:
     folder = Path(f"/proc/{process}")
-    resident = next(line for line in (folder / "status").read_text().splitlines() if line.startswith("VmRSS"))
+    resident = next((line for line in (folder / "status").read_text().splitlines() if line.startswith("VmRSS")), None)
+    assert resident is not None, f"{name} ended after {at_s:.0f} s"  # it waits for its parent, without memory
     ticks = (folder / "stat").read_text().rpartition(")")[2].split()[11:13]
     cpu_s = sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
     return Sample(at_s, int(resident.split()[1]) * 1024 / 1e6, len(os.listdir(folder / "fd")), cpu_s)
@@ -121,9 +129,8 @@ class Soak:
 
     def _start_gateway(self) -> tuple[Child, str]:
         """Returns the gateway, and where it listens. Without the dashboard's files it serves an empty page."""
-        web_root = Path(os.environ.get("DTS_WEB_ROOT", PROGRAMS.parent / "share" / "dts-gateway" / "web"))
-        if not (web_root / "index.html").exists():
-            web_root = self.daemon.folder / "web"
+        web_root = DASHBOARD if has_dashboard() else self.daemon.folder / "web"
+        if not has_dashboard():
             web_root.mkdir()
             (web_root / "index.html").write_text("<!doctype html><title>empty</title>\n")
         file = self.daemon.folder / "gateway.log"
@@ -131,16 +138,15 @@ class Soak:
         with file.open("w") as log:
             gateway = subprocess.Popen(command, env=self.daemon.environment, stdout=log, stderr=log, text=True)
         self.children.append(gateway)
-        self.has_dashboard = web_root != self.daemon.folder / "web"
-        wait_for(lambda: "listening on " in file.read_text() or gateway.poll() is not None, "dts-gateway listens")
-        text = file.read_text()
-        assert "listening on " in text, f"dts-gateway ended: {text}"
-        return gateway, text.partition("listening on ")[2].split()[0].rstrip("/")
+        listening = re.compile(r"^listening on (\S+)/\n", re.MULTILINE)
+        wait_for(lambda: listening.search(file.read_text()) is not None or gateway.poll() is not None, "dts-gateway listens")
+        found = listening.search(file.read_text())
+        assert found, f"dts-gateway ended: {file.read_text()}"
+        return gateway, found[1]
 
     def _open_pages(self, url: str) -> Child | None:
         """Opens pages in Chromium. It draws without a graphics card, so the readers go first (nice)."""
-        chromium = os.environ.get("DTS_CHROMIUM", "/usr/bin/chromium")
-        if not (shutil.which("node") and Path(chromium).exists() and self.has_dashboard):
+        if not (shutil.which("node") and CHROMIUM.is_file() and has_dashboard()):
             return None
         reload_s = 60 if self.seconds >= LONG_S else 20
         command = ["nice", "-n", "10", "node", HERE / "pages.mjs", url, str(reload_s)]
@@ -162,10 +168,11 @@ class Soak:
             table = csv.writer(lines)
             table.writerow(COLUMNS)
             while (elapsed_s := time.monotonic() - begun_s) < seconds:
-                losses = self._losses()
                 for process, identity in processes.items():
-                    sample = use_of(identity, elapsed_s)
-                    samples[process].append(sample)
+                    samples[process].append(use_of(process, identity, elapsed_s))
+                losses = self._losses()
+                for process, of_process in samples.items():
+                    sample = of_process[-1]
                     of_daemon = losses if process == "dtsd" else ("", "", "")
                     used = (f"{sample.resident_mb:.3f}", sample.descriptors, f"{sample.cpu_s:.2f}")
                     table.writerow((f"{elapsed_s:.1f}", process, *used, *of_daemon))

@@ -30,8 +30,8 @@ def leak(mb_per_hour: float, jitter_mb: float = 0.0) -> Callable[[float], float]
     return lambda at_s: 40 + mb_per_hour * at_s / HOUR_S + chance.uniform(-jitter_mb, jitter_mb)
 
 
-def faults_of(run_s: float, *words: Callable[[float], float], **more: int) -> list[str]:
-    return judge.judge("dtsd", samples_of(run_s, *words), run_s, **more).faults
+def faults_of(run_s: float, memory_mb: Callable[[float], float]) -> list[str]:
+    return judge.judge("dtsd", samples_of(run_s, memory_mb), run_s).faults
 
 
 class LongRun(unittest.TestCase):
@@ -93,8 +93,8 @@ class ShortRun(unittest.TestCase):
 
 
 class Descriptors(unittest.TestCase):
-    def faults(self, descriptors: Callable[[float], int], held: int = 0) -> list[str]:
-        return judge.judge("dts-relay", samples_of(LONG_S, leak(0.0), descriptors), LONG_S, held).faults
+    def faults(self, descriptors: Callable[[float], int], run_s: float = LONG_S) -> list[str]:
+        return judge.judge("dts-relay", samples_of(run_s, leak(0.0), descriptors), run_s, held_descriptors=100).faults
 
     def test_connections_that_come_and_go(self) -> None:
         self.assertEqual(self.faults(lambda at_s: 40 + 100 * (int(at_s / EVERY_S) % 3 > 0)), [])
@@ -102,8 +102,10 @@ class Descriptors(unittest.TestCase):
     def test_some_that_stay_open(self) -> None:
         self.assertEqual(self.faults(lambda at_s: 40 + (at_s > HOUR_S) * judge.MOST_DESCRIPTORS), [])
         self.assertIn("descriptors grow from 40 to 45", self.faults(lambda at_s: 40 + (at_s > HOUR_S) * (judge.MOST_DESCRIPTORS + 1))[0])
-        self.assertEqual(self.faults(lambda at_s: 40 + (at_s > HOUR_S) * 50, held=100), [])
-        self.assertEqual(len(self.faults(lambda at_s: 40 + int(at_s), held=100)), 1)
+
+    def test_a_short_run_allows_for_the_connections_of_peers(self) -> None:
+        self.assertEqual(self.faults(lambda at_s: 40 + (at_s > 300) * 104, run_s=500.0), [])
+        self.assertEqual(len(self.faults(lambda at_s: 40 + (at_s > 300) * 105, run_s=500.0)), 1)
 
 
 class File(unittest.TestCase):

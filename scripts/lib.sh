@@ -37,6 +37,7 @@ DTS_TEST_PACKAGES=(
   libgtest-dev libgmock-dev librapidcheck-dev relacy-dev
   libumockdev-dev umockdev                             # emulated USB under the real libusb
   libfuse3-dev                                         # disks whose power fails: scripts/fault power --disk
+  python3-websocket                                    # tests/soak: a page of the dashboard without a browser
   faketime                                             # wall clocks that jump, the year 2038
   libxdf-dev                                           # an independent reader of our recordings
   libreaderwriterqueue-dev                             # a peer in the ring benchmark

@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import tempfile
 import threading
@@ -29,18 +30,31 @@ def wait_for(condition: Callable[[], bool], what: str) -> None:
         time.sleep(0.01)
 
 
+def free_ports(count: int) -> list[int]:
+    """Returns TCP ports that were free a moment ago."""
+    probes = [socket.socket() for _ in range(count)]
+    for probe in probes:
+        probe.bind(("127.0.0.1", 0))
+    ports: list[int] = [probe.getsockname()[1] for probe in probes]
+    for probe in probes:
+        probe.close()
+    return ports
+
+
 def clean_environment() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if not name.startswith("DTSD_")}
 
 
 class DaemonProcess:
     """A real dtsd with its own folder. `devices` replaces the addresses of config/dtsd.toml; `chair_streams` replaces what the chair publishes,
-    `further` goes in front of the configuration."""
+    `further` goes in front of the configuration. `state` is where recordings go; without it, into the daemon's own folder."""
 
-    def __init__(self, devices: dict[str, str] | None = None, chair_streams: tuple[str, ...] = (), further: str = "") -> None:
+    def __init__(
+        self, devices: dict[str, str] | None = None, chair_streams: tuple[str, ...] = (), further: str = "", state: Path | None = None
+    ) -> None:
         self.folder = Path(tempfile.mkdtemp(prefix="dts-", dir="/tmp"))  # short: a socket path has 107 bytes
         self.control = f"ipc://{self.folder}/control.sock"
-        self.environment = {**clean_environment(), "DTSD_RUNTIME_DIR": str(self.folder), "DTSD_STATE_DIR": str(self.folder / "state")}
+        self.environment = {**clean_environment(), "DTSD_RUNTIME_DIR": str(self.folder), "DTSD_STATE_DIR": str(state or self.folder / "state")}
         self.config = SOURCE / "config" / "dtsd.toml"
         if devices or chair_streams or further:
             shutil.copytree(SOURCE / "config", self.folder / "config")

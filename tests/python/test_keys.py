@@ -1,22 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A daemon on another machine: with a key, and with what is none."""
 import os
-import socket
 import unittest
 from pathlib import Path
 
 import dts
-from support import PATIENCE_S, DaemonProcess
-
-
-def free_ports(count: int) -> list[int]:
-    probes = [socket.socket() for _ in range(count)]
-    for probe in probes:
-        probe.bind(("127.0.0.1", 0))
-    ports: list[int] = [probe.getsockname()[1] for probe in probes]
-    for probe in probes:
-        probe.close()
-    return ports
+from support import PATIENCE_S, DaemonProcess, free_ports
 
 
 class KeyTest(unittest.TestCase):

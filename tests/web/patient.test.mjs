@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The patient screen through a Romberg test with feedback and a session of the reaching task.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
 
-import { alteredProtocol, filesBelow, waitFor } from './support.mjs';
+import { alteredProtocol, filesBelow, replaced, waitFor } from './support.mjs';
 import { Bench, by, fixed, remember, rememberedOf, textOf } from './support_browser.mjs';
 
 const shortRomberg = { 'blocks = 2': 'blocks = 1', 'settle_s = 5 ': 'settle_s = 2 ', 'duration_s = 30 ': 'duration_s = 4 ' };
@@ -14,6 +14,7 @@ const subject = { sex: 'female', age_years: 52, weight_kg: 70, height_cm: 175, s
 const fields = Object.entries(subject).flatMap(([name, value]) => ['--field', `${name}=${value}`]);
 const [high, low] = [880, 440];
 const minutesMs = 240_000;
+const standsAt = { mlMm: 34, apMm: -28 }; // from the middle of the plate: beyond the edge of the picture, and still near enough for the measurement
 
 /** Records the frequency of every tone that a page plays. */
 const recordTones = () => {
@@ -25,14 +26,22 @@ const recordTones = () => {
   };
 };
 
-/** Returns whether the canvas has a vermillion dot (#d55e00), which is the centre of pressure. */
-const hasDot = (page) =>
+/** Returns where the vermillion dot (#d55e00) is, which is the centre of pressure: in halves of the picture from its middle. Undefined without a dot. */
+const dotOf = (page) =>
   by(page, 'patient-target').evaluate((canvas) => {
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    let count = 0;
-    for (let at = 0; at < data.length; at += 4) count += data[at] > 190 && data[at + 1] < 120 && data[at + 2] < 40 && data[at + 3] > 200 ? 1 : 0;
-    return count > 20;
+    const { width, height } = canvas;
+    const { data } = canvas.getContext('2d').getImageData(0, 0, width, height);
+    let [count, x, y] = [0, 0, 0];
+    for (let at = 0; at < data.length; at += 4) {
+      if (!(data[at] > 190 && data[at + 1] < 120 && data[at + 2] < 40 && data[at + 3] > 200)) continue;
+      count += 1;
+      x += (at / 4) % width;
+      y += Math.floor(at / 4 / width);
+    }
+    const half = Math.min(width, height) / 2;
+    return count > 20 ? { x: (x / count - width / 2) / half, y: (height / 2 - y / count) / half } : undefined;
   });
+const hasDot = async (page) => (await dotOf(page)) !== undefined;
 
 const isState = (page, state) => by(page, 'patient').and(page.locator(`[data-state="${state}"]`));
 
@@ -46,8 +55,15 @@ describe('the patient screen', () => {
     const protocols = (folder) => {
       alteredProtocol(folder, 'romberg-feedback', shortRomberg);
       alteredProtocol(folder, 'reaching-short', shortReaching);
+      const endless = replaced(readFileSync(path.join(folder, 'romberg-feedback.toml'), 'utf8'), {
+        'name = "romberg-feedback"': 'name = "endless"',
+        'order = "as-listed"': 'order = "as-listed" # each trial until `next`',
+        'duration_s = 4 ': 'duration_s = 0 ',
+      });
+      writeFileSync(path.join(folder, 'endless.toml'), endless);
     };
-    bench = await Bench.opened({ daemon: { devices: { 'sim:chair?seed=5': 'sim:chair?seed=5&reaches=cued' }, protocols } });
+    const devices = { 'sim:floor?seed=7': `sim:floor?seed=7&x_mm=${standsAt.mlMm}&y_mm=${standsAt.apMm}`, 'sim:chair?seed=5': 'sim:chair?seed=5&reaches=cued' };
+    bench = await Bench.opened({ daemon: { devices, protocols } });
     ({ daemon, gateway, tabs } = bench);
     await tabs.context.addInitScript(recordTones);
   });
@@ -137,6 +153,48 @@ describe('the patient screen', () => {
     assert.deepEqual(await late.evaluate(() => window.tones), [], 'nobody has pressed');
     await late.close();
     await daemon.ctl('session', 'stop', '--rig', 'floor');
+  });
+
+  test('the middle of the feedback is where the person stands, and no gap moves it', { timeout: 600_000 }, async () => {
+    const watch = daemon.watch('floor/cop', 'floor/trial');
+    await page.bringToFront();
+    await remember(page, 'patient-target', 'aria-label');
+    await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'endless', '--subject', 'P31');
+    await startTrial('floor'); // without feedback
+    await isState(page, 'measure').waitFor();
+    await startTrial('floor'); // ends it
+    await isState(page, 'rest').waitFor();
+    await startTrial('floor');
+    const middleOf = () => by(page, 'patient-target').evaluate(({ dataset }) => [dataset.mlMm, dataset.apMm]);
+    const assertInTheMiddle = async () => {
+      const dot = await waitFor(() => dotOf(page), 'the dot is shown');
+      assert.ok(Math.hypot(dot.x, dot.y) < 0.5, `a person who stands still is in the middle: ${JSON.stringify(dot)}`);
+    };
+    await isState(page, 'measure').waitFor();
+    await assertInTheMiddle();
+    const labels = (await rememberedOf(page, 'patient-target')).map(({ value }) => value);
+    assert.deepEqual(labels.slice(-2), ['A point to look at', 'Target, and a dot that moves as you sway'], 'no target before its middle is known');
+
+    const middle = await middleOf();
+    const began = watch.seen.find(({ event }) => event?.step === 'measure' && event.trial === 2).first_scan;
+    const scans = watch.seen.filter(({ values }) => values !== undefined).flatMap(({ first_scan: first, values }) => values.map((value, index) => [first + index, value]));
+    const settled = scans.filter(([scan]) => scan >= began - 100 && scan < began).map(([, value]) => value); // 1 s
+    assert.equal(settled.length, 100);
+    for (const [column, shown] of middle.entries()) {
+      const mean = settled.reduce((sum, value) => sum + value[column], 0) / settled.length;
+      assert.ok(Math.abs(Number(shown) - mean) < 0.2, `${shown} mm, recorded ${mean} mm`);
+    }
+    assert.ok(Math.hypot(Number(middle[0]) - standsAt.mlMm, Number(middle[1]) - standsAt.apMm) < 12, `${middle} is where the person stands`);
+
+    await gateway.kill();
+    await isState(page, 'noData').waitFor();
+    await gateway.restart();
+    await isState(page, 'measure').waitFor();
+    await assertInTheMiddle();
+    assert.deepEqual(await middleOf(), middle);
+    await daemon.ctl('session', 'stop', '--rig', 'floor');
+    await isState(page, 'idle').waitFor();
+    await watch.close();
   });
 
   test('a reaching session: Go, and after each reach how much the trunk helped', { timeout: 900_000 }, async () => {

@@ -66,6 +66,8 @@ export class LiveFloor {
 
   /** The measurement of the trial that this tab saw last. */
   #trialSpan = { fromMs: NaN, toMs: NaN };
+  /** The attempt that began to be measured last, in ms of performance.now(). */
+  #measured: { readonly trial: number; readonly attempt: number; readonly fromMs: number } | undefined;
   /** The attempt that the newest event of a trial was about; the status may be a second behind it. */
   #present: { readonly trial: number; readonly attempt: number } | undefined;
   #rateHz = 0;
@@ -95,6 +97,11 @@ export class LiveFloor {
   recall(sway: Sway): void {
     if (this.#present !== undefined && (this.#present.trial !== sway.trial || this.#present.attempt !== sway.attempt)) return;
     this.#addSway(sway, undefined);
+  }
+
+  /** Returns when the measurement of an attempt began, in ms of performance.now(). Undefined if it has not, or if this tab did not see it. */
+  measuredSinceMs(trial: number, attempt: number): number | undefined {
+    return this.#measured?.trial === trial && this.#measured.attempt === attempt ? this.#measured.fromMs : undefined;
   }
 
   #addCop(block: Block): void {
@@ -136,7 +143,7 @@ export class LiveFloor {
         return this.#addTrial(body.value, timeMs);
       case 'session':
         if (body.value.state !== SessionState.STARTING) return;
-        this.#present = undefined;
+        [this.#present, this.#measured] = [undefined, undefined];
         this.#showSway(undefined);
         return;
     }
@@ -144,8 +151,10 @@ export class LiveFloor {
 
   #addTrial({ step: kind, trial, attempt }: TrialChange, timeMs: number): void {
     if (trial > 0) this.#present = { trial, attempt }; // the end of the plan names none
-    if (kind === TrialEventKind.MEASURE) this.#trialSpan = { fromMs: timeMs, toMs: Infinity };
-    else if (kind === TrialEventKind.DONE) this.#trialSpan = { ...this.#trialSpan, toMs: timeMs };
+    if (kind === TrialEventKind.MEASURE) {
+      this.#trialSpan = { fromMs: timeMs, toMs: Infinity };
+      this.#measured = { trial, attempt, fromMs: timeMs };
+    } else if (kind === TrialEventKind.DONE) this.#trialSpan = { ...this.#trialSpan, toMs: timeMs };
     if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.#showSway(undefined);
   }
 

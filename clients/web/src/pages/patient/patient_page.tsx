@@ -17,6 +17,7 @@ import { strings } from '../../strings';
 import { isRunning, targetPercent } from '../chair/examination';
 import { useFollowed } from '../chair/follow';
 import { LiveFloor } from '../floor/live_floor';
+import { FeedbackMiddle } from './feedback_middle';
 import './patient.css';
 import { ReachPicture } from './reach_picture';
 import type { ScreenState } from './screen_state';
@@ -100,7 +101,6 @@ const noDataHint = (link: Link, rig: string): string => {
 };
 
 const hasTarget = new Set<ScreenState>(['wait', 'ready', 'settle', 'measure', 'middle', 'nobody']);
-const hasDot = new Set<ScreenState>(['settle', 'measure']);
 
 interface TaskProps {
   link: Link;
@@ -122,7 +122,11 @@ const FloorScreen = ({ link, status, tones }: TaskProps): JSX.Element => {
     isOffCentre: Math.hypot(mlMm, apMm) > Math.min(plateAMm, plateBMm) / 6,
   });
   const sinceS = useSinceS(link).value;
-  const hasFeedback = trial?.hasFeedback === true && hasDot.has(state);
+  const middle = useMemo(
+    () => (trial?.hasFeedback === true ? new FeedbackMiddle(floor, trial.trial, trial.attempt) : undefined),
+    [floor, session?.sessionId, trial?.trial, trial?.attempt, trial?.hasFeedback],
+  );
+  const hasFeedback = middle !== undefined && state === 'measure';
   const hint =
     state === 'noData'
       ? noDataHint(link, name)
@@ -133,7 +137,9 @@ const FloorScreen = ({ link, status, tones }: TaskProps): JSX.Element => {
           : undefined;
   return (
     <Screen tones={tones} kind="floor" state={state} what={whatOf(state, status)} {...(hint === undefined ? {} : { hint })}>
-      {hasTarget.has(state) && <TargetPicture key={`${trial?.trial}.${trial?.attempt}`} link={link} floor={floor} hasFeedback={hasFeedback} />}
+      {hasTarget.has(state) && (
+        <TargetPicture key={`${trial?.trial}.${trial?.attempt}`} link={link} floor={floor} middle={middle} hasFeedback={hasFeedback} />
+      )}
     </Screen>
   );
 };

@@ -1,46 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// The target of a person who stands: rings that never move, and with feedback a dot for the centre of pressure.
+// The target of a person who stands: rings that never move, and with feedback a dot for the centre of pressure. In a trial with feedback the rings
+// appear with the dot: before, their middle is not known.
 import type { JSX } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 
 import type { Link } from '../../link/types';
 import type { Colours, Surface } from '../../parts/canvas';
 import { colours, openSurface } from '../../parts/canvas';
-import type { ScanRing } from '../../parts/scan_ring';
 import { strings } from '../../strings';
 import type { LiveFloor } from '../floor/live_floor';
 import { ap, ml } from '../floor/live_floor';
+import type { FeedbackMiddle, Place } from './feedback_middle';
 
-export interface Place {
-  readonly mlMm: number;
-  readonly apMm: number;
-}
-
-const meanOverMs = 3000;
-const fewestMs = 1000;
 const halfMm = 30; // from the middle of the picture to its edge: quiet sway stays within it
 const ringsMm = [10, 25] as const;
 const staleMs = 500; // an older dot would look alive
-
-/**
- * Returns the mean place of the last 3 s: the middle of the target. A person does not stand exactly in the middle of the plate, and a target there
- * would ask to lean. Nothing while there is less than 1 s of a person on the plate.
- */
-export const meanPlace = (ring: ScanRing): Place | undefined => {
-  let [mlSum, apSum, count, firstMs] = [0, 0, 0, NaN];
-  for (let index = ring.indexAt(ring.newestMs - meanOverMs); index < ring.length; index += 1) {
-    const [mlMm, apMm] = [ring.value(ml, index), ring.value(ap, index)];
-    if (Number.isNaN(mlMm) || Number.isNaN(apMm)) {
-      [mlSum, apSum, count, firstMs] = [0, 0, 0, NaN]; // a gap, or the person stepped on here
-      continue;
-    }
-    if (count === 0) firstMs = ring.timeMs(index);
-    mlSum += mlMm;
-    apSum += apMm;
-    count += 1;
-  }
-  return ring.newestMs - firstMs >= fewestMs ? { mlMm: mlSum / count, apMm: apSum / count } : undefined;
-};
 
 /** Returns where the dot is, in halves of the picture from its middle: right and front are positive. Beyond the edge it stays on the edge. */
 export const dotPlace = (now: Place, middle: Place): { readonly x: number; readonly y: number; readonly isBeyond: boolean } => {
@@ -55,18 +29,21 @@ const circle = (context: CanvasRenderingContext2D, x: number, y: number, radius:
   context.arc(x, y, radius, 0, 2 * Math.PI);
 };
 
-const drawTarget = ({ context, width, height }: Surface, present: Colours): void => {
-  const half = Math.min(width, height) / 2;
+const drawPoint = ({ context, width, height }: Surface, present: Colours): void => {
   context.clearRect(0, 0, width, height);
+  context.fillStyle = present.blue;
+  circle(context, width / 2, height / 2, Math.min(width, height) / 50);
+  context.fill();
+};
+
+const drawRings = ({ context, width, height }: Surface, present: Colours): void => {
+  const half = Math.min(width, height) / 2;
   context.strokeStyle = present.line;
   context.lineWidth = half / 60;
   for (const mm of ringsMm) {
     circle(context, width / 2, height / 2, (mm / halfMm) * half);
     context.stroke();
   }
-  context.fillStyle = present.blue;
-  circle(context, width / 2, height / 2, half / 25);
-  context.fill();
 };
 
 const drawDot = ({ context, width, height }: Surface, place: ReturnType<typeof dotPlace>, present: Colours): void => {
@@ -79,31 +56,37 @@ const drawDot = ({ context, width, height }: Surface, place: ReturnType<typeof d
   else context.fill();
 };
 
-/** Draws until it is released; calls `hasFeedback` for every frame. */
-const openPicture = (canvas: HTMLCanvasElement, link: Link, floor: LiveFloor, hasFeedback: () => boolean): (() => void) => {
-  let middle: Place | undefined;
-  let isDotShown = false;
-  let shownColours: Colours | undefined;
+interface Wanted {
+  readonly middle: FeedbackMiddle | undefined; // of a trial with feedback
+  readonly hasFeedback: boolean; // now
+}
+
+/** Draws until it is released; calls `wanted` for every frame. */
+const openPicture = (canvas: HTMLCanvasElement, link: Link, floor: LiveFloor, wanted: () => Wanted): (() => void) => {
+  let shown: { readonly isDot: boolean; readonly hasRings: boolean; readonly colours: Colours } | undefined;
   const surface = openSurface(canvas, () => {
-    shownColours = undefined;
+    shown = undefined;
     paint(performance.now());
   });
-  const dotNow = (nowMs: number): ReturnType<typeof dotPlace> | undefined => {
+  const dotNow = (nowMs: number, middle: Place | undefined): ReturnType<typeof dotPlace> | undefined => {
     const { ring } = floor;
-    if (!hasFeedback() || ring === undefined || ring.length === 0 || nowMs - floor.newestMs > staleMs) return undefined;
-    middle ??= meanPlace(ring); // fixed from then on: a target that moves would ask to follow it
+    if (middle === undefined || ring === undefined || ring.length === 0 || nowMs - floor.newestMs > staleMs) return undefined;
     const now = { mlMm: ring.value(ml, ring.length - 1), apMm: ring.value(ap, ring.length - 1) };
-    return middle === undefined || Number.isNaN(now.mlMm) || Number.isNaN(now.apMm) ? undefined : dotPlace(now, middle);
+    return Number.isNaN(now.mlMm) || Number.isNaN(now.apMm) ? undefined : dotPlace(now, middle);
   };
   const paint = (nowMs: number): void => {
     if (surface.width === 0 || surface.height === 0) return;
     const present = colours().peek();
-    const dot = dotNow(nowMs);
-    if (dot === undefined && !isDotShown && shownColours === present) return; // the target never changes
-    drawTarget(surface, present);
+    const { middle, hasFeedback } = wanted();
+    const place = hasFeedback ? middle?.whileMeasured() : undefined;
+    const dot = dotNow(nowMs, place);
+    const hasRings = middle === undefined || place !== undefined;
+    if (dot === undefined && shown?.isDot === false && shown.hasRings === hasRings && shown.colours === present) return; // nothing moves
+    drawPoint(surface, present);
+    if (hasRings) drawRings(surface, present);
     if (dot !== undefined) drawDot(surface, dot, present);
-    isDotShown = dot !== undefined;
-    shownColours = present;
+    shown = { isDot: dot !== undefined, hasRings, colours: present };
+    if (place !== undefined) [canvas.dataset['mlMm'], canvas.dataset['apMm']] = [place.mlMm.toFixed(3), place.apMm.toFixed(3)];
   };
   const stop = link.onPaint(paint);
   return () => {
@@ -112,11 +95,11 @@ const openPicture = (canvas: HTMLCanvasElement, link: Link, floor: LiveFloor, ha
   };
 };
 
-/** Shows the target. With feedback, the dot of one trial has one middle: give each trial a picture of its own (`key`). */
-export const TargetPicture = ({ link, floor, hasFeedback }: { link: Link; floor: LiveFloor; hasFeedback: boolean }): JSX.Element => {
+/** Shows the target; with `hasFeedback` around `middle`, with the dot. The middle in mm is in data-ml-mm and data-ap-mm: give each trial a picture of its own (`key`). */
+export const TargetPicture = ({ link, floor, middle, hasFeedback }: { link: Link; floor: LiveFloor } & Wanted): JSX.Element => {
   const canvas = useRef<HTMLCanvasElement>(null);
-  const wanted = useRef(hasFeedback);
-  wanted.current = hasFeedback;
+  const wanted = useRef<Wanted>({ middle, hasFeedback });
+  wanted.current = { middle, hasFeedback };
   useEffect(() => openPicture(canvas.current!, link, floor, () => wanted.current), [link, floor]);
   const { picture } = strings.patient;
   return (
@@ -124,7 +107,7 @@ export const TargetPicture = ({ link, floor, hasFeedback }: { link: Link; floor:
       ref={canvas}
       class="patient-target"
       role="img"
-      aria-label={hasFeedback ? picture.feedback : picture.target}
+      aria-label={hasFeedback ? picture.feedback : middle === undefined ? picture.target : picture.point}
       data-testid="patient-target"
       data-feedback={hasFeedback}
     />

@@ -40,6 +40,7 @@ export const patient: typeof english = {
   seconds: (seconds) => `${seconds} s`,
   next: (condition) => `Als Nächstes: ${condition}`,
   picture: {
+    point: 'Ein Punkt zum Anschauen',
     target: 'Ziel',
     feedback: 'Ziel, und ein Punkt, der sich mit dem Schwanken bewegt',
     reach: 'Eine Person, die zu einem Ziel greift',

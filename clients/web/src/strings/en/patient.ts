@@ -38,6 +38,7 @@ export const patient = {
   seconds: (seconds: string) => `${seconds} s`,
   next: (condition: string) => `Next: ${condition}`,
   picture: {
+    point: 'A point to look at',
     target: 'Target',
     feedback: 'Target, and a dot that moves as you sway',
     reach: 'A person who reaches for a target',

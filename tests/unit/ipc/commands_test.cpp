@@ -152,7 +152,8 @@ TEST_F(CommandsTest, ASubjectWithAFileIsShownUntilItIsErased) {
   const std::string left = folder_ / "sessions" / "subjects" / "P9.json.new";  // a crash left the first note of a subject unfinished
   std::ofstream(left) << "{";
   EXPECT_NE(ask("list_subjects {}").find("P9"), std::string::npos);
-  EXPECT_NE(ask("show_subject { subject: 'P9' }").find("subject: \"P9\""), std::string::npos);
+  const std::string shown = ask("show_subject { subject: 'P9' }");
+  EXPECT_NE(shown.find("subject: \"P9\""), std::string::npos) << shown;
   EXPECT_NE(ask("show_subject { subject: 'P8' }").find("NOT_FOUND"), std::string::npos);
   ASSERT_NE(ask("erase_subject { subject: 'P9' }").find("erased { "), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(left));

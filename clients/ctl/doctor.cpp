@@ -40,6 +40,30 @@ bool has_notice_about(const v1::StatusSnapshot& status, std::string_view word) {
   return std::ranges::any_of(status.notices(), [&](const std::string& notice) { return notice.find(word) != std::string::npos; });
 }
 
+/// Returns a notice that begins with these words; it lives as long as the status.
+std::optional<std::string_view> notice_that_begins(const v1::StatusSnapshot& status, std::string_view words) {
+  const auto found = std::ranges::find_if(status.notices(), [&](const std::string& notice) { return notice.starts_with(words); });
+  if (found == status.notices().end()) return std::nullopt;
+  return *found;
+}
+
+/// Divides a notice of the daemon into what is wrong and what to do.
+std::pair<std::string, std::string> finding_and_fix(std::string_view notice) {
+  const std::size_t end = notice.find("; ");
+  if (end == std::string_view::npos) return {std::string(notice), {}};
+  return {std::string(notice.substr(0, end)), std::string(notice.substr(end + 2))};
+}
+
+/// Returns the date in a calibration's ID, "cop-20260131T120000Z-1a2b3c4d": 2026-01-31; empty: it has none.
+std::string date_of_calibration(std::string_view id) {
+  constexpr std::string_view kBegin = "cop-";
+  constexpr std::size_t kDigits = 8;
+  if (!id.starts_with(kBegin)) return {};
+  const std::string date(id.substr(kBegin.size(), kDigits));
+  if (date.size() < kDigits || date.find_first_not_of("0123456789") != std::string::npos) return {};
+  return date.substr(0, 4) + "-" + date.substr(4, 2) + "-" + date.substr(6, 2);
+}
+
 Check check_rate(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " rate";
   const double nominal = rig.nominal_rate_hz();
@@ -119,7 +143,18 @@ Check check_data(const Target& where, const v1::StatusSnapshot& status, millisec
              "restart dtsd; read journalctl -u dtsd");
 }
 
-Check check_clock(const SystemFacts& facts) {
+Check check_wall_clock(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
+  const std::string name = "clock";
+  if (const auto late = status ? notice_that_begins(*status, "the clock of this machine says") : std::nullopt) {
+    const auto [finding, fix] = finding_and_fix(*late);
+    return bad(name, finding, fix);
+  }
+  if (facts.is_clock_set) return good(name, "synchronised");
+  return note(name, "not synchronised, so date and order of visits are those of this machine alone",
+              "turn on time synchronisation: timedatectl set-ntp true; without a network, compare the time with a watch");
+}
+
+Check check_clock_source(const SystemFacts& facts) {
   const std::string name = "clock source";
   const std::string finding = facts.clock_source.empty() ? "unknown" : facts.clock_source;
   // Other clock sources need a microsecond or more per reading (values from users of hpet and acpi_pm, not measured here).
@@ -165,7 +200,10 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
   }
   checks.push_back(good("daemon", "dtsd " + status->version() + " answers, up " + cli::duration(status->uptime_s())));
   checks.push_back(check_version(status->version()));
-  for (const v1::RigStatus& rig : status->rigs()) std::ranges::move(check_rig(rig), std::back_inserter(checks));
+  for (const v1::RigStatus& rig : status->rigs()) {
+    std::ranges::move(check_rig(rig), std::back_inserter(checks));
+    if (auto calibration = check_calibration(*status, rig.rig())) checks.push_back(std::move(*calibration));
+  }
   if (status->rigs_size() == 0) checks.push_back(bad("rigs", "no rig is configured", "add a [[rig]] to the daemon's configuration"));
   std::ranges::move(check_disk(status->disk()), std::back_inserter(checks));
   v1::ListSessionsRequest newest;
@@ -206,6 +244,19 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
                          "clear the chair, then tare it: dtsctl tare --rig " + rig.rig().name()));
   }
   return checks;
+}
+
+std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v1::RigInfo& rig) {
+  if (rig.calibration().empty()) return std::nullopt;
+  const std::string name = rig.name() + " calibration";
+  if (const auto doubt = notice_that_begins(status, "rig '" + rig.name() + "': the calibration ")) {
+    const auto [finding, fix] = finding_and_fix(*doubt);
+    // Units of one model differ little; a calibration by `dtslab` knows no DAQ.
+    const bool is_likely_good = finding.ends_with("another unit of the same model") || finding.find("names no DAQ") != std::string::npos;
+    return is_likely_good ? note(name, finding, fix) : bad(name, finding, fix);
+  }
+  const std::string date = date_of_calibration(rig.calibration());
+  return good(name, rig.calibration() + (date.empty() ? "" : ", of " + date));
 }
 
 Check check_network(const v1::StatusSnapshot& status) {
@@ -255,7 +306,8 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
         note("locked memory", status ? "the system denied locked memory to the daemon" : lockable,
              "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
-  checks.push_back(check_clock(facts));
+  checks.push_back(check_wall_clock(facts, status));
+  checks.push_back(check_clock_source(facts));
   return checks;
 }
 

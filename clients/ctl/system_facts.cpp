@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <sys/timex.h>
 
 #include <fstream>
 #include <thread>
@@ -22,6 +23,12 @@ bool try_fifo() {
   return is_allowed;
 }
 
+/// Reads the kernel's state without changing it: no right is needed.
+bool is_clock_synchronised() {
+  timex state{};
+  return ::adjtimex(&state) < 0 || (state.status & STA_UNSYNC) == 0;
+}
+
 }  // namespace
 
 SystemFacts gather_system_facts() {
@@ -30,6 +37,7 @@ SystemFacts gather_system_facts() {
   facts.lockable_bytes = core::lockable_bytes();
   std::ifstream file("/sys/devices/system/clocksource/clocksource0/current_clocksource");
   std::getline(file, facts.clock_source);
+  facts.is_clock_set = is_clock_synchronised();
   return facts;
 }
 

@@ -55,6 +55,26 @@ session::StorageConfig read_storage(files::TomlReader reader) {
   return storage;
 }
 
+/// Returns the text of a hint; reports one that is too long or has characters that are not visible.
+std::string read_hint(files::TomlReader& reader, const char* key, std::string_view otherwise) {
+  std::string hint = reader.text(key, otherwise);
+  if (auto plain = session::check_plain_text(key, hint, files::kLongestText); !plain) reader.report(key, plain.error().what);
+  return hint;
+}
+
+/// Reads the clinic's rule for subject IDs; by default there is none.
+void read_subject_rule(files::TomlReader& reader, session::LabelRule& rule) {
+  rule.subject_hint = read_hint(reader, "subject_hint", session::kGeneralSubjectHint);
+  const std::string given = reader.text("subject_pattern", "");
+  if (!reader.has("subject_pattern")) {
+    if (reader.has("subject_hint")) reader.report("subject_hint", "subject_hint explains subject_pattern, which is missing");
+    return;
+  }
+  auto pattern = core::TextPattern::compile(given);
+  if (!pattern) return reader.report("subject_pattern", pattern.error().what);
+  rule.subject_pattern = std::move(*pattern);
+}
+
 /// Reads [privacy]. A clinic that sets a rule of its own also says what it allows; else the general sentence is the hint.
 session::LabelRule read_privacy(files::TomlReader reader) {
   session::LabelRule rule;
@@ -65,10 +85,8 @@ session::LabelRule read_privacy(files::TomlReader reader) {
     reader.report("label_pattern", pattern.error().what);
   }
   const bool is_default = !reader.has("label_pattern");
-  rule.hint = reader.text("label_hint", is_default ? session::kDefaultLabelHint : session::kGeneralLabelHint);
-  if (auto plain = session::check_plain_text("label_hint", rule.hint, files::kLongestText); !plain) {
-    reader.report("label_hint", plain.error().what);
-  }
+  rule.hint = read_hint(reader, "label_hint", is_default ? session::kDefaultLabelHint : session::kGeneralLabelHint);
+  read_subject_rule(reader, rule);
   reader.finish();
   return rule;
 }

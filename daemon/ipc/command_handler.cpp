@@ -121,6 +121,7 @@ dts::v1::StatusSnapshot CommandHandler::status() {
   for (const session::Rig* rig : supervisor_.rigs()) {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }
+  for (const std::string& warning : supervisor_.warnings()) out.add_notices(warning);
   out.set_rejected_requests_total(rejected_total_);
   out.set_has_network(keys_.has_network());
   out.set_erasures_total(supervisor_.recordings().erasures());

@@ -57,7 +57,7 @@ dts::v1::Response CommandHandler::list_subjects() {
   auto& out = *response.mutable_subjects();
   auto listed = *subjects;
   for (const std::string& id : *noted) {  // a planned subject whose sessions were given another ID is not lost
-    const bool is_listed = std::ranges::find(*subjects, id, &record::SubjectRow::subject) != subjects->end();
+    const bool is_listed = std::ranges::binary_search(*subjects, id, {}, &record::SubjectRow::subject);
     if (!is_listed && listed.size() < kMostSubjects && *all == subjects->size()) listed.push_back({.subject = id});
   }
   std::ranges::sort(listed, {}, &record::SubjectRow::subject);
@@ -74,7 +74,11 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
   if (!mentioning) return error_response(mentioning.error());
   const auto notes = recordings.subject_notes(request.subject());
   if (!notes) return error_response(notes.error());
-  if (request.subject().empty() || (found->empty() && mentioning->sessions.empty() && notes->is_empty())) {
+  // A file without entries, or one that a crash left unfinished, is listed and can be erased, so it is shown too.
+  const auto noted = recordings.subjects_with_notes();
+  if (!noted) return error_response(noted.error());
+  const bool has_file = std::ranges::binary_search(*noted, request.subject());
+  if (request.subject().empty() || (found->empty() && mentioning->sessions.empty() && !has_file)) {
     return error_response({ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list"});
   }
   const auto rows = recordings.catalogue().sessions({.subject = request.subject(), .limit = kMostSessions, .shown = record::Shown::Both});

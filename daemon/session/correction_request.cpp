@@ -132,6 +132,8 @@ core::Result<std::vector<Correction>> corrections_for(const record::SessionRow& 
                                                       const LabelRule& rule) {
   DTS_TRY(check_reason(request.reason, rule));
   if (request.subject) DTS_TRY(check({.subject = *request.subject, .label = {}}));
+  // An unchanged ID may be older than the rule.
+  if (request.subject && *request.subject != session.subject) DTS_TRY(check_subject(rule, *request.subject));
   if (request.label) DTS_TRY(check_label(rule, "label", *request.label));
   if (request.notes) DTS_TRY(check_sentences(rule, "text of the notes", *request.notes, kLongestNotes));
   std::vector<Correction> corrections;

@@ -49,4 +49,10 @@ core::Status check_sentences(const LabelRule& rule, const std::string& what, con
   return {};
 }
 
+core::Status check_subject(const LabelRule& rule, const std::string& subject) {
+  if (subject.empty() || !rule.subject_pattern || rule.subject_pattern->matches(subject)) return {};
+  return core::fail(core::ErrorCode::InvalidArgument, "the subject ID does not follow this clinic's rule for subject IDs",
+                    rule.subject_hint);
+}
+
 }  // namespace dts::session

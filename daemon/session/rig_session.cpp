@@ -154,6 +154,7 @@ void RigSession::set_rig(record::SessionFacts& facts) const {
 core::Status RigSession::start(const std::string& id, const SessionRequest& request, const std::vector<RigSession*>& companions,
                                const Moment& moment) {
   DTS_TRY(check(request));
+  DTS_TRY(check_subject(services_.label_rule, request.subject));
   DTS_TRY(check_label(services_.label_rule, "label", request.label));
   DTS_TRY_ASSIGN(const auto protocol, find_protocol(request.protocol));
   if (const std::string& kind = protocol->rig_kind; !kind.empty() && kind != rig_.config().kind) {

@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "core/suggest.h"
+#include "core/utc_text.h"
 #include "device/registry.h"
+#include "session/calibration_check.h"
 #include "session/device_state_name.h"
 #include "session/session_events.h"
 
@@ -22,6 +24,9 @@ constexpr std::size_t kLongestMark = 200;
 constexpr std::int64_t kOldestMarkNs = 5 * core::kNanosecondsPerSecond;  // before now: marker programs need time, too
 constexpr std::int64_t kNewestMarkNs = core::kNanosecondsPerSecond;      // after now: clocks of two machines differ
 constexpr std::chrono::seconds kCloseLimit{10};                          // if the disk hangs longer, the next start recovers the recordings
+
+constexpr std::int64_t kClockToleranceNs = 60 * core::kNanosecondsPerSecond;  // NTP may set a clock back by seconds
+constexpr std::size_t kUtcMinutes = 16;                                       // "2026-11-21T14:45"
 
 }  // namespace
 
@@ -36,6 +41,7 @@ core::Status Supervisor::add(std::unique_ptr<Rig> rig) {
 
 void Supervisor::start() {
   services_.recordings.start();
+  find_newest_session();
   for (auto& [rig_name, entry] : entries_) {
     entry.rig->start(log_);
     log_.info("rig '" + rig_name + "': " + entry.rig->device().model + " (" + entry.rig->config().device_uri + ")");
@@ -88,6 +94,30 @@ core::Result<Supervisor::Entry*> Supervisor::find(const std::string& name) {
   std::vector<std::string> known;
   for (const auto& [rig_name, entry] : entries_) known.push_back(rig_name);
   return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", core::known_words_hint(name, known));
+}
+
+std::vector<std::string> Supervisor::warnings() const {
+  std::vector<std::string> warnings;
+  if (std::string warning = clock_warning(); !warning.empty()) warnings.push_back(std::move(warning));
+  for (const auto& [rig_name, entry] : entries_) {
+    if (!entry.calibration_warning.empty()) warnings.push_back(entry.calibration_warning);
+  }
+  return warnings;
+}
+
+void Supervisor::find_newest_session() {
+  const auto newest = services_.recordings.catalogue().sessions({.limit = 1});
+  const bool has_session = newest && !newest->empty();
+  newest_session_ = has_session ? newest->front().id : "";
+  newest_started_utc_ns_ = has_session ? newest->front().started_utc_ns : 0;
+}
+
+std::string Supervisor::clock_warning() const {
+  const std::int64_t now_utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();
+  if (newest_session_.empty() || newest_started_utc_ns_ <= now_utc_ns + kClockToleranceNs) return {};
+  return "the clock of this machine says " + core::utc_text(now_utc_ns).substr(0, kUtcMinutes) + " UTC, and session " + newest_session_ +
+         " began later, at " + core::utc_text(newest_started_utc_ns_).substr(0, kUtcMinutes) +
+         " UTC: visits would be in the wrong order; set the clock (timedatectl), or delete that session if its date is the wrong one";
 }
 
 std::string Supervisor::new_session_id(const std::string& rig) {
@@ -163,8 +193,12 @@ core::Result<SessionView> Supervisor::start_session(const std::string& rig, cons
   DTS_TRY_ASSIGN(const auto entries, find_all(names));
   DTS_TRY(check_startable(entries));
   Entry& leading = *entries.front();
+  if (const std::string warning = clock_warning(); !warning.empty()) log_.warning(warning);
   auto started = leading.session.start(new_session_id(rig), request, companions_in(entries), moment(leading));
-  if (started) ++sessions_started_;
+  if (started) {
+    ++sessions_started_;
+    find_newest_session();
+  }
   return begun(entries, started);
 }
 
@@ -359,6 +393,7 @@ void Supervisor::collect_session_changes(Entry& entry) {
 
 void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& report) {
   if (report.device == entry.reported_state && report.text() == entry.reported_message) return;
+  if (report.device == device::DeviceState::Streaming && entry.reported_state != report.device) check_calibration(entry);
   entry.reported_state = report.device;
   entry.reported_message = report.text();
   const std::string line = "rig '" + entry.rig->config().name + "': device " + std::string(name(report.device)) +
@@ -371,6 +406,14 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
   const v1::Event event = device_event(report.device, entry.rig->config().device_uri, entry.reported_message);
   report_event(entry.rig->config().name, position_of(*entry.rig), event);
   entry.session.note(event, position_of(*entry.rig));
+}
+
+/// Another unit may have been plugged in while the device was away.
+void Supervisor::check_calibration(Entry& entry) {
+  std::string warning = calibration_warning(entry.rig->config(), entry.rig->device(), entry.rig->device_report().serial);
+  if (warning == entry.calibration_warning) return;
+  if (!warning.empty()) log_.warning(warning);
+  entry.calibration_warning = std::move(warning);
 }
 
 void Supervisor::measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns) {

@@ -73,6 +73,9 @@ class Supervisor {
 
   [[nodiscard]] std::vector<RigState> states();
   [[nodiscard]] std::vector<Rig*> rigs();
+  /// Returns what can make results wrong although everything runs, each with what to do: a calibration that was measured with another
+  /// device, and a wall clock that is behind the newest session.
+  [[nodiscard]] std::vector<std::string> warnings() const;
   /// Starts a session on a rig, and on `companions`: see RigSession. If a rig cannot start, none does.
   [[nodiscard]] core::Result<SessionView> start_session(const std::string& rig, const SessionRequest& request,
                                                         const std::vector<std::string>& companions = {});
@@ -141,6 +144,7 @@ class Supervisor {
     RigSession session;
     device::DeviceState reported_state = device::DeviceState::Closed;
     std::string reported_message{};
+    std::string calibration_warning{};  ///< See `session::calibration_warning`, of the unit that streamed last.
     std::uint64_t reported_gaps = 0;
     bool has_pulse_due = false;      ///< A sync pulse follows: at the first scan of a session, and at `next_pulse_ns` in a pulse train.
     bool has_pulse_failed = false;   ///< The newest sync pulse could not be sent, and this was reported.
@@ -170,6 +174,11 @@ class Supervisor {
   void begin_sync_pulse(Entry& entry, std::int64_t now_ns);
   void end_sync_pulse(Entry& entry, std::int64_t now_ns);
   void notice_device_change(Entry& entry, const AcquisitionReport& report);
+  void check_calibration(Entry& entry);
+  /// Reads the newest session of the catalogue, for `clock_warning`.
+  void find_newest_session();
+  /// Returns a warning if the wall clock is earlier than the begin of the newest session; else nothing.
+  [[nodiscard]] std::string clock_warning() const;
   void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
   [[nodiscard]] std::string new_session_id(const std::string& rig);
   [[nodiscard]] static core::Status check_startable(Entry& entry);
@@ -186,6 +195,8 @@ class Supervisor {
   std::map<std::string, Entry, std::less<>> entries_;
   std::vector<Notice> notices_;
   std::uint32_t sessions_started_ = 0;
+  std::string newest_session_;  ///< Its ID; empty: the catalogue has none.
+  std::int64_t newest_started_utc_ns_ = 0;
   std::vector<std::string> resumable_;
   std::int64_t resume_until_ns_ = 0;
   std::int64_t next_resume_ns_ = 0;

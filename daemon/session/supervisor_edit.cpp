@@ -38,6 +38,7 @@ core::Result<record::SessionRow> Supervisor::corrected_session(const record::Ses
   for (record::Correction& correction : corrections) correction.who = who;
   DTS_TRY(services_.recordings.correct(session, std::move(corrections)));
   DTS_TRY_ASSIGN(auto changed, services_.recordings.catalogue().session(session.id));
+  find_newest_session();                      // perhaps a session with a wrong date was deleted
   for (auto& [rig_name, entry] : entries_) {  // its rigs show it until their next session
     entry.session.revise(changed, moment(entry));
     collect_session_changes(entry);
@@ -49,7 +50,8 @@ core::Status Supervisor::edit_subject(const SubjectEdit& edit, const std::string
   Recordings& recordings = services_.recordings;
   DTS_TRY_ASSIGN(auto notes, recordings.subject_notes(edit.subject));
   DTS_TRY_ASSIGN(const auto found, recordings.catalogue().subjects({.subject = edit.subject, .limit = 1}));
-  if (edit.subject.empty() || (found.empty() && notes.is_empty())) {
+  DTS_TRY_ASSIGN(const auto noted, recordings.subjects_with_notes());
+  if (edit.subject.empty() || (found.empty() && !std::ranges::binary_search(noted, edit.subject))) {
     return core::fail(core::ErrorCode::NotFound, "no session has this subject ID", "see dtsctl subject list");
   }
   const EditAuthor author{.who = who, .utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns()};

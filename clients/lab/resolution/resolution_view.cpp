@@ -45,8 +45,29 @@ const std::vector<std::string>& notes() {
       "A limit of detection (Currie 1968): mean of N reaches minus the mean of N reaches with the arm alone, same person, same target. 5 % "
       "of the differences without movement are above the decision threshold, and 95 % of those at the limit. One of three measures is "
       "enough: rise, ratio, dip.",
-      "In brackets the 95 % interval of a repeated study: of a person over the reaches, of the median over the people."};
+      "In brackets the 95 % interval of a repeated study: of a person over the reaches, of the median over the people. One person: no "
+      "interval of the median."};
   return all;
+}
+
+/// One person has no spread over people, so the median has no interval.
+bool has_interval(const Setup& setup) { return setup.people.size() > 1; }
+
+std::string median_text(const Setup& setup, std::size_t reaches) {
+  const LimitInterval& median = setup.medians[kAny][reaches];
+  return has_interval(setup) ? text_of(median) : text_of(median.value);
+}
+
+Json medians_to_json(const Setup& setup) {
+  Json medians = by_measure(setup.medians);
+  if (has_interval(setup)) return medians;
+  for (Json& of_measure : medians) {
+    for (Json& median : of_measure) {
+      median.erase("lowest_deg");
+      median.erase("highest_deg");
+    }
+  }
+  return medians;
 }
 
 std::string heading_of(const Setup& setup) { return decimal(setup.noise_mv, 1) + " mV, " + decimal(setup.rate_hz, 0) + " Hz"; }
@@ -58,9 +79,9 @@ void print_setups(const Resolution& resolution, cli::Console& console) {
   for (const Setup& setup : resolution.setups) {
     table.add({{decimal(setup.noise_mv, 1)},
                {decimal(setup.rate_hz, 0)},
-               {text_of(setup.medians[kAny][0])},
-               {text_of(setup.medians[kAny][1])},
-               {text_of(setup.medians[kAny][2])},
+               {median_text(setup, 0)},
+               {median_text(setup, 1)},
+               {median_text(setup, 2)},
                {text_of(setup.worst_tenth[kAny][0])}});
   }
   table.print(console);
@@ -107,7 +128,7 @@ cli::Json to_json(const Resolution& resolution) {
   Json json{{"is_synthetic", true}, {"seed", resolution.seed}, {"reaches", resolution.reaches}, {"setups", Json::array()}};
   for (const Setup& setup : resolution.setups) {
     Json one{{"noise_mv", setup.noise_mv}, {"rate_hz", setup.rate_hz}};
-    one["median"] = by_measure(setup.medians);
+    one["median"] = medians_to_json(setup);
     one["nine_in_ten"] = by_measure(setup.worst_tenth);
     one["people"] = Json::array();
     for (const PersonResolution& person : setup.people) {

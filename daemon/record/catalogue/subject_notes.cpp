@@ -145,7 +145,7 @@ core::Result<SubjectNotes> read_subject_notes(const std::string& recordings, con
 
 core::Status write_subject_notes(const std::string& recordings, const SubjectNotes& notes) {
   if (!is_subject_id(notes.subject)) return core::fail(ErrorCode::InvalidArgument, "this is no subject ID");
-  if (notes.is_empty()) return remove_subject_notes(recordings, notes.subject);
+  if (notes.is_empty() && notes.next_number == 1) return remove_subject_notes(recordings, notes.subject);
   const std::string folder = notes_folder(recordings);
   if (::mkdir(folder.c_str(), 0750) == 0) {
     synchronise_folder(recordings);

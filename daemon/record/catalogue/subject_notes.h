@@ -36,7 +36,7 @@ struct PlannedSession {
 /// catalogue has a copy.
 struct SubjectNotes {
   std::string subject;
-  std::uint32_t next_number = 1;  ///< Numbers of removed entries are not used again, until the last entry is removed.
+  std::uint32_t next_number = 1;  ///< Numbers of removed entries are not used again.
   std::vector<SubjectNote> notes{};
   std::vector<PlannedSession> plan{};
 
@@ -52,7 +52,8 @@ inline constexpr std::size_t kMostPlanned = 100;
 
 /// Returns what is in the subject's file; nothing without a file. Fails with DataDamaged, naming the file, if it has something else.
 [[nodiscard]] core::Result<SubjectNotes> read_subject_notes(const std::string& recordings, const std::string& subject);
-/// Replaces the file as a whole; removes it if the notes are empty. It is on the disk when this returns. `subject` must be an ID.
+/// Replaces the file as a whole; without entries it still has the next number. Makes no file for notes that never had an entry. The file is
+/// on the disk when this returns. `subject` must be an ID.
 [[nodiscard]] core::Status write_subject_notes(const std::string& recordings, const SubjectNotes& notes);
 /// Removes the file, if there is one, and what a crash left of it.
 [[nodiscard]] core::Status remove_subject_notes(const std::string& recordings, const std::string& subject);

@@ -112,6 +112,25 @@ TEST_F(ConfigFiles, LabelRule_HasADefaultAndIsChecked) {
               Contains(HasSubstr("dtsd.toml:2:17: the pattern has a mistake at character 3: ']' is missing")));
 }
 
+TEST_F(ConfigFiles, SubjectRule_IsOffByDefaultAndIsChecked) {
+  RecordProperty("requirement", "SES-12");
+  const auto rule_of = [this](const std::string& privacy) {
+    auto loaded = load_config(write("dtsd.toml", privacy + kRig));
+    EXPECT_THAT(loaded.problems, IsEmpty());
+    return loaded.config.label_rule;
+  };
+  EXPECT_FALSE(rule_of("").subject_pattern) << "each ID of letters, digits, '_', '.' and '-' is allowed";
+  const session::LabelRule own = rule_of("[privacy]\nsubject_pattern = \"P[0-9]{3}\"\nsubject_hint = \"such as P017\"\n");
+  EXPECT_TRUE(own.subject_pattern->matches("P017"));
+  EXPECT_FALSE(own.subject_pattern->matches("Schmidt"));
+  EXPECT_EQ(own.subject_hint, "such as P017");
+  EXPECT_THAT(rule_of("[privacy]\nsubject_pattern = \"P[0-9]{3}\"\n").subject_hint, HasSubstr("subject_pattern in dtsd.toml"));
+  EXPECT_THAT(problems_of(std::string("[privacy]\nsubject_pattern = \"P[0\"\n") + kRig),
+              Contains(HasSubstr("dtsd.toml:2:19: the pattern has a mistake")));
+  EXPECT_THAT(problems_of(std::string("[privacy]\nsubject_hint = \"such as P017\"\n") + kRig),
+              Contains(HasSubstr("subject_hint explains subject_pattern, which is missing")));
+}
+
 TEST_F(ConfigFiles, ShippedConfigurations_ShowTheDefaultLabelRule) {
   for (const char* name : {"/config/dtsd.toml", "/config/dtsd-clinic.toml"}) {
     std::ifstream stream(std::string(DTS_SOURCE_DIR) + name);

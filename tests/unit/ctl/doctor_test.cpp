@@ -20,7 +20,9 @@ std::string text_of(const std::vector<Check>& checks) {
 }
 
 TEST(DoctorWithoutDaemon, MachineIsJudgedByWhatThisUserMayDo) {
-  const std::string good = "good scheduling: SCHED_FIFO is allowed for this user; \ngood locked memory: no limit; \n";
+  const std::string good =
+      "good scheduling: SCHED_FIFO is allowed for this user; \ngood locked memory: no limit; \n"
+      "good clock: synchronised; \n";
   SystemFacts facts{.may_use_fifo = true, .lockable_bytes = std::numeric_limits<std::uint64_t>::max(), .clock_source = {}};
   for (const std::string source : {"tsc", "hyperv_clocksource_tsc_page", "arch_sys_counter", "kvm-clock"}) {
     facts.clock_source = source;
@@ -32,8 +34,47 @@ TEST(DoctorWithoutDaemon, MachineIsJudgedByWhatThisUserMayDo) {
       "/etc/security/limits.d/dtsd.conf and log in again\n"
       "good locked memory: at most 2 MiB for this user; run dtsd by its systemd unit, or add 'USER - memlock unlimited' to "
       "/etc/security/limits.d/dtsd.conf and log in again\n"
+      "good clock: synchronised; \n"
       "good clock source: unknown; select a faster clock: echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; "
       "if that fails, search dmesg for 'tsc'\n");
+}
+
+TEST(DoctorClock, ThatIsNotSynchronisedIsANote_AndOneBehindTheNewestSessionIsWrong) {
+  RecordProperty("requirement", "REC-14");
+  const auto clock_of = [](const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
+    return text_of({check_system(facts, status).at(2)});
+  };
+  EXPECT_EQ(clock_of({.clock_source = "tsc", .is_clock_set = false}, std::nullopt),
+            "good clock: not synchronised, so date and order of visits are those of this machine alone; turn on time synchronisation: "
+            "timedatectl set-ntp true; without a network, compare the time with a watch\n");
+  v1::StatusSnapshot status;
+  status.add_notices("the clock of this machine says 2020-01-01T00:00 UTC, and session s began later; set the clock (timedatectl), or X");
+  EXPECT_EQ(
+      clock_of({.clock_source = "tsc"}, status),
+      "bad clock: the clock of this machine says 2020-01-01T00:00 UTC, and session s began later; set the clock (timedatectl), or X\n");
+}
+
+TEST(DoctorCalibration, NamesItsDate_AndWhatTheDaemonDoubts) {
+  RecordProperty("requirement", "COP-14");
+  v1::StatusSnapshot status;
+  v1::RigInfo rig;
+  rig.set_name("floor");
+  EXPECT_FALSE(check_calibration(status, rig)) << "the plate's model";
+  for (const auto& [id, date] : {std::pair{"cop-20260131T120000Z-1a2b3c4d", ", of 2026-01-31"}, std::pair{"cop-2026013", ""},
+                                 std::pair{"cop-x0260131T", ""}, std::pair{"mine", ""}}) {
+    rig.set_calibration(id);
+    EXPECT_EQ(text_of({check_calibration(status, rig).value()}), "good floor calibration: " + std::string(id) + date + "; \n");
+  }
+  status.add_notices("rig 'chair': the calibration of 2026-01-31 was measured with A, not with B; calibrate again");
+  EXPECT_TRUE(check_calibration(status, rig)->fix.empty()) << "it is another rig's";
+  status.add_notices("rig 'floor': the calibration of 2026-01-31 was measured with A, not with B; calibrate again");
+  EXPECT_EQ(text_of({check_calibration(status, rig).value()}),
+            "bad floor calibration: rig 'floor': the calibration of 2026-01-31 was measured with A, not with B; calibrate again\n");
+  status.set_notices(1,
+                     "rig 'floor': the calibration of 2026-01-31 was measured with A 1, and the device is 2, another unit of the same "
+                     "model; compare a known weight");
+  EXPECT_TRUE(check_calibration(status, rig)->is_good);
+  EXPECT_EQ(check_calibration(status, rig)->fix, "compare a known weight");
 }
 
 TEST(DoctorRate, ThatIsNoNumber_IsNotKnown) {

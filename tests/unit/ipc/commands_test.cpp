@@ -140,6 +140,26 @@ TEST_F(CommandsTest, APlannedSessionIsDoneByASessionAndAnErasureRemovesNotesAndP
   EXPECT_EQ(message_of<v1::Response>(ask("show_subject { subject: 'P2' }")).subject().notes(0).text(), "Like [erased]");
 }
 
+TEST_F(CommandsTest, ASubjectWithAFileIsShownUntilItIsErased) {
+  start();
+  make_handler();
+  static_cast<void>(record(10, {.subject = "P1"}));
+  ASSERT_TRUE(stop());
+  ASSERT_NE(ask("edit_subject { subject: 'P1' add_note: 'New shoes' }").find("number: 1"), std::string::npos);
+  ASSERT_NE(ask("edit_subject { subject: 'P1' remove_note: 1 }").find("subject {"), std::string::npos);
+  EXPECT_NE(ask("edit_subject { subject: 'P1' add_note: 'Tired' }").find("number: 2"), std::string::npos) << "1 was used";
+
+  const std::string left = folder_ / "sessions" / "subjects" / "P9.json.new";  // a crash left the first note of a subject unfinished
+  std::ofstream(left) << "{";
+  EXPECT_NE(ask("list_subjects {}").find("P9"), std::string::npos);
+  const std::string shown = ask("show_subject { subject: 'P9' }");
+  EXPECT_NE(shown.find("subject: \"P9\""), std::string::npos) << shown;
+  EXPECT_NE(ask("show_subject { subject: 'P8' }").find("NOT_FOUND"), std::string::npos);
+  ASSERT_NE(ask("erase_subject { subject: 'P9' }").find("erased { "), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(left));
+  EXPECT_NE(ask("show_subject { subject: 'P9' }").find("NOT_FOUND"), std::string::npos);
+}
+
 TEST_F(CommandsTest, OnARigThatStreams) {
   session::Protocol stand{.name = "stand"};
   stand.fields = {{.name = "age", .minimum = 1, .maximum = 100}};

@@ -796,6 +796,23 @@ TEST_F(EditTest, NotesAndReasonsFollowTheRuleOfLabels) {
   EXPECT_EQ(why_refused(check_reason("Anna Schmidt", rule), core::ErrorCode::InvalidArgument).find("Anna"), std::string::npos);
 }
 
+TEST_F(EditTest, SubjectIdsFollowTheRule) {
+  RecordProperty("requirement", "SES-12");
+  label_rule_ = {.subject_pattern = core::TextPattern::compile("P[0-9]{3}").value(), .subject_hint = "use an ID such as P017"};
+  start();
+  const auto refused = [](const auto& answer) { return why_refused(answer, core::ErrorCode::InvalidArgument); };
+  const std::string message = "the subject ID does not follow this clinic's rule for subject IDs; use an ID such as P017";
+  EXPECT_EQ(refused(supervisor_->start_session("floor", {.subject = "Schmidt"})), message);
+  EXPECT_EQ(refused(supervisor_->start_session("floor", {.subject = "P0170"})), message) << "the whole ID must match";
+  const record::SessionRow old{.id = "s1", .subject = "Schmidt"};
+  EXPECT_EQ(refused(corrections_for(old, {.subject = "Meier", .reason = "typing error"}, label_rule_)), message);
+  EXPECT_TRUE(corrections_for(old, {.subject = "P017", .reason = "typing error"}, label_rule_));
+  EXPECT_TRUE(corrections_for(old, {.subject = "", .reason = "typing error"}, label_rule_)) << "an ID can be removed";
+  EXPECT_TRUE(corrections_for(old, {.subject = "Schmidt", .notes = "tired", .reason = "added"}, label_rule_))
+      << "it is older than the rule";
+  EXPECT_TRUE(supervisor_->start_session("floor", {.subject = "P017"}));
+}
+
 TEST_F(EditTest, LabelsAndMarkersFollowTheRule) {
   RecordProperty("requirement", "SES-11");
   const LabelRule rule{.pattern = core::TextPattern::compile(kDefaultLabelPattern).value(), .hint = std::string(kDefaultLabelHint)};

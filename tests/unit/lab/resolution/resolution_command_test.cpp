@@ -26,6 +26,8 @@ TEST_F(ResolutionCommand, MoreReaches_ASmallerMovementIsEnough) {
   EXPECT_GT(limit_of(quiet, "1_reaches"), 0.2);
   EXPECT_LT(limit_of(quiet, "1_reaches"), 15.0);
   EXPECT_LE(limit_of(quiet, "10_reaches"), limit_of(quiet, "1_reaches"));
+  EXPECT_EQ(quiet["median"]["any"]["1_reaches"].size(), 1U) << "one person: a median without an interval";
+  EXPECT_TRUE(quiet["people"][0]["limits"]["any"]["1_reaches"].contains("lowest_deg")) << "over the reaches";
   const auto noisy = result["setups"][1]["people"][0]["limits"]["any"]["1_reaches"]["deg"];
   EXPECT_NE(noisy, quiet["people"][0]["limits"]["any"]["1_reaches"]["deg"]);
 }

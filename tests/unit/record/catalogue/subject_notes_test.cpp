@@ -61,10 +61,12 @@ TEST_F(SubjectNotesTest, AreReadAsTheyWereWritten) {
   ASSERT_TRUE(remove_subject_notes(folder_, "P017")) << "it is gone already";
 }
 
-TEST_F(SubjectNotesTest, ASubjectWithoutNotesHasNoFile) {
+TEST_F(SubjectNotesTest, NumbersOfRemovedEntriesStayUsed) {
   ASSERT_TRUE(write_subject_notes(folder_, notes_of("P017")));
   ASSERT_TRUE(write_subject_notes(folder_, {.subject = "P017", .next_number = 9}));
-  EXPECT_FALSE(fs::exists(file("P017")));
+  EXPECT_EQ(read_subject_notes(folder_, "P017")->next_number, 9U) << "the last entry was removed";
+  ASSERT_TRUE(write_subject_notes(folder_, {.subject = "P018"}));
+  EXPECT_FALSE(fs::exists(file("P018"))) << "it never had an entry";
 }
 
 TEST_F(SubjectNotesTest, AnIdNeverBecomesAPath) {

@@ -28,10 +28,36 @@ export const daemonMessages: readonly Message[] = [
   ['this subject is being erased', 'diese Person wird gerade gelöscht'],
   ['wait a minute, then see dtsctl subject list', 'eine Minute warten, dann dtsctl subject list ansehen'],
   ["cannot write '{}'", "kann '{}' nicht schreiben"],
+  // What can make results wrong
+  [
+    "rig '{}': the calibration of {} was measured with {}, not with {}; calibrate again: dtsctl calibrate cop --rig {}",
+    'Messplatz „{}“: Kalibrierung vom {} mit {} gemessen, nicht mit {}; neu kalibrieren: dtsctl calibrate cop --rig {}',
+  ],
+  [
+    "rig '{}': the calibration of {} was measured with {}, and the device is {}, another unit of the same model; compare a known weight on the middle and near each corner, or calibrate again: dtsctl calibrate cop --rig {}",
+    'Messplatz „{}“: Kalibrierung vom {} mit {} gemessen, und das Gerät ist {}, ein anderes desselben Modells; ein bekanntes Gewicht in der Mitte und nahe jeder Ecke vergleichen oder neu kalibrieren: dtsctl calibrate cop --rig {}',
+  ],
+  [
+    "rig '{}': the calibration of {} is of rig '{}'; calibrate again: dtsctl calibrate cop --rig {}",
+    'Messplatz „{}“: Kalibrierung vom {} gehört zu Messplatz „{}“; neu kalibrieren: dtsctl calibrate cop --rig {}',
+  ],
+  [
+    "rig '{}': the calibration of {} names no DAQ: it was computed from a model or from a table of loads; calibrate again: dtsctl calibrate cop --rig {}",
+    'Messplatz „{}“: Kalibrierung vom {} nennt kein Messgerät: aus einem Modell oder einer Tabelle von Lasten berechnet; neu kalibrieren: dtsctl calibrate cop --rig {}',
+  ],
+  [
+    'the clock of this machine says {} UTC, and session {} began later, at {} UTC: visits would be in the wrong order; set the clock (timedatectl), or delete that session if its date is the wrong one',
+    'die Uhr dieses Rechners zeigt {} UTC, und Untersuchung {} begann später, um {} UTC: Besuche stünden in falscher Reihenfolge; die Uhr stellen (timedatectl) oder jene Untersuchung löschen, wenn ihr Datum falsch ist',
+  ],
   // Rules for typed texts
   [
     'Use words and numbers such as "eyes closed" or "Baseline 2". Labels go into files: do not enter names or birth dates',
     'Wörter und Zahlen verwenden, zum Beispiel „Augen zu“ oder „Messung 2“. Stichworte stehen in Dateien: keine Namen oder Geburtsdaten eingeben',
+  ],
+  ["the subject ID does not follow this clinic's rule for subject IDs", 'die Personen-ID folgt nicht der Regel dieser Klinik'],
+  [
+    "Ask your engineer for the rule: subject_pattern in dtsd.toml. Use the clinic's subject ID, never a name",
+    'Den Techniker nach der Regel fragen: subject_pattern in dtsd.toml. Die Personen-ID der Klinik verwenden, nie einen Namen',
   ],
   ["the {} does not follow this clinic's rule for labels", 'nach der Regel dieser Klinik nicht erlaubt: {}'],
   ['the {} has a character that is not visible', 'hat ein unsichtbares Zeichen: {}'],

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/calibration_check.h"
+
+namespace dts::session {
+namespace {
+
+constexpr std::size_t kDateLength = 10;  // of "2026-01-31T12:00:00Z"
+
+std::string unit_text(const std::string& model, const std::string& serial) { return model + (serial.empty() ? "" : " " + serial); }
+
+}  // namespace
+
+std::string calibration_warning(const pipeline::RigConfig& config, const device::DeviceDescription& device, const std::string& serial) {
+  // A replayed recording has the volts of its own DAQ, and the calibration may be newer on purpose.
+  if (!config.cop_calibration || config.device_uri.starts_with("replay:")) return {};
+  const physics::CopCalibrationOrigin& origin = config.cop_calibration->origin;
+  const bool is_simulated = config.device_uri.starts_with("sim:");
+  const std::string which = "rig '" + config.name + "': the calibration of " + origin.created_utc.substr(0, kDateLength) + " ";
+  const std::string again = "; calibrate again: dtsctl calibrate cop --rig " + config.name;
+  if (origin.daq_model.empty()) {  // made with dtslab: it knows no DAQ, and its rig is the name of a file
+    return is_simulated ? std::string() : which + "names no DAQ: it was computed from a model or from a table of loads" + again;
+  }
+  const std::string daq = unit_text(origin.daq_model, origin.daq_serial);
+  if (origin.daq_model != device.model) return which + "was measured with " + daq + ", not with " + unit_text(device.model, serial) + again;
+  if (!origin.rig.empty() && origin.rig != config.name) return which + "is of rig '" + origin.rig + "'" + again;
+  if (is_simulated || origin.daq_serial.empty() || serial.empty() || origin.daq_serial == serial) return {};
+  return which + "was measured with " + daq + ", and the device is " + serial +
+         ", another unit of the same model; compare a known weight on the middle and near each corner, or calibrate again: dtsctl "
+         "calibrate cop --rig " +
+         config.name;
+}
+
+}  // namespace dts::session

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+// A calibration of the centre of pressure that was measured with another device than the rig's.
+#include "session/calibration_check.h"
+
+#include <gmock/gmock.h>
+
+#include "supervisor_fixture.h"
+
+namespace dts::session {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+physics::CopCalibration calibration_of(physics::CopCalibrationOrigin origin) {
+  static const auto samples =
+      physics::model_samples(physics::CopMethod::Poly3, floor_config("").model, physics::PlateBehaviour::Linear).value();
+  origin.created_utc = "2026-01-31T12:00:00Z";
+  return physics::calibrate_cop(physics::CopMethod::Poly3, samples, std::move(origin)).value();
+}
+
+std::string warning_of(const physics::CopCalibrationOrigin& origin, const std::string& address = "mcc:usb-1408fs",
+                       const std::string& model = "USB-1408FS", const std::string& serial = "11") {
+  pipeline::RigConfig config = floor_config(address);
+  config.cop_calibration = calibration_of(origin);
+  device::DeviceDescription device;
+  device.model = model;
+  return calibration_warning(config, device, serial);
+}
+
+TEST(CalibrationCheck, AnotherDeviceIsNamed) {
+  RecordProperty("requirement", "COP-14");
+  EXPECT_EQ(warning_of({.rig = "floor", .daq_model = "USB-1408FS", .daq_serial = "11"}), "");
+  EXPECT_EQ(warning_of({.rig = "floor", .daq_model = "LabJack U6", .daq_serial = "3"}),
+            "rig 'floor': the calibration of 2026-01-31 was measured with LabJack U6 3, not with USB-1408FS 11; calibrate again: dtsctl "
+            "calibrate cop --rig floor");
+  EXPECT_THAT(warning_of({.rig = "floor", .daq_model = "Simulated floor platform", .daq_serial = "sim-floor-7"}),
+              HasSubstr("was measured with Simulated floor platform sim-floor-7, not with USB-1408FS 11;"));
+  EXPECT_THAT(warning_of({.rig = "floor", .daq_model = "USB-1408FS", .daq_serial = "11"}, "sim:floor", "Simulated floor platform"),
+              HasSubstr("was measured with USB-1408FS 11, not with Simulated floor platform 11;"));
+}
+
+TEST(CalibrationCheck, AnotherUnitOfTheSameModelNeedsAComparison) {
+  const physics::CopCalibrationOrigin of_12{.rig = "floor", .daq_model = "USB-1408FS", .daq_serial = "12"};
+  EXPECT_EQ(warning_of(of_12),
+            "rig 'floor': the calibration of 2026-01-31 was measured with USB-1408FS 12, and the device is 11, another unit of the same "
+            "model; compare a known weight on the middle and near each corner, or calibrate again: dtsctl calibrate cop --rig floor");
+  EXPECT_EQ(warning_of(of_12, "mcc:usb-1408fs", "USB-1408FS", ""), "") << "a device without a serial number";
+  EXPECT_EQ(warning_of({.rig = "floor", .daq_model = "USB-1408FS"}), "") << "measured with one";
+  EXPECT_EQ(warning_of(of_12, "sim:floor?seed=8", "USB-1408FS", "sim-floor-8"), "") << "the seed of a simulated person is no other plate";
+}
+
+TEST(CalibrationCheck, AnotherRigOrNoDaqIsNamed) {
+  EXPECT_EQ(warning_of({.rig = "left", .daq_model = "USB-1408FS", .daq_serial = "11"}),
+            "rig 'floor': the calibration of 2026-01-31 is of rig 'left'; calibrate again: dtsctl calibrate cop --rig floor");
+  EXPECT_THAT(warning_of({.rig = "a-file"}), HasSubstr("names no DAQ: it was computed from a model or from a table of loads;"));
+  EXPECT_EQ(warning_of({.rig = "a-file"}, "sim:floor", "Simulated floor platform"), "") << "the simulated plate is that model";
+  EXPECT_EQ(warning_of({.rig = "left", .daq_model = "LabJack U6"}, "replay:x.xdf", "LabJack U6"), "");
+  EXPECT_EQ(calibration_warning(floor_config("mcc:usb-1408fs"), {}, "11"), "") << "no calibration";
+}
+
+class CalibrationWarningTest : public SupervisorTest {};
+
+TEST_F(CalibrationWarningTest, StandsInTheStatusAndInTheLogWhileTheUnitIsThere) {
+  RecordProperty("requirement", "COP-14");
+  config_.cop_calibration = calibration_of({.rig = "floor", .daq_model = "Hand-fed device", .daq_serial = "H7"});
+  open();
+  device_->found.serial = "H8";
+  run();
+  feed(kBlock);
+  ASSERT_TRUE(eventually([&] { return !supervisor_->warnings().empty(); }));
+  EXPECT_THAT(supervisor_->warnings(), ElementsAre(HasSubstr("measured with Hand-fed device H7, and the device is H8, another unit")));
+  EXPECT_THAT(log(), HasSubstr("the calibration of 2026-01-31 was measured with Hand-fed device H7"));
+  ASSERT_TRUE(supervisor_->start_session("floor", {})) << "it stops nothing";
+}
+
+TEST_F(CalibrationWarningTest, IsAbsentForTheUnitOfTheCalibration) {
+  config_.cop_calibration = calibration_of({.rig = "floor", .daq_model = "Hand-fed device", .daq_serial = "H7"});
+  open();
+  device_->found.serial = "H7";
+  run();
+  feed(kBlock);
+  ASSERT_TRUE(eventually([&] { return rig().acquisition().device == device::DeviceState::Streaming; }));
+  supervisor_->tick();
+  EXPECT_THAT(supervisor_->warnings(), IsEmpty());
+}
+
+class WallClockTest : public SupervisorTest {};
+
+TEST_F(WallClockTest, BehindTheNewestSession_IsReportedUntilItIsSet) {
+  RecordProperty("requirement", "REC-14");
+  constexpr std::int64_t kDayNs = 86'400 * core::kNanosecondsPerSecond;
+  start();
+  const std::string id = record(kBlock);
+  ASSERT_TRUE(stop());
+  EXPECT_THAT(supervisor_->warnings(), IsEmpty());
+  clock_.set_by_ns = -30 * core::kNanosecondsPerSecond;
+  EXPECT_THAT(supervisor_->warnings(), IsEmpty()) << "a correction by NTP";
+  clock_.set_by_ns = -2 * kDayNs;
+  ASSERT_EQ(supervisor_->warnings().size(), 1U);
+  EXPECT_THAT(supervisor_->warnings().front(), HasSubstr("and session " + id + " began later"));
+  static_cast<void>(log());
+  static_cast<void>(record(kBlock));
+  EXPECT_THAT(log(), HasSubstr("visits would be in the wrong order; set the clock")) << "a new session says it in the log";
+  ASSERT_TRUE(stop());
+  EXPECT_EQ(supervisor_->warnings().size(), 1U) << "the newest session is still the later one";
+  ASSERT_TRUE(supervisor_->delete_session(id, "wrong date", false, "local"));
+  EXPECT_THAT(supervisor_->warnings(), IsEmpty()) << "its date was the wrong one";
+}
+
+TEST_F(WallClockTest, AfterARestart_IsReportedBeforeTheFirstSession) {
+  start();
+  static_cast<void>(record(kBlock));
+  ASSERT_TRUE(stop());
+  end();
+  clock_.set_by_ns = -86'400 * core::kNanosecondsPerSecond;
+  start();
+  EXPECT_EQ(supervisor_->warnings().size(), 1U);
+  clock_.set_by_ns = 0;
+  EXPECT_THAT(supervisor_->warnings(), IsEmpty()) << "the clock was set";
+}
+
+}  // namespace
+}  // namespace dts::session

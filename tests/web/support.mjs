@@ -100,9 +100,12 @@ class Watch {
   }
 }
 
-/** dtsd with the rigs of config/dtsd.toml. `devices` replaces their addresses; `protocols` is called with the folder of protocols. */
+/**
+ * dtsd with the rigs of config/dtsd.toml. `devices` replaces their addresses; `protocols` is called with the folder of protocols. `recordings` is a
+ * folder of sessions of other daemons, which this one finds at its start, as after the loss of a catalogue.
+ */
 export class Daemon {
-  constructor({ devices = {}, protocols } = {}) {
+  constructor({ devices = {}, protocols, recordings } = {}) {
     this.folder = mkdtempSync('/tmp/dts-web-'); // short, because a socket path has at most 107 bytes
     this.environment = environmentOf(this.folder);
     this.config = path.join(this.folder, 'config');
@@ -110,6 +113,12 @@ export class Daemon {
     cpSync(path.join(source, 'config'), this.config, { recursive: true });
     protocols?.(path.join(this.config, 'protocols'));
     this.changeDevices(devices);
+    if (recordings !== undefined) cpSync(recordings, this.sessions, { recursive: true });
+  }
+
+  /** The folder of its recordings. */
+  get sessions() {
+    return path.join(this.environment.DTSD_STATE_DIR, 'sessions');
   }
 
   /** Replaces addresses of devices, from the next start on. */

@@ -13,6 +13,7 @@ import { strings } from '../strings';
 import type { Language } from '../strings/language';
 import { changeLanguage, language, languages } from '../strings/language';
 import { conditionOf } from './condition';
+import { hasResults } from './results';
 import { path } from './route';
 import type { ThemeChoice } from './theme';
 import { themeChoice, themeChoices } from './theme';
@@ -151,6 +152,11 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
       <main ref={page} class="page" data-testid="page">
         {children}
       </main>
+      {hasResults(link, path.value) && (
+        <footer class="intended-use" data-testid="intended-use">
+          {words.intendedUse}
+        </footer>
+      )}
       {isHelpOpen.value && <KeyHelp isFleet={link.me.value.isFleet} onClose={() => (isHelpOpen.value = false)} />}
     </>
   );

@@ -132,6 +132,7 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
   const { kind, text, hint } = conditionOf(live.state.value, live.since.value, live.status.value, live.dropped.value);
   // A live picture without data says by itself why, and what to do.
   const isInPicture = livePages.has(path.value[link.me.value.isFleet ? 2 : 0] ?? 'floor') && live.state.value !== 'up';
+  const isOfResults = hasResults(link, path.value);
   const goTo = (name: string) => () => (location.hash = `#/${name}`);
   useKeys({
     '?': () => (isHelpOpen.value = !isHelpOpen.value),
@@ -149,10 +150,10 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
         <Who link={link} />
       </header>
       {kind === 'error' && hint !== '' && !isInPicture && <PassingNotice kind="error" what={text} hint={hint} testId="loud-status" />}
-      <main ref={page} class="page" data-testid="page">
+      <main ref={page} class={isOfResults ? 'page page-results' : 'page'} data-testid="page">
         {children}
       </main>
-      {hasResults(link, path.value) && (
+      {isOfResults && (
         <footer class="intended-use" data-testid="intended-use">
           {words.intendedUse}
         </footer>

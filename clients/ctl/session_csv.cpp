@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cli/console.h"
-#include "ctl/decision_reading.h"
 #include "ctl/recording_view.h"
+#include "report/decision_words.h"
 #include "report/result_names.h"
 
 namespace dts::ctl {
@@ -40,7 +40,7 @@ std::vector<Value> values_of(const v1::Sway& sway) {
   if (sway.decision().outcome() != v1::DECISION_OUTCOME_DECIDED) return values.all;
   for (const v1::GroupProbability& group : sway.decision().probabilities()) {
     const std::string name = "Probability of " + group.group() + " by the steadiness model of " + sway.decision().label() + " (" +
-                             decision_text(sway.decision()) + ")";
+                             report::decision_text(sway.decision()) + ")";
     values.add("p_" + group.group(), name, group.probability(), "1");
   }
   return values.all;

@@ -12,6 +12,7 @@
 #include "ctl/sessions/report_command.h"
 #include "ctl/sessions/verify_command.h"
 #include "ctl/subject_commands.h"
+#include "report/intended_use.h"
 
 namespace dts::ctl {
 namespace {
@@ -42,6 +43,11 @@ void add_id(CLI::App& command, CommandTree& tree, const std::string& name, const
 
 void add_limit(CLI::App& command, CommandTree& tree, const std::string& description) {
   command.add_option("--limit", tree.arguments.session.limit, description)->option_text("N")->check(whole_number_between(1, kLongestList));
+}
+
+/// Adds to the help of a command that shows results what they are for, and what not.
+void add_intended_use(CommandTree& tree, const CLI::App& command) {
+  tree.line.glossaries[&command].push_back({.title = "Intended use", .words = {{"results", std::string(report::kIntendedUse)}}});
 }
 
 void add_start(CommandTree& tree, CLI::App& session) {
@@ -134,11 +140,13 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
                "ELLIPSE | area of the 95 % ellipse (PEA95_F)\n"
                "(columns) | a narrow terminal shows fewer; --json has all values\n"
                "FLAGS | reasons to doubt the values of a trial\n");
+  add_intended_use(tree, *show);
   CLI::App* compare =
       add(tree, session, "compare", "Compare the results of several sessions, oldest first",
           "dtsctl session compare --subject P017 | the newest 12 sessions of one subject\n"
           "dtsctl session compare 20261121T144525Z-floor-1 20261128T150211Z-floor-1 | two sessions, with the change in units and percent\n",
           run_session_compare);
+  add_intended_use(tree, *compare);
   compare->add_option("ID", wishes.ids, "Session IDs")->option_text("...")->check(text_of(1, 200));
   compare->add_option("--subject", wishes.subject, "Compare the sessions with this subject ID")->option_text("SUBJECT-ID");
   compare->add_option("--protocol", wishes.protocol, "Compare only sessions with this protocol")->option_text("NAME");
@@ -217,6 +225,7 @@ void add_subjects(CommandTree& tree) {
                         "dtsctl subject trend P017 --json | all measures, for programs\n",
                         run_subject_trend);
   add_id(*trend, tree, "ID", "Subject ID");
+  add_intended_use(tree, *trend);
   trend->add_option("--measure", wishes.measure, "Measure, as in dtsctl session show")->option_text("MEASURE");
   trend->add_option("--language", wishes.language, "Language of the sentences: en or de. Default: en")
       ->option_text("LANGUAGE")
@@ -276,6 +285,7 @@ void add_files(CommandTree& tree, CLI::App& session) {
           "dtsctl session export floor.xdf --format bids --out study | one file, added to the BIDS dataset in study\n"
           "dtsctl session export 20261121T144525Z-floor-1 --format fhir | results and report for the record of a hospital\n",
           run_session_export);
+  add_intended_use(tree, *exported);
   add_id(*exported, tree, "ID|FILE",
          "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
   exported
@@ -289,20 +299,21 @@ void add_files(CommandTree& tree, CLI::App& session) {
 
 void add_report(CommandTree& tree) {
   SessionArguments& wishes = tree.arguments.session;
-  CLI::App* report = add(tree, tree.line.app, "report", "Write a report of a session: one page per session and one per trial",
-                         "dtsctl report 20261121T144525Z-floor-1 | HTML and SVG pages into 20261121T144525Z-floor-1-report\n"
-                         "dtsctl report 20261121T144525Z-chair-1 --format pdf | one document, report.pdf, to print or to archive\n"
-                         "dtsctl report floor.xdf --format html --out pages | from a file; works without a daemon\n",
-                         run_report);
-  add_id(*report, tree, "ID|FILE", "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
-  report
+  CLI::App* pages = add(tree, tree.line.app, "report", "Write a report of a session: one page per session and one per trial",
+                        "dtsctl report 20261121T144525Z-floor-1 | HTML and SVG pages into 20261121T144525Z-floor-1-report\n"
+                        "dtsctl report 20261121T144525Z-chair-1 --format pdf | one document, report.pdf, to print or to archive\n"
+                        "dtsctl report floor.xdf --format html --out pages | from a file; works without a daemon\n",
+                        run_report);
+  add_intended_use(tree, *pages);
+  add_id(*pages, tree, "ID|FILE", "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
+  pages
       ->add_option("--format", wishes.format, "Format: html, svg, pdf (needs the package librsvg2-bin) or all (html and svg). Default: all")
       ->option_text("NAME")
       ->check(CLI::IsMember({"html", "svg", "pdf", "all"}));
-  report->add_option("--language", wishes.language, "Language of the pages: en or de. Default: en")
+  pages->add_option("--language", wishes.language, "Language of the pages: en or de. Default: en")
       ->option_text("NAME")
       ->check(CLI::IsMember({"en", "de"}));
-  report->add_option("--out", wishes.out, "Folder to write to; report pages in it are replaced. Default: ID-report")->option_text("DIR");
+  pages->add_option("--out", wishes.out, "Folder to write to; report pages in it are replaced. Default: ID-report")->option_text("DIR");
 }
 
 void add_protocols_and_audit(CommandTree& tree) {

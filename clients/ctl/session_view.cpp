@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "cli/table.h"
-#include "ctl/decision_reading.h"
 #include "ctl/json.h"
 #include "ctl/reach_reading.h"
 #include "ctl/recording_view.h"
 #include "ctl/sway_reading.h"
+#include "report/decision_words.h"
 #include "report/result_names.h"
 
 namespace dts::ctl {
@@ -159,14 +159,14 @@ cli::Cell outcome_cell(const v1::TrialRecord& trial) {
 cli::Cell decision_cell(const v1::Sway& sway) {
   if (!sway.has_decision()) return {"-"};
   const bool is_decided = sway.decision().outcome() == v1::DECISION_OUTCOME_DECIDED;
-  return {decision_text(sway.decision()), is_decided ? cli::Style::Plain : cli::Style::Warning};
+  return {report::decision_text(sway.decision()), is_decided ? cli::Style::Plain : cli::Style::Warning};
 }
 
 /// Prints what must stand beside the decisions, once for each model.
 void print_decision_limits(cli::Console& console, const v1::SessionRecord& session) {
   std::set<std::string> limits;
   for (const v1::TrialRecord& trial : session.trials()) {
-    if (trial.sway().has_decision()) limits.insert(decision_limits(trial.sway().decision()));
+    if (trial.sway().has_decision()) limits.insert(cli::join(report::decision_limits(trial.sway().decision()), " "));
   }
   for (const std::string& text : limits) console.out << cli::printable(text) << '\n';
 }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "cli/table.h"
-#include "ctl/decision_reading.h"
 #include "ctl/json.h"
+#include "report/decision_words.h"
 
 namespace dts::ctl {
 namespace {
@@ -50,7 +50,8 @@ std::string sway_text(const v1::Sway& sway) {
   const std::string flags = sway_flag_words(sway);
   if (!flags.empty()) text += "  [" + flags + "]";
   if (!sway.is_valid() && !sway.is_preliminary()) text += "  INVALID";
-  if (sway.has_decision()) text += "  " + decision_text(sway.decision()) + ". " + decision_limits(sway.decision());
+  if (sway.has_decision())
+    text += "  " + report::decision_text(sway.decision()) + ". " + cli::join(report::decision_limits(sway.decision()), " ");
   return text;
 }
 

@@ -64,9 +64,9 @@ core::Result<Bundle> make_bundle(const BundleSource& source, const BundleProgres
   return bundle;
 }
 
-core::Result<Bundle> make_session_bundle(const std::vector<std::string>& files, const std::string& software,
-                                         const BundleProgress& progress) {
-  const auto page = report::make_session_pdf({.files = files, .software = software, .for_record = true},
+core::Result<Bundle> make_session_bundle(const std::vector<std::string>& files, const std::string& software, const BundleProgress& progress,
+                                         std::chrono::seconds pdf_limit) {
+  const auto page = report::make_session_pdf({.files = files, .software = software, .pdf_limit = pdf_limit, .for_record = true},
                                              [&](double done) { return progress(0.5 * done); });
   BundleSource source{.files = files};
   if (page) source.pdf = *page;

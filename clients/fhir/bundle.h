@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -9,6 +10,7 @@
 #include "core/result.h"
 #include "fhir/recorded_session.h"
 #include "fhir/resources.h"
+#include "report/pdf.h"
 
 namespace dts::fhir {
 
@@ -29,9 +31,10 @@ struct Bundle {
 /// with the same corrections and the same PDF gives the same bytes on every machine. Fails like `read_recorded_session`. Thread: any.
 [[nodiscard]] core::Result<Bundle> make_bundle(const BundleSource& source, const BundleProgress& progress);
 
-/// Makes the bundle of a session with the PDF of its page. `software`: as for `dtsctl report`, "dtsctl 0.2.0". If the PDF cannot be made,
-/// the bundle has none: see `without_pdf`. Fails like `make_bundle`. Thread: any.
+/// Makes the bundle of a session with the PDF of its page. `software`: as for `dtsctl report`, "dtsctl 0.2.0". If the PDF cannot be made
+/// within `pdf_limit`, the bundle has none: see `without_pdf`. Fails like `make_bundle`. Thread: any.
 [[nodiscard]] core::Result<Bundle> make_session_bundle(const std::vector<std::string>& files, const std::string& software,
-                                                       const BundleProgress& progress);
+                                                       const BundleProgress& progress,
+                                                       std::chrono::seconds pdf_limit = report::kLongestPdf);
 
 }  // namespace dts::fhir

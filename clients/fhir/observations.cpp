@@ -204,7 +204,7 @@ core::Status add_values(const v1::Event& result, Json& observation) {
 
 std::string_view status_of(const RecordedPart& part, const RecordedTrial& trial) {
   if (trial.is_withdrawn()) return "entered-in-error";
-  // The daemon never judged the trials again with all that is known at the end of the session, and the PDF does.
+  // dtsd did not record results at the end of this part: the bundle and its PDF have computed them.
   if (part.is_interrupted) return "preliminary";
   return trial.is_corrected || part.has_corrected_subject ? "amended" : "final";
 }

@@ -9,11 +9,15 @@
 #include <map>
 #include <utility>
 
+#include "dts/wire/event_json.h"
 #include "record/catalogue/corrections.h"
 #include "record/catalogue/trial_collector.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
+#include "report/recorded_definitions.h"
 #include "session/corrected_results.h"
+#include "session/recorded_reaches.h"
+#include "session/session_events.h"
 
 namespace dts::fhir {
 namespace {
@@ -85,9 +89,23 @@ void add_trials(const Items& items, const record::Corrections& corrections, Reco
   }
 }
 
+/// At the end of a session, dtsd judges its reaches again with the subject's own scale. A part that ended before lacks these results, and
+/// that of its last trial. They are computed here as in the report, so that the bundle and its PDF have the same.
+core::Status judge_reaches(record::Recording& recording, RecordedPart& part) {
+  const auto model = report::recorded_trunk_model(*recording.session());
+  DTS_TRY(recording.rewind());
+  DTS_TRY_ASSIGN(const auto reaches, session::read_recorded_reaches(recording, model ? &*model : nullptr, [](double) {}));
+  for (RecordedTrial& trial : part.trials) {
+    const auto found = std::ranges::find_if(reaches.attempts, [&trial](const session::RecordedReachTrial& attempt) {
+      return attempt.trial == trial.row.trial && attempt.attempt == trial.row.attempt && attempt.result.has_value();
+    });
+    if (found != reaches.attempts.end()) trial.row.result = wire::to_json(session::to_event(*found->result, part.facts.session_id));
+  }
+  return {};
+}
+
 core::Status add_results(const std::string& path, const Items& items, RecordedPart& part) {
   part.results = items.trials.session_results();
-  part.is_interrupted = part.results.empty() && std::ranges::any_of(items.trials.rows(), record::is_valid);
   if (!part.has_corrected_outcomes) return {};
   const std::uint32_t number = record::leading_part(part.facts);
   record::SessionRow session{.id = part.facts.session_id, .rig = part.facts.rig};
@@ -123,6 +141,8 @@ core::Result<RecordedPart> read_part(const std::string& path, const record::Corr
   }
   part.has_corrected_subject = corrections.value(record::CorrectedField::Subject) != nullptr;
   add_trials(items, corrections, part);
+  part.is_interrupted = items.trials.session_results().empty() && std::ranges::any_of(items.trials.rows(), record::is_valid);
+  if (part.is_interrupted && part.facts.kind == "chair") DTS_TRY(judge_reaches(*recording, part));
   DTS_TRY(add_results(path, items, part));
   return part;
 }

@@ -8,6 +8,7 @@
 #include "core/utc_text.h"
 #include "core/utf8.h"
 #include "fhir/resource_id.h"
+#include "report/intended_use.h"
 
 namespace dts::fhir {
 namespace {
@@ -106,6 +107,9 @@ Resource diagnostic_report(const RecordedSession& session, const std::string& pa
   const Json period = period_json({.begins_utc_ns = first.period.begins_utc_ns, .ends_utc_ns = session.parts.back().period.ends_utc_ns});
   if (!period.is_null()) json["effectivePeriod"] = period;
   if (const auto issued = issued_utc_ns(session)) json["issued"] = core::utc_text(*issued);
+  // "additional": the sentence is not in the structured data. A conclusion it is not.
+  json["text"] = {{"status", "additional"},
+                  {"div", "<div xmlns=\"http://www.w3.org/1999/xhtml\">" + std::string(report::kIntendedUse) + "</div>"}};
   for (const std::string& id : results) json["result"].push_back(reference_to(id));
   if (pdf) {
     json["presentedForm"] = list_of({{"contentType", "application/pdf"},

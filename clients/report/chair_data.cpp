@@ -6,9 +6,12 @@
 #include <set>
 #include <utility>
 
+#include "dts/wire/event_json.h"
+#include "record/catalogue/catalogue.h"
 #include "report/number_text.h"
 #include "report/recorded_definitions.h"
 #include "report/watched_recording.h"
+#include "session/session_events.h"
 
 namespace dts::report {
 namespace {
@@ -61,9 +64,10 @@ core::Status read_chair_part(const std::string& path, Waiting& waiting, const Sh
                              std::vector<session::SessionFigure>& live) {
   const auto at = [&share](double fraction) { return share.begin + (share.end - share.begin) * fraction; };
   DTS_TRY_ASSIGN(const auto opened, open_part(path, waiting, {.begin = at(0.0), .end = at(0.3)}, chair));
-  if (chair.parts.size() == 1 && opened->session()) chair.model = recorded_trunk_model(*opened->session());
+  // Each part is judged by its own model, as dtsd did: a resumed session may have got another one.
+  auto model = opened->session() ? recorded_trunk_model(*opened->session()) : std::nullopt;
   WatchedRecording recording(*opened, [&waiting] { return waiting.is_wanted(); });
-  auto reaches = session::read_recorded_reaches(recording, chair.model ? &*chair.model : nullptr,
+  auto reaches = session::read_recorded_reaches(recording, model ? &*model : nullptr,
                                                 [&](double fraction) { waiting.report({.begin = at(0.3), .end = at(0.6)}, fraction); });
   if (!waiting.is_wanted()) return interrupted();
   if (!reaches) return tl::make_unexpected(reaches.error());
@@ -73,6 +77,7 @@ core::Status read_chair_part(const std::string& path, Waiting& waiting, const Sh
   auto traces = read_traces(recording, windows, [&](double fraction) { waiting.report({.begin = at(0.6), .end = at(1.0)}, fraction); });
   if (!waiting.is_wanted()) return interrupted();
   if (!traces) return tl::make_unexpected(traces.error());
+  if (chair.parts.size() == 1) chair.model = std::move(model);
   chair.reaches += reaches->reaches;
   chair.person = reaches->person;
   if (reaches->scale && !chair.scale) {
@@ -118,6 +123,10 @@ void summarise_chair(ChairData& chair, const std::vector<session::SessionFigure>
 }
 
 }  // namespace
+
+bool ChairTrial::is_valid() const {
+  return is_kept() && record::is_valid({.outcome = recorded.outcome, .result = wire::to_json(session::to_event(*recorded.result, ""))});
+}
 
 std::string ChairTrial::number() const {
   return std::to_string(recorded.trial) + (recorded.attempt > 1 ? ", attempt " + std::to_string(recorded.attempt) : "");

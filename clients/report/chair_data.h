@@ -29,6 +29,8 @@ struct ChairTrial {
 
   /// Returns whether the trial is done, and neither redone nor rejected.
   [[nodiscard]] bool is_kept() const { return recorded.outcome == "done" && recorded.result.has_value(); }
+  /// Returns whether the trial counts, by the rule of the catalogue and of the FHIR export: `record::is_valid`.
+  [[nodiscard]] bool is_valid() const;
   /// Returns whether the trial is kept and has a reach.
   [[nodiscard]] bool counts() const { return is_kept() && recorded.result->reach && !recorded.result->has_gap; }
   [[nodiscard]] const core::ReachEvent* reach() const {

@@ -22,7 +22,7 @@ Notes excluded_reaches(const ChairData& chair) {
   Notes notes{.title = "Excluded trials", .items = {}};
   std::set<std::uint32_t> valid;
   for (const ChairTrial& trial : chair.trials) {
-    const bool is_valid = trial.is_kept() && fault_of_reach(trial).empty();
+    const bool is_valid = trial.is_valid();
     if (is_valid) valid.insert(trial.recorded.trial);
     if (!is_valid && notes.items.size() < kMostExcluded) notes.items.push_back("Trial " + trial.number() + ": " + outcome_of(trial) + ".");
   }
@@ -75,8 +75,7 @@ std::vector<std::string> scale_alerts(const ChairData& chair) {
 }  // namespace
 
 PageContent session_content(const ChairData& chair, const SessionPageLimits& limits) {
-  const auto valid =
-      std::ranges::count_if(chair.trials, [](const ChairTrial& trial) { return trial.is_kept() && fault_of_reach(trial).empty(); });
+  const auto valid = std::ranges::count_if(chair.trials, &ChairTrial::is_valid);
   PageContent page{.title = session_title(chair),
                    .subtitle = "reaching",
                    .facts = session_facts(chair, static_cast<std::size_t>(valid), {}),

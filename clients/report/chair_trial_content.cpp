@@ -39,8 +39,7 @@ std::vector<Fact> facts_of_reach(const ChairData& chair, const ChairTrial& trial
 std::vector<std::string> alerts_of_reach(const ChairData& chair, const ChairTrial& trial) {
   std::vector<std::string> alerts = session_alerts(chair);
   if (trial.recorded.outcome != "done") {
-    alerts.push_back("This trial " + (trial.recorded.outcome.empty() ? "did not end" : "was " + trial.recorded.outcome) +
-                     ": it is not valid.");
+    alerts.push_back("This trial was " + trial.recorded.outcome + ": it is not valid.");
   } else if (const std::string fault = fault_of_reach(trial); !fault.empty()) {
     alerts.push_back("Not valid: " + fault + ".");
   }

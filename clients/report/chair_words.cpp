@@ -81,7 +81,6 @@ std::string fault_of_reach(const ChairTrial& trial) {
 
 std::string outcome_of(const ChairTrial& trial) {
   const std::string& outcome = trial.recorded.outcome;
-  if (outcome.empty()) return "not ended: not valid";
   std::string text = outcome;
   if (outcome != "done") text += ": not valid";
   if (const std::string fault = outcome == "done" ? fault_of_reach(trial) : ""; !fault.empty()) text += ", not valid: " + fault;

@@ -3,12 +3,45 @@
 // docs/glossary.md. No native reader has read them yet.
 #include <array>
 
+#include "report/decision_words.h"
+#include "report/intended_use.h"
 #include "report/translation.h"
 
 namespace dts::report {
 namespace {
 
 constexpr auto kTexts = std::to_array<Translated>({
+    {kIntendedUse,
+     "Für Forschung, Lehre und Training unter Aufsicht. Keine Diagnose, keine Entscheidung über eine Behandlung allein nach diesen "
+     "Werten, keine Überwachung von Patienten."},
+    // Decision of the steadiness model
+    {kDecisionLimit, "Keine Aussage über Gesundheit oder Sturzgefahr."},
+    {"Decision of the steadiness model, recorded live", "Zuordnung durch das Schwankungsmodell, live aufgezeichnet"},
+    {"Model", "Modell"},
+    {"Sway resembles", "Das Schwanken gleicht"},
+    {"like {!}, p {#}", "wie {}, p {}"},
+    {"like {!}", "wie {}"},
+    {"no decision: {!} is outside of the training", "keine Zuordnung: {} liegt außerhalb des Trainings"},
+    {"no decision: {!} are outside of the training", "keine Zuordnung: {} liegen außerhalb des Trainings"},
+    {"no decision: {!} is missing", "keine Zuordnung: {} fehlt"},
+    {"no decision: {!} are missing", "keine Zuordnung: {} fehlen"},
+    {"no decision: the trial is not valid (stepped off or moved the feet)",
+     "keine Zuordnung: Der Durchgang ist nicht gültig (Platte verlassen oder Füße bewegt)"},
+    {"no decision: the trial has another rate, filter or duration than the training",
+     "keine Zuordnung: Der Durchgang hat eine andere Abtastrate, Filterung oder Dauer als das Training"},
+    {"no decision: unknown reason", "keine Zuordnung: Grund unbekannt"},
+    {"{!}: trained on {#} people ({!}); AUC in people left out of it: {#} ({}; 0.50 is chance).",
+     "{}: mit {} Personen trainiert ({}); AUC bei anderen Personen: {} ({}; 0,50 ist Zufall)."},
+    {"{!}: trained on {#} people; AUC in people left out of it: {#} ({}; 0.50 is chance).",
+     "{}: mit {} Personen trainiert; AUC bei anderen Personen: {} ({}; 0,50 ist Zufall)."},
+    {"{#}..{#}", "{}..{}"},
+    {"Better than one measure, {!} ({#}).", "Besser als eine Kenngröße allein, {} ({})."},
+    {"No better than one measure, {!} ({#}).", "Nicht besser als eine Kenngröße allein, {} ({})."},
+    {"{} does as well without a plate ({#}).", "{} unterscheidet ohne Platte ebenso gut ({})."},
+    {"height_cm with sex", "Körpergröße mit Geschlecht"},
+    {"height_cm", "Körpergröße"},
+    {"sex", "Geschlecht"},
+    {"age", "Alter"},
     // Facts
     {"Session", "Untersuchung"},
     {"Subject ID", "Personen-ID"},

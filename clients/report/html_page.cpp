@@ -3,9 +3,11 @@
 #include <kainjow/mustache.hpp>
 
 #include "record/utf8_text.h"
+#include "report/intended_use.h"
 #include "report/page_parts.h"
 #include "report/page_template.h"
 #include "report/report.h"
+#include "report/translation.h"
 
 namespace dts::report {
 namespace {
@@ -120,7 +122,8 @@ std::string html_of(const PageContent& content) {
                 {"subtitle", no_or_yes(false)},
                 {"facts", data(facts(content.facts))},
                 {"alerts", data(texts(content.alerts))},
-                {"sections", data(sections(content.sections))}};
+                {"sections", data(sections(content.sections))},
+                {"intended_use", Translation(content.language, {})(kIntendedUse)}};
   if (!content.subtitle.empty()) values["subtitle"] = record::clean_text(content.subtitle);
   return page.render(data(values));
 }

@@ -40,6 +40,7 @@ p.footnote { color: #555; font-size: 0.88rem; }
   section.pictures { grid-template-columns: repeat(2, minmax(0, 1fr)); }
 }
 @media print, (min-width: 80rem) { section.tables { grid-template-columns: repeat(2, minmax(0, 1fr)); } }
+footer { margin: 1.2rem 0 0; color: #595959; font-size: 0.85rem; }
 @media screen { div.block { overflow-x: auto; } }
 @media print {
   @page { size: A4; margin: 9mm; }
@@ -80,6 +81,7 @@ p.footnote { color: #555; font-size: 0.88rem; }
 {{/is_notes}}{{/blocks}}</div>
 {{/columns}}</section>
 {{/sections}}
+<footer>{{intended_use}}</footer>
 </main>
 </body>
 </html>

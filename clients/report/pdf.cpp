@@ -30,7 +30,6 @@ constexpr const char* kProgram = "rsvg-convert";
 constexpr rlim_t kMostMemory = rlim_t{1} << 30U;
 constexpr rlim_t kMostCpuS = 300;  // 400 pages with much text need about 50 s
 constexpr rlim_t kMostBytes = rlim_t{256} << 20U;
-constexpr std::chrono::seconds kLongest{600};
 constexpr int kLookMs = 100;
 constexpr std::size_t kMostMessage = 500;
 
@@ -138,14 +137,14 @@ core::Result<pid_t> start(const std::vector<core::Descriptor>& pages, std::int64
   return child;
 }
 
-core::Result<int> wait_for(Renderer& renderer, const std::function<bool()>& wants_more) {
-  const auto end = std::chrono::steady_clock::now() + kLongest;
+core::Result<int> wait_for(Renderer& renderer, const std::function<bool()>& wants_more, std::chrono::seconds longest) {
+  const auto end = std::chrono::steady_clock::now() + longest;
   while (true) {
     if (const auto status = renderer.wait()) return *status;
     if (!wants_more()) return core::fail(ErrorCode::Failed, "the report was interrupted: no page was written");
     if (std::chrono::steady_clock::now() > end) {
       return core::fail(ErrorCode::Failed,
-                        "cannot make a PDF: rsvg-convert did not finish within " + std::to_string(kLongest.count()) + " s",
+                        "cannot make a PDF: rsvg-convert did not finish within " + std::to_string(longest.count()) + " s",
                         "open the HTML page and print it");
     }
   }
@@ -154,7 +153,7 @@ core::Result<int> wait_for(Renderer& renderer, const std::function<bool()>& want
 }  // namespace
 
 core::Result<std::string> pdf_of(std::span<const std::string> svg_pages, std::int64_t created_utc_s,
-                                 const std::function<bool()>& wants_more) {
+                                 const std::function<bool()>& wants_more, std::chrono::seconds longest) {
   if (svg_pages.empty() || svg_pages.size() > kMostPdfPages) {
     return core::fail(ErrorCode::LimitExceeded,
                       "a PDF can have 1 to " + std::to_string(kMostPdfPages) + " pages, not " + std::to_string(svg_pages.size()),
@@ -170,7 +169,7 @@ core::Result<std::string> pdf_of(std::span<const std::string> svg_pages, std::in
   DTS_TRY_ASSIGN(const auto talk, new_file("messages"));
   DTS_TRY_ASSIGN(const auto child, start(pages, created_utc_s, out.get(), talk.get()));
   Renderer renderer(child);
-  DTS_TRY_ASSIGN(const auto status, wait_for(renderer, wants_more));
+  DTS_TRY_ASSIGN(const auto status, wait_for(renderer, wants_more, longest));
   std::string document = content_of(out.get(), kMostBytes);
   if (status != 0 || !document.starts_with("%PDF-")) {
     return core::fail(ErrorCode::Failed, "cannot make a PDF: rsvg-convert failed: " + content_of(talk.get(), kMostMessage),

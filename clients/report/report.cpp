@@ -22,15 +22,19 @@ constexpr std::size_t kMostPdfTrials = 150;
 
 /// Renders pages; the document ends with the mark of our pages, as a comment.
 template <class Data>
-core::Result<std::string> pdf_with_mark(const Data& session, std::span<const PageContent> contents, const ReportProgress& progress) {
+core::Result<std::string> pdf_with_mark(const Data& session, std::span<const PageContent> contents, const ReportSource& source,
+                                        const ReportProgress& progress) {
   const std::int64_t created_utc_s = session.facts ? session.facts->started_utc_ns / 1'000'000'000 : 0;
   const std::string footer = session.facts ? session.session_id() + ", " + session.software : session.software;
-  DTS_TRY_ASSIGN(auto document, pdf_of(svg_document_of(contents, footer), created_utc_s, [&progress] { return progress(kAnalysedShare); }));
+  DTS_TRY_ASSIGN(auto document,
+                 pdf_of(
+                     svg_document_of(contents, footer), created_utc_s, [&progress] { return progress(kAnalysedShare); }, source.pdf_limit));
   return document + "%" + std::string(kPageMark) + "\n";
 }
 
 template <class Data>
-core::Result<std::string> whole_pdf(const Data& session, const Translation& translated, const ReportProgress& progress) {
+core::Result<std::string> whole_pdf(const Data& session, const Translation& translated, const ReportSource& source,
+                                    const ReportProgress& progress) {
   std::vector<PageContent> contents{session_content(session, kPdfLimits)};
   const std::size_t trials = std::min(session.trials.size(), kMostPdfTrials);
   if (trials < session.trials.size()) {
@@ -39,7 +43,7 @@ core::Result<std::string> whole_pdf(const Data& session, const Translation& tran
   }
   for (std::size_t index = 0; index < trials; ++index) contents.push_back(trial_content(session, session.trials[index]));
   for (PageContent& content : contents) content = translated(std::move(content));
-  return pdf_with_mark(session, contents, progress);
+  return pdf_with_mark(session, contents, source, progress);
 }
 
 template <class Data>
@@ -61,7 +65,7 @@ core::Result<Report> pages_of(const Data& session, const ReportSource& source, c
     if (source.with_svg) report.pages.push_back({.file = name + ".svg", .text = svg_of(content)});
   }
   if (source.with_pdf) {
-    DTS_TRY_ASSIGN(auto document, whole_pdf(session, translated, progress));
+    DTS_TRY_ASSIGN(auto document, whole_pdf(session, translated, source, progress));
     report.pages.push_back({.file = std::string(kPdfName), .text = std::move(document)});
   }
   return report;
@@ -90,7 +94,7 @@ core::Result<std::string> make_session_pdf(const ReportSource& source, const Rep
   return with_session<std::string>(source, progress, [&](const auto& session) {
     const Translation translated(source.language, session.protocol);
     const std::vector<PageContent> contents{translated(session_content(session, kPdfLimits))};
-    return pdf_with_mark(session, contents, progress);
+    return pdf_with_mark(session, contents, source, progress);
   });
 }
 

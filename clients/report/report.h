@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 
 #include "core/result.h"
 #include "report/language.h"
+#include "report/pdf.h"
 
 namespace dts::report {
 
@@ -25,8 +27,9 @@ struct ReportSource {
   std::string software;            ///< "dtsctl 0.1.0": the program that computed the values.
   bool with_html = true;
   bool with_svg = true;
-  bool with_pdf = false;                  ///< "report.pdf": the session's page and the pages of its trials in one document.
-  Language language = Language::English;  ///< Of all pages; the figures are the same.
+  bool with_pdf = false;                         ///< "report.pdf": the session's page and the pages of its trials in one document.
+  std::chrono::seconds pdf_limit = kLongestPdf;  ///< For rsvg-convert.
+  Language language = Language::English;         ///< Of all pages; the figures are the same.
   /// For a person's record outside the clinic's own recordings: no label, notes, corrections with their authors, or values before them.
   bool for_record = false;
 };

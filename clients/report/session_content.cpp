@@ -205,6 +205,7 @@ PageContent session_content(const SessionData& session, const SessionPageLimits&
   Notes provenance = provenance_notes(provenance_of(session, 0, session.parts.size()));
   Section rest{.columns = {{}, {left_out(session), differences(session)}}};
   if (auto corrections = corrections_of(session); !corrections.items.empty()) rest.columns[1].push_back(std::move(corrections));
+  if (auto decisions = decision_table(session, session.trials)) rest.columns[0].push_back(std::move(*decisions));
   if (auto romberg = romberg_table(session)) rest.columns[0].push_back(std::move(*romberg));
   rest.columns[rest.columns[0].empty() ? 0 : 1].push_back(std::move(provenance));
   if (auto methods = methods_of(session, session.trials)) rest.columns[0].push_back(std::move(*methods));

@@ -7,6 +7,7 @@
 #include <map>
 #include <string_view>
 
+#include "report/decision_words.h"
 #include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
@@ -196,6 +197,31 @@ std::optional<Table> romberg_table(const SessionData& session) {
         "Not comparable with one foot, foam or other durations." +
         other_duration(session));
   }
+  return table;
+}
+
+std::optional<Table> decision_table(const SessionData& session, std::span<const TrialData> trials) {
+  if (session.for_record) return std::nullopt;
+  Table table{.title = "Decision of the steadiness model, recorded live",
+              .columns = {{.head = "Trial", .share = 1.0},
+                          {.head = "Condition", .share = 1.8},
+                          {.head = "Model", .share = 1.0},
+                          {.head = "Sway resembles", .share = 3.2}},
+              .rows = {}};
+  const auto add_note = [&table](std::string note) {
+    if (std::ranges::find(table.footnotes, note) == table.footnotes.end()) table.footnotes.push_back(std::move(note));
+  };
+  for (const TrialData& trial : trials) {
+    if (!trial.is_kept() || !trial.recorded.live || !trial.recorded.live->decision) continue;
+    const v1::SteadinessDecision& decision = *trial.recorded.live->decision;
+    table.rows.push_back(
+        {.cells = {trial.number(), condition_text(session, trial.recorded.condition), decision.label(), decision_text(decision)}});
+    for (std::string& limit : decision_limits(decision)) {
+      if (limit != kDecisionLimit) add_note(std::move(limit));
+    }
+  }
+  if (table.rows.empty()) return std::nullopt;
+  table.footnotes.emplace_back(kDecisionLimit);  // once, after the notes of all models
   return table;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "report/page_content.h"
@@ -16,5 +17,8 @@ namespace dts::report {
 [[nodiscard]] std::vector<Table> condition_tables(const SessionData& session);
 /// Returns eyes closed over eyes open, beside published values for the same stance; nothing if no two conditions form a pair.
 [[nodiscard]] std::optional<Table> romberg_table(const SessionData& session);
+/// Returns the decisions of the rig's steadiness model about kept trials, as dtsd recorded them, with what must be known to read them;
+/// nothing without a decision, and nothing for a person's record: a decision is no finding.
+[[nodiscard]] std::optional<Table> decision_table(const SessionData& session, std::span<const TrialData> trials);
 
 }  // namespace dts::report

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/utf8.h"
+#include "report/intended_use.h"
 #include "report/page_parts.h"
 #include "report/report.h"
 #include "report/translation.h"
@@ -21,7 +22,8 @@ constexpr double kRowPitch = 2.55;
 constexpr double kLinePitch = 2.55;
 constexpr double kBlockGap = 1.8;
 constexpr std::size_t kFactColumns = 3;
-constexpr double kLastLine = kPageHeightMm - 6.0;
+constexpr double kLastLine = kPageHeightMm - 8.0;
+constexpr double kIntendedUseLine = kPageHeightMm - 5.6;
 constexpr double kFooterLine = kPageHeightMm - 3.0;  // of a document of several pages
 constexpr double kNextPageTop = kMarginMm + 4.0;     // below the title of a continued page
 constexpr double kHeadPitch = 4.2;
@@ -273,6 +275,11 @@ double put_alerts(Canvas& canvas, const std::vector<std::string>& alerts, double
   return alerts.empty() ? y : y + 1.0;
 }
 
+/// Writes at the bottom of a page what results are for.
+void put_intended_use(Canvas& canvas, Language language) {
+  canvas.text(kMarginMm, kIntendedUseLine, Translation(language, {})(kIntendedUse), {.size = 1.9, .colour = colour::kDarkGrey});
+}
+
 /// Lays out the page. Returns whether something did not fit.
 bool lay_out(const PageContent& content, Paper& paper, WhenFull when_full) {
   Canvas& first = paper.page(0);
@@ -298,7 +305,9 @@ bool lay_out(const PageContent& content, Paper& paper, WhenFull when_full) {
 
 std::string svg_of(const PageContent& content) {
   Paper paper(content);
-  if (lay_out(content, paper, WhenFull::Stop)) {
+  const bool is_full = lay_out(content, paper, WhenFull::Stop);
+  put_intended_use(paper.page(0), content.language);
+  if (is_full) {
     paper.page(0).text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5,
                        Translation(content.language, {})("This page is full; the HTML page shows everything."),
                        {.size = 2.4, .anchor = Anchor::End, .colour = colour::kVermillion, .is_bold = true});
@@ -315,11 +324,13 @@ std::vector<std::string> svg_document_of(std::span<const PageContent> contents, 
     count += paper.size();
   }
   std::vector<std::string> pages;
+  const Language language = contents.empty() ? Language::English : contents.front().language;
   for (Paper& paper : papers) {
     for (std::size_t number = 0; number < paper.size(); ++number) {
       const std::string of = std::to_string(pages.size() + 1) + " / " + std::to_string(count);
       const TextStyle style{.size = kTextSize, .colour = colour::kDarkGrey};
       if (number > 0) paper.page(number).text(kMarginMm, kMarginMm + 1.0, paper.title(), style);
+      put_intended_use(paper.page(number), language);
       paper.page(number).text(kMarginMm, kFooterLine, footer, style);
       paper.page(number).text(kPageWidthMm - kMarginMm, kFooterLine, of,
                               {.size = kTextSize, .anchor = Anchor::End, .colour = colour::kDarkGrey});

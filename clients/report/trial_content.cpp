@@ -5,6 +5,7 @@
 #include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
+#include "report/session_tables.h"
 #include "report/spectrum_picture.h"
 #include "report/stabilogram.h"
 #include "report/sway_series.h"
@@ -133,6 +134,7 @@ PageContent trial_content(const SessionData& session, const TrialData& trial) {
     numbers.columns[0].push_back(core_measures(trial));
     numbers.columns[1].push_back(all_measures(trial));
   }
+  if (auto decision = decision_table(session, std::span(&trial, 1))) numbers.columns[0].push_back(std::move(*decision));
   numbers.columns[0].push_back(quality_notes(session, trial));
   page.sections = {std::move(pictures), std::move(numbers)};
   page.sections.back().columns[0].push_back(provenance_notes(provenance_of(session, trial.part, trial.part + 1)));

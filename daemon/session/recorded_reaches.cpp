@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "events/read.h"
+#include "record/catalogue/trial_collector.h"
 #include "session/session_events.h"
 
 namespace dts::session {
@@ -105,9 +106,6 @@ class Attempts {
         attempt.end = scan;
       }
       if (event.kind == Done) done_.insert(key);
-      attempt.outcome = name(event.kind);
-    } else if (event.kind == Undone) {
-      attempt.outcome = done_.contains(key) ? name(Done) : "";
     }
   }
   void compare(const std::vector<ReachTrialResult>& results, const LiveResults& live, RecordedReaches& recorded) {
@@ -124,13 +122,19 @@ class Attempts {
       attempt->second.differs = attempt->second.differs || differs;
     }
   }
-  /// Returns them in the order of their cues, each with its result.
-  [[nodiscard]] std::vector<RecordedReachTrial> all(const std::vector<ReachTrialResult>& results) && {
+  /// Returns those that took place, in the order of their cues, each with its outcome and its result.
+  [[nodiscard]] std::vector<RecordedReachTrial> all(const std::vector<record::TrialRow>& rows,
+                                                    const std::vector<ReachTrialResult>& results) && {
+    for (const record::TrialRow& row : rows) {
+      if (const auto found = attempts_.find({row.trial, row.attempt}); found != attempts_.end()) found->second.outcome = row.outcome;
+    }
     for (const ReachTrialResult& result : results) {
       if (const auto found = attempts_.find({result.trial, result.attempt}); found != attempts_.end()) found->second.result = result;
     }
     std::vector<RecordedReachTrial> attempts;
-    for (auto& [key, attempt] : attempts_) attempts.push_back(std::move(attempt));
+    for (auto& [key, attempt] : attempts_) {
+      if (!attempt.outcome.empty()) attempts.push_back(std::move(attempt));
+    }
     std::ranges::stable_sort(attempts, {}, [](const RecordedReachTrial& one) { return std::pair(one.segment, one.go); });
     return attempts;
   }
@@ -140,13 +144,14 @@ class Attempts {
   std::set<TrialKey> done_;  ///< Also if they were redone or rejected later.
 };
 
-core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, LiveTrials& live,
+core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, LiveTrials& live, record::TrialCollector& trials,
                                                  const std::function<void(double)>& progress) {
   std::vector<PlacedStep> steps;
   while (true) {
     DTS_TRY_ASSIGN(auto item, recording.next());
     if (!item) break;
     if (recording.size() > 0) progress(static_cast<double>(recording.offset()) / static_cast<double>(recording.size()));
+    trials.add(*item);
     const auto* timed = std::get_if<record::TimedEvent>(&*item);
     if (timed == nullptr) continue;
     add_live(timed->event, live);
@@ -187,7 +192,8 @@ std::uint64_t count_reaches(const std::vector<PlacedStep>& steps) {
 core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording, const classifier::TrunkModel* model,
                                                     const std::function<void(double)>& progress) {
   LiveTrials live;
-  DTS_TRY_ASSIGN(const auto steps, read_steps(recording, live, progress));
+  record::TrialCollector trials(recording.find_stream("raw"));
+  DTS_TRY_ASSIGN(const auto steps, read_steps(recording, live, trials, progress));
   RecordedReaches recorded;
   if (const auto& facts = recording.session()) recorded.person = person_of(facts->fields);
   ReachResults results(recorded.person, model);
@@ -202,7 +208,7 @@ core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording
   recorded.reaches = count_reaches(steps);
   recorded.trials = results.results();
   attempts.compare(recorded.trials, live.at_end, recorded);
-  recorded.attempts = std::move(attempts).all(results.results_of_void_too());
+  recorded.attempts = std::move(attempts).all(trials.rows(), results.results_of_void_too());
   recorded.summary = results.summary();
   recorded.live_summary = std::move(live.summary);
   recorded.scale = results.own_scale();

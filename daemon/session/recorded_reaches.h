@@ -23,7 +23,7 @@ struct RecordedReachTrial {
   std::uint32_t block = 1;
   std::string condition{};
   std::optional<double> target_cm;
-  std::string outcome{};  ///< "done", "redone", "rejected", "aborted"; empty: it did not end.
+  std::string outcome{};  ///< "done", "redone", "rejected", "aborted": as in the catalogue.
   std::uint32_t segment = 0;
   core::ScanIndex go;                      ///< Scan of the cue.
   std::uint32_t end_segment = 0;           ///< Differs from `segment` if scans are missing between cue and end.
@@ -39,7 +39,7 @@ struct RecordedReaches {
   std::optional<physics::Person> person;     ///< From the fields of the session; empty: not all fields are present.
   std::uint64_t reaches = 0;                 ///< Final reaches that were not cancelled, inside or outside trials.
   std::vector<ReachTrialResult> trials;      ///< The valid ones, in the order of their cues.
-  std::vector<RecordedReachTrial> attempts;  ///< All that had a cue, in the order of their cues.
+  std::vector<RecordedReachTrial> attempts;  ///< All that had a cue and took place, in the order of their cues.
   std::vector<SessionFigure> summary;
   std::vector<SessionFigure> live_summary;              ///< As the daemon recorded it.
   std::optional<classifier::SubjectCalibration> scale;  ///< The subject's own.

@@ -20,6 +20,7 @@ namespace dts::gateway {
 namespace {
 
 constexpr std::size_t kReportBytes = 64U << 20U;
+constexpr std::size_t kPdfThreads = 2;  // one slow PDF does not delay the next one
 // A page has no script and loads nothing. With "sandbox" alone, the page would have another origin: a click on a link to the next page
 // would be cross-site, and the browser would omit the cookie (SameSite=Strict).
 constexpr std::string_view kPagePolicy =
@@ -67,13 +68,14 @@ HttpResponse show_page(const report::Report& made, const std::string& name) {
 
 /// Makes the pages, or the PDF alone: a browser that shows the pages does not need it.
 core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, bool is_pdf, report::Language language,
-                                       const std::stop_token& stop) {
+                                       std::chrono::seconds pdf_limit, const std::stop_token& stop) {
   // The pages show the program's name, and must have the same bytes as those of `dtsctl report`.
   const report::ReportSource source{.files = files,
                                     .software = "dtsctl " + std::string(client::version()),
                                     .with_html = !is_pdf,
                                     .with_svg = !is_pdf,
                                     .with_pdf = is_pdf,
+                                    .pdf_limit = pdf_limit,
                                     .language = language};
   DTS_TRY_ASSIGN(auto made, report::make_report(source, [&stop](double) { return !stop.stop_requested(); }));
   return std::make_shared<const report::Report>(std::move(made));
@@ -86,20 +88,22 @@ struct MadeExport {
 
 class ArchiveImpl final : public Archive {
  public:
-  ArchiveImpl(boost::asio::io_context& io, std::uint64_t work_bytes, std::unique_ptr<ExportCache> cache, FindSession find_session)
+  ArchiveImpl(boost::asio::io_context& io, const ArchiveOptions& options, std::uint64_t work_bytes, std::unique_ptr<ExportCache> cache,
+              FindSession find_session)
       : find_session_(std::move(find_session)),
         work_bytes_(work_bytes),
+        pdf_limit_(options.pdf_limit),
         cache_(std::move(cache)),
-        reports_(worker_,
-                 [this](const std::string& key, const ReportPointer& made) {
-                   if (is_present(key)) shelf_.keep(key, made);
-                 }),
-        exports_(worker_,
-                 [this](const std::string& key, const MadeExport& made) {
-                   // If there is no room, `find` returns nothing for the waiting requests, and they are answered with "try again".
-                   if (is_present(key)) static_cast<void>(cache_->keep(key, made.folder->path() / "export.zip", made.bytes));
-                 }),
-        worker_(io) {}
+        reports_([this](const std::string& key, const ReportPointer& made) {
+          if (is_present(key)) shelf_.keep(key, made);
+        }),
+        exports_([this](const std::string& key, const MadeExport& made) {
+          // If there is no room, `find` returns nothing for the waiting requests, and they are answered with "try again".
+          if (is_present(key)) static_cast<void>(cache_->keep(key, made.folder->path() / "export.zip", made.bytes));
+        }),
+        pages_worker_(io),
+        tables_worker_(io),
+        pdf_worker_(io, kPdfThreads) {}
 
   void handle(HttpRequest request, Respond respond) override {
     if (request.method != "GET" && request.method != "HEAD") {
@@ -157,9 +161,9 @@ class ArchiveImpl final : public Archive {
     const std::string key = key_of((is_pdf ? "pdf-" : "report-") + std::string(report::code(path.language)), session);
     if (const ReportPointer made = shelf_.find(key)) return respond(show(*made));
     const bool is_accepted = reports_.ask(
-        key,
-        [files = std::move(files), is_pdf, language = path.language](const std::stop_token& stop) {
-          return make_pages(files, is_pdf, language, stop);
+        is_pdf ? pdf_worker_ : pages_worker_, key,
+        [files = std::move(files), is_pdf, language = path.language, pdf_limit = pdf_limit_](const std::stop_token& stop) {
+          return make_pages(files, is_pdf, language, pdf_limit, stop);
         },
         [show, respond](const core::Result<ReportPointer>& made) { respond(made ? show(**made) : not_made(made.error())); });
     if (!is_accepted) respond(busy());
@@ -169,10 +173,16 @@ class ArchiveImpl final : public Archive {
     const std::string key = key_of(name(format), session);
     const std::string file_name = session.session_id() + "-" + name(format) + ".zip";
     if (ExportCache::Held held = cache_->find(key)) return respond(zip_answer(std::move(held), file_name));
-    const ExportOrder order{.session_id = session.session_id(), .format = format, .files = std::move(files), .most_bytes = work_bytes_};
+    // The exports under way at the same time, one table and a bundle on each PDF thread, must not need more than `work_bytes_` together.
+    const bool is_bundle = format == ExportFormat::Fhir;
+    const ExportOrder order{.session_id = session.session_id(),
+                            .format = format,
+                            .files = std::move(files),
+                            .most_bytes = is_bundle ? work_bytes_ / (4 * kPdfThreads) : work_bytes_ / 4 * 3,
+                            .pdf_limit = pdf_limit_};
     const auto folder = std::make_shared<WorkFolder>(cache_->new_folder());
     const bool is_accepted = exports_.ask(
-        key,
+        is_bundle ? pdf_worker_ : tables_worker_, key,
         [order, folder](const std::stop_token& stop) {
           return make_export(order, folder->path(), stop).map([&folder](std::uint64_t bytes) { return MadeExport{folder, bytes}; });
         },
@@ -193,24 +203,28 @@ class ArchiveImpl final : public Archive {
 
   FindSession find_session_;
   std::uint64_t work_bytes_;
+  std::chrono::seconds pdf_limit_;
   std::uint64_t generation_ = 0;  ///< Counts the calls of `forget`.
   std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
   std::unique_ptr<ExportCache> cache_;
   ReportShelf shelf_{kReportBytes};
   SharedWork<ReportPointer> reports_;
   SharedWork<MadeExport> exports_;
-  Worker worker_;  // last: its thread ends before the other members are destroyed
+  // Last: their threads end before the other members are destroyed. What waits for another program, which may hang, has its own threads.
+  Worker pages_worker_;
+  Worker tables_worker_;
+  Worker pdf_worker_;
 };
 
 }  // namespace
 
 client::Result<std::unique_ptr<Archive>> Archive::open(boost::asio::io_context& io, const ArchiveOptions& options,
                                                        FindSession find_session) {
-  // Half of the bytes for the cache, half for the export in progress, so that the limit for the disk always holds.
+  // Half of the bytes for the cache, half for the exports in progress, so that the limit for the disk always holds.
   const std::uint64_t work_bytes = options.cache_bytes / 2;
   // Uses a separate folder inside, so that the content of a directory given by mistake is not removed.
   DTS_TRY_ASSIGN(auto cache, ExportCache::open(options.cache_directory / "dts-gateway-exports", options.cache_bytes - work_bytes));
-  return std::make_unique<ArchiveImpl>(io, work_bytes, std::move(cache), std::move(find_session));
+  return std::make_unique<ArchiveImpl>(io, options, work_bytes, std::move(cache), std::move(find_session));
 }
 
 }  // namespace dts::gateway

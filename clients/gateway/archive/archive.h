@@ -2,6 +2,7 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -11,6 +12,7 @@
 #include "dts/error.h"
 #include "gateway/access/identity.h"
 #include "gateway/http/http_message.h"
+#include "report/report.h"
 
 namespace dts::gateway {
 
@@ -20,10 +22,12 @@ using FindSession = std::function<void(const std::string& session_id, std::funct
 struct ArchiveOptions {
   std::filesystem::path cache_directory;  ///< Exports are stored in "dts-gateway-exports" inside: emptied at the start, bounded.
   std::uint64_t cache_bytes = 2ULL << 30U;
+  std::chrono::seconds pdf_limit = report::kLongestPdf;  ///< A PDF that takes longer fails.
 };
 
-/// Finished sessions as files: report pages (the bytes of `dtsctl report`), recordings and exports. A separate thread makes them from the
-/// recording, one at a time; the results are cached for a while.
+/// Finished sessions as files: report pages (the bytes of `dtsctl report`), recordings and exports. Threads of their own make them from the
+/// recording: one makes pages, one makes tables (CSV, BIDS, C3D), two make PDFs and FHIR Bundles, which contain one. The results are cached
+/// for a while.
 ///
 ///     GET /api/sessions/ID/report             {"pages":["session.html","trial-01.html",...],"damage":[...]}
 ///     GET /api/sessions/ID/report/PAGE        the page, html or svg, with a Content-Security-Policy of its own

@@ -67,8 +67,8 @@ core::Status export_parts(const ExportOrder& order, const fs::path& data, const 
 
 /// Writes one bundle with all parts, as `dtsctl session export --format fhir` does.
 core::Status export_bundle(const ExportOrder& order, const fs::path& data, const std::stop_token& stop) {
-  const auto bundle = fhir::make_session_bundle(order.files, "dtsctl " + std::string(client::version()),
-                                                [&stop](double) { return !stop.stop_requested(); });
+  const auto bundle = fhir::make_session_bundle(
+      order.files, "dtsctl " + std::string(client::version()), [&stop](double) { return !stop.stop_requested(); }, order.pdf_limit);
   if (!bundle) return tl::make_unexpected(bundle.error());
   DTS_TRY(check_size(order, bundle->text.size()));
   const fs::path folder = data / (record::fit_for_file_name(order.session_id) + "-" + name(order.format));

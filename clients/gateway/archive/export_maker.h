@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <stop_token>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "report/report.h"
 
 namespace dts::gateway {
 
@@ -18,8 +20,9 @@ enum class ExportFormat : std::uint8_t { Csv, Bids, C3d, Fhir };
 struct ExportOrder {
   std::string session_id;
   ExportFormat format = ExportFormat::Csv;
-  std::vector<std::string> files;  ///< The session's parts.
-  std::uint64_t most_bytes = 0;    ///< Limit for text files and zip together.
+  std::vector<std::string> files;                        ///< The session's parts.
+  std::uint64_t most_bytes = 0;                          ///< Limit for text files and zip together.
+  std::chrono::seconds pdf_limit = report::kLongestPdf;  ///< A FHIR Bundle whose PDF takes longer has none.
 };
 
 /// Writes the export into "data" below `folder`, which it creates, and packs it into `folder`/export.zip. Returns the size of the zip file.

@@ -15,7 +15,7 @@
 
 namespace dts::gateway {
 
-/// Makes things on the worker: each thing once, even if several callers request it meanwhile. Thread: io, but for `Make`.
+/// Makes things on workers: each thing once, even if several callers request it meanwhile. Thread: io, but for `Make`.
 template <class Thing>
 class SharedWork {
  public:
@@ -23,16 +23,15 @@ class SharedWork {
   using Made = std::function<void(const core::Result<Thing>& thing)>;
 
   /// Calls `keep` once for each thing, before the callers get it.
-  SharedWork(Worker& worker, std::function<void(const std::string& key, const Thing& thing)> keep)
-      : worker_(worker), keep_(std::move(keep)) {}
+  explicit SharedWork(std::function<void(const std::string& key, const Thing& thing)> keep) : keep_(std::move(keep)) {}
 
-  /// Returns false and starts nothing if too much work is waiting.
-  [[nodiscard]] bool ask(const std::string& key, Make make, Made made) {
+  /// Returns false and starts nothing if too much work is waiting for this worker, which must end before this object.
+  [[nodiscard]] bool ask(Worker& worker, const std::string& key, Make make, Made made) {
     if (const auto under_way = askers_.find(key); under_way != askers_.end()) {
       under_way->second.push_back(std::move(made));
       return true;
     }
-    const bool is_accepted = worker_.submit([this, key, make = std::move(make)](const std::stop_token& stop) -> Worker::Answer {
+    const bool is_accepted = worker.submit([this, key, make = std::move(make)](const std::stop_token& stop) -> Worker::Answer {
       auto thing = std::make_shared<core::Result<Thing>>(made_by(make, stop));
       return [this, key, thing] { answer(key, *thing); };
     });
@@ -56,7 +55,6 @@ class SharedWork {
     for (const Made& made : askers.mapped()) made(thing);
   }
 
-  Worker& worker_;
   std::function<void(const std::string& key, const Thing& thing)> keep_;
   std::map<std::string, std::vector<Made>> askers_;
 };

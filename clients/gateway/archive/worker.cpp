@@ -8,10 +8,12 @@
 
 namespace dts::gateway {
 
-Worker::Worker(boost::asio::io_context& io) : io_(io), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+Worker::Worker(boost::asio::io_context& io, std::size_t threads) : io_(io) {
+  for (std::size_t k = 0; k < threads; ++k) threads_.emplace_back([this] { run(stop_.get_token()); });
+}
 
 bool Worker::submit(Work work) {
-  if (not_done_ > kMostWaiting) return false;
+  if (not_done_ >= kMostWaiting + threads_.size()) return false;
   ++not_done_;
   {
     const std::scoped_lock lock(mutex_);

@@ -10,10 +10,11 @@
 #include <mutex>
 #include <stop_token>
 #include <thread>
+#include <vector>
 
 namespace dts::gateway {
 
-/// Does long work on its own thread ("archive"), one piece at a time, in order.
+/// Does long work on threads of its own ("archive"), each one piece at a time, started in order.
 class Worker {
  public:
   static constexpr std::size_t kMostWaiting = 8;  ///< In addition to the work in progress.
@@ -23,9 +24,9 @@ class Worker {
   /// Must end soon when a stop is requested.
   using Work = std::function<Answer(const std::stop_token& stop)>;
 
-  explicit Worker(boost::asio::io_context& io);
+  explicit Worker(boost::asio::io_context& io, std::size_t threads = 1);
   /// Requests the work in progress to stop and waits for it. Waiting work never starts, and no result is passed on any more.
-  ~Worker() = default;
+  ~Worker() { stop_.request_stop(); }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
@@ -41,7 +42,8 @@ class Worker {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<Work> waiting_;
-  std::jthread thread_;  // last: ends before the other members are destroyed
+  std::stop_source stop_;
+  std::vector<std::jthread> threads_;  // last: they end before the other members are destroyed
 };
 
 }  // namespace dts::gateway

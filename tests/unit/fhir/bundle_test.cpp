@@ -8,8 +8,11 @@
 #include <fstream>
 
 #include "made_session.h"
+#include "report/chair_data.h"
+#include "report/intended_use.h"
 #include "support/committed_text.h"
 #include "unit/record/xdf_fixture.h"
+#include "unit/report/made_reaching.h"
 
 namespace dts::fhir {
 namespace {
@@ -36,6 +39,7 @@ class BundleTest : public ::testing::Test {
 };
 
 TEST_F(BundleTest, HasPatientDeviceReportResultsAndTrials) {
+  RecordProperty("requirement", "REP-11");
   const Json bundle = bundle_of(made_session());
 
   EXPECT_EQ(bundle["resourceType"], "Bundle");
@@ -49,6 +53,8 @@ TEST_F(BundleTest, HasPatientDeviceReportResultsAndTrials) {
   EXPECT_EQ(report["result"].size(), 5U);
   EXPECT_FALSE(report.contains("presentedForm"));
   EXPECT_FALSE(report.contains("conclusion"));
+  EXPECT_EQ(report["text"]["status"], "additional");
+  EXPECT_THAT(report["text"]["div"].get<std::string>(), HasSubstr(std::string(report::kIntendedUse)));
 }
 
 TEST_F(BundleTest, EveryReference_IsInTheBundle) {
@@ -361,6 +367,35 @@ TEST_F(BundleTest, TrialsOfAnInterruptedPart_ArePreliminary) {
   for (const Json& one : resources_of(bundle, "Observation")) statuses.push_back(one["status"]);
   EXPECT_THAT(statuses, ElementsAre("preliminary", "preliminary", "final", "final"));
   EXPECT_EQ(observation_of(bundle_of(write(interrupted, "c.xdf")), "standing-trial")["status"], "preliminary") << "a crash";
+}
+
+TEST_F(BundleTest, AnInterruptedChairSession_HasTheTrialsOfItsReport) {
+  report::MadeReaching first{.has_results = false};  // the crash came before dtsd had recorded a result
+  first.reaches = {{.trial = 1}, {.trial = 2, .rise_mm = 0.0}, {.trial = 3, .outcome = "redone"}, {.trial = 3, .attempt = 2}};
+  report::MadeReaching second;
+  second.facts.part = 2;
+  second.reaches = {{.trial = 4}, {.trial = 5, .outcome = "aborted"}};
+  second.reaches[0].movement.trunk_deg = 31.0;
+  const std::vector<std::string> files{report::write_reaching(directory_ / "1.xdf", first),
+                                       report::write_reaching(directory_ / "2.xdf", second)};
+
+  const Json bundle = Json::parse(text_of(files));
+  const auto chair = report::read_chair_session({.files = files}, always);
+  ASSERT_TRUE(chair) << chair.error().what;
+
+  std::size_t valid = 0;
+  for (const report::ChairTrial& trial : chair->trials) {
+    const Json one = observation_of(bundle, "reaching-trial", "trial-number", trial.recorded.trial);
+    if (trial.recorded.outcome != "done") continue;
+    ASSERT_FALSE(one.is_null()) << trial.recorded.trial;
+    EXPECT_EQ(component(one, "attempt")["valueInteger"], trial.recorded.attempt);
+    EXPECT_EQ(one.contains("dataAbsentReason"), !trial.is_valid()) << trial.recorded.trial;
+    if (!trial.is_valid()) continue;
+    ++valid;
+    EXPECT_EQ(component(one, "trunk_deg")["valueQuantity"]["value"], trial.movement()->trunk_deg) << trial.recorded.trial;
+  }
+  EXPECT_EQ(valid, 3U) << "trials 1, 3 and 4; nothing was found in trial 2";
+  EXPECT_EQ(resources_of(bundle, "Observation").size(), 4U) << "neither the redone nor the aborted attempt";
 }
 
 TEST_F(BundleTest, PartsOfTwoSessions_Fail) {

@@ -77,7 +77,7 @@ HOUSE = [
     ("clients/libdts/key.cpp",   [],                                                      ["toml++/"]),
     ("clients/cli",              ["core"],                                                ["CLI/", "nlohmann/"]),
     ("clients/visits",           ["session", "proto"],                                    ["nlohmann/"]),
-    ("clients/report",           ["core", "physics", "classifier", "posturography", "record", "session"],          ["kainjow/", "pugixml.hpp"]),
+    ("clients/report",           ["core", "physics", "classifier", "posturography", "record", "session", "proto"], ["kainjow/", "pugixml.hpp"]),
     ("clients/report/recorded_definitions", ["files"],                                    []),
     ("clients/fhir",             ["core", "posturography", "record", "session", "report", "proto"], ["nlohmann/"]),
     ("clients/fhir/resource_id.cpp", [],                                                  ["boost/uuid/"]),

@@ -13,6 +13,7 @@
 #include "report/chair_data.h"
 #include "report/chair_tables.h"
 #include "report/chair_words.h"
+#include "report/intended_use.h"
 #include "report/page_parts.h"
 #include "report/report.h"
 #include "unit/record/xdf_fixture.h"
@@ -84,6 +85,12 @@ TEST_F(ChairReportTest, OfReaches_IsAPageForEachAndOneForTheSession) {
     EXPECT_EQ(each.text.find("nan"), std::string::npos) << each.file;
     EXPECT_NE(each.text.substr(0, 1024).find(kPageMark), std::string::npos) << each.file;
   }
+}
+
+TEST_F(ChairReportTest, EveryPage_SaysWhatItIsFor) {
+  RecordProperty("requirement", "REP-11");
+  for (const Page& each : report_of(write(three_reaches())).pages)
+    EXPECT_THAT(each.text, HasSubstr(std::string(kIntendedUse))) << each.file;
 }
 
 TEST_F(ChairReportTest, TheSameRecording_GivesTheSameBytes) {

@@ -5,9 +5,11 @@
 #include <pugixml.hpp>
 #include <regex>
 
+#include "made_decision.h"
 #include "made_standing.h"
 #include "report/report.h"
 #include "report/translation.h"
+#include "session/session_events.h"
 #include "unit/record/xdf_fixture.h"
 
 namespace dts::report {
@@ -102,6 +104,40 @@ TEST_F(GermanReport, Pages_HaveNoEnglishText) {
   simulated.facts.device_uri = "sim:floor?noise=0.5";
   simulated.facts.firmware = "7";
   EXPECT_THAT(english_texts(simulated), ElementsAre());
+}
+
+TEST_F(GermanReport, DecisionsHaveNoEnglishText) {
+  RecordProperty("requirement", "UI-12");
+  v1::SteadinessDecision decision = made_decision();
+  decision.clear_about();  // a text of the model's maker
+  MadeStanding made = romberg();
+  const auto add = [&](std::uint32_t trial, const v1::SteadinessDecision& one) {
+    session::SwayTrialResult result{
+        .trial = trial, .attempt = trial == 4 ? 2U : 1U, .analysis = posturography::Analysis{}, .decision = one};
+    result.analysis->rate_hz = 100.0;
+    result.analysis->samples = 2000;
+    result.analysis->duration_s = 20.0;
+    made.events.push_back(session::to_event(result, "20261121T144525Z-floor-1", "dtsd 0.2.0"));
+    made.events.back().set_scan(11900);
+  };
+  add(1, decision);
+  decision.set_outcome(v1::DECISION_OUTCOME_NOT_COMPARABLE);
+  add(2, decision);
+  decision.set_outcome(v1::DECISION_OUTCOME_OUTSIDE);
+  decision.add_outside("MVELO");
+  decision.set_is_better_than_one_measure(true);
+  decision.clear_condition();
+  add(3, decision);
+  decision.set_outcome(v1::DECISION_OUTCOME_NOT_VALID);
+  add(4, decision);
+
+  EXPECT_THAT(english_texts(made), ElementsAre("group60", "group60", "group60", "group60", "group60", "group60", "group60", "group60"));
+  const std::string session = pages(write(made), Language::German).front().text;
+  for (const char* part : {"wie under60, p 0,83", "keine Zuordnung: MVELO liegt außerhalb des Trainings", "mit 124 Personen trainiert",
+                           "(0,73..0,88; 0,50 ist Zufall)", "Körpergröße mit Geschlecht unterscheidet ohne Platte ebenso gut (0,83)",
+                           "Keine Aussage über Gesundheit oder Sturzgefahr."}) {
+    EXPECT_THAT(session, HasSubstr(part));
+  }
 }
 
 TEST_F(GermanReport, WithoutAProtocol_HasNoEnglishText) { EXPECT_THAT(english_texts(MadeStanding{}), ElementsAre()); }

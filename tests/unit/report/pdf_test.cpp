@@ -102,6 +102,7 @@ TEST_F(PdfTest, TheSameRecording_GivesTheSameBytesInEveryTimeZoneAndLanguage) {
 }
 
 TEST_F(PdfTest, TextCanBeExtracted) {
+  RecordProperty("requirement", "REP-11");
   if (!can_read_text()) GTEST_SKIP() << "pdftotext is not installed: apt-get install poppler-utils";
   const std::string text = text_of_document(pdf_of_report(chair()));
 
@@ -111,6 +112,12 @@ TEST_F(PdfTest, TextCanBeExtracted) {
   EXPECT_THAT(text, HasSubstr("P3: maximum"));
   EXPECT_THAT(text, HasSubstr("20261121T144525Z-chair-1, test 1")) << "the foot of every page";
   EXPECT_THAT(text, testing::ContainsRegex("1 ?/ ?4"));
+  std::size_t feet = 0;
+  for (std::size_t at = text.find("No diagnosis, no decision"); at != std::string::npos;
+       at = text.find("No diagnosis, no decision", at + 1)) {
+    ++feet;
+  }
+  EXPECT_EQ(feet, 4U) << "intended use at the foot of every page";
 }
 
 TEST_F(PdfTest, OfTheSessionAlone_HasNoPageOfATrial) {

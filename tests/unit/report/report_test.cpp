@@ -11,12 +11,16 @@
 #include <pugixml.hpp>
 
 #include "files/rig_file.h"
+#include "made_decision.h"
 #include "made_standing.h"
 #include "record/xdf/recovery.h"
+#include "report/decision_words.h"
+#include "report/intended_use.h"
 #include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/reference_columns.h"
 #include "report/session_data.h"
+#include "session/session_events.h"
 #include "unit/record/xdf_fixture.h"
 
 namespace dts::report {
@@ -29,6 +33,30 @@ using ::testing::Not;
 
 const std::vector<std::pair<std::string, std::string>> kOpen{{"eyes", "open"}, {"feet", "two"}};
 const std::vector<std::pair<std::string, std::string>> kClosed{{"eyes", "closed"}, {"feet", "two"}};
+
+/// The daemon's result of a trial with a decision.
+v1::Event decided(std::uint32_t trial, const std::string& condition, const v1::SteadinessDecision& decision) {
+  session::SwayTrialResult result{.trial = trial, .condition = condition, .analysis = posturography::Analysis{}, .decision = decision};
+  result.analysis->rate_hz = 100.0;
+  result.analysis->samples = 2000;
+  result.analysis->duration_s = 20.0;
+  v1::Event event = session::to_event(result, "20261121T144525Z-floor-1", "dtsd 0.2.0");
+  event.set_scan(4900);
+  return event;
+}
+
+v1::SteadinessDecision outside_of(const std::string& measure) {
+  v1::SteadinessDecision decision = made_decision();
+  decision.set_outcome(v1::DECISION_OUTCOME_OUTSIDE);
+  decision.add_outside(measure);
+  return decision;
+}
+
+std::size_t times_in(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
 
 class ReportTest : public ::testing::Test {
  protected:
@@ -392,6 +420,46 @@ TEST_F(ReportTest, Page_FetchesNothing) {
     if (each.file.ends_with(".html")) {
       EXPECT_THAT(each.text, HasSubstr("default-src 'none'; style-src 'unsafe-inline'"));
     }
+  }
+}
+
+TEST_F(ReportTest, Decision_IsOnThePagesWithItsLimits) {
+  RecordProperty("requirement", "SWAY-10");
+  MadeStanding made = two_trials();
+  made.events = {decided(1, "eyes-open", made_decision()), decided(2, "eyes-closed", outside_of("MVELO"))};
+
+  const Report report = report_of(write(made));
+
+  const std::string session = page(report, "session.html");
+  for (const char* part : {"like under60, p 0.83", "no decision: MVELO is outside of the training", "trained on 124 people"}) {
+    EXPECT_THAT(session, HasSubstr(part));
+  }
+  EXPECT_EQ(times_in(session, std::string(kDecisionLimit)), 1U) << "one model, one limit";
+  const std::string trial = page(report, "trial-02.html");
+  EXPECT_THAT(trial, AllOf(HasSubstr("no decision: MVELO"), HasSubstr(std::string(kDecisionLimit)), Not(HasSubstr("under60"))));
+  EXPECT_THAT(page(report, "trial-01.svg"), HasSubstr("like under60, p 0.83"));
+  expect_well_formed(report);
+}
+
+TEST_F(ReportTest, Decision_IsLeftOutOfATrialThatDoesNotCountAndOfARecord) {
+  MadeStanding made = two_trials();
+  made.events = {decided(1, "eyes-open", made_decision())};
+  EXPECT_THAT(page(report_of(write(two_trials(), "none.xdf")), "session.html"), Not(HasSubstr("steadiness model")));
+  const std::string file = write(made, "decided.xdf");
+  const auto record = make_report({.files = {file}, .software = "test 1", .for_record = true}, always);
+  ASSERT_TRUE(record);
+  EXPECT_THAT(page(*record, "session.html"), Not(HasSubstr("under60"))) << "a decision is no finding";
+
+  for (MadeStep& step : made.steps) {
+    if (step.phase == "done" && step.trial == 1) step.phase = "rejected";
+  }
+  EXPECT_THAT(page(report_of(write(made, "rejected.xdf")), "session.html"), Not(HasSubstr("under60")));
+}
+
+TEST_F(ReportTest, EveryPage_SaysWhatItIsFor) {
+  RecordProperty("requirement", "REP-11");
+  for (const Page& each : report_of(write(two_trials())).pages) {
+    EXPECT_EQ(times_in(each.text, std::string(kIntendedUse)), 1U) << each.file;
   }
 }
 

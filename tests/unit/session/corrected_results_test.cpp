@@ -11,6 +11,7 @@
 #include "reach_results_events.h"
 #include "record/xdf/xdf_writer.h"
 #include "session/session_events.h"
+#include "support/committed_text.h"
 
 namespace dts::session {
 namespace {
@@ -76,6 +77,35 @@ TEST_F(CorrectedResultsTest, Reaches_GiveTheFiguresOfTheirJudge_AndFewerWhenOneI
   const auto fewer = corrected_results(session);
   ASSERT_TRUE(fewer);
   EXPECT_EQ(std::ranges::find(*fewer, "trials", &record::ResultRow::name)->value, 4.0);
+}
+
+TEST_F(CorrectedResultsTest, ReachesOfDtsd01_GiveTheRecordedFigures) {
+  RecordProperty("requirement", "REC-9");
+  const std::string file = test::committed_file("unit/record/recordings_0_1/reaching.xdf");
+  const auto content = record::read_recording(file);
+  ASSERT_TRUE(content) << content.error().what;
+  record::SessionRow session{.id = "old", .rig = "chair"};
+  session.parts = {{.session_id = "old", .part = 1, .file = file, .leading_part = 1}};
+  session.trials = content->trials;
+  for (record::TrialRow& trial : session.trials) trial.part = 1;
+
+  const auto same = corrected_results(session);
+  ASSERT_TRUE(same) << same.error().what;
+  ASSERT_FALSE(content->results.empty());
+  for (const record::ResultRow& recorded : content->results) {
+    const auto found = std::ranges::find(*same, recorded.name, &record::ResultRow::name);
+    ASSERT_NE(found, same->end()) << recorded.name;
+    EXPECT_NEAR(found->value, recorded.value, 1e-12) << recorded.name;
+  }
+  EXPECT_EQ(same->size(), content->results.size());
+
+  session.trials[3].outcome = "rejected";
+  const auto fewer = corrected_results(session);
+  ASSERT_TRUE(fewer) << fewer.error().what;
+  EXPECT_EQ(std::ranges::find(*fewer, "trials", &record::ResultRow::name)->value, 3.0);
+  EXPECT_NE(std::ranges::find(*fewer, "sparc_mean", &record::ResultRow::name), fewer->end()) << "its reaches are read from the recording";
+  session.trials[0].attempt = 7;
+  EXPECT_EQ(corrected_results(session).error().code, core::ErrorCode::DataDamaged) << "such a reach was not recorded";
 }
 
 TEST_F(CorrectedResultsTest, ADamagedResult_IsAnError_AndAPartHasItsOwnNames) {

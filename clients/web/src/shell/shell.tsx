@@ -13,6 +13,7 @@ import { strings } from '../strings';
 import type { Language } from '../strings/language';
 import { changeLanguage, language, languages } from '../strings/language';
 import { conditionOf } from './condition';
+import { hasResults } from './results';
 import { path } from './route';
 import type { ThemeChoice } from './theme';
 import { themeChoice, themeChoices } from './theme';
@@ -131,6 +132,7 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
   const { kind, text, hint } = conditionOf(live.state.value, live.since.value, live.status.value, live.dropped.value);
   // A live picture without data says by itself why, and what to do.
   const isInPicture = livePages.has(path.value[link.me.value.isFleet ? 2 : 0] ?? 'floor') && live.state.value !== 'up';
+  const isOfResults = hasResults(link, path.value);
   const goTo = (name: string) => () => (location.hash = `#/${name}`);
   useKeys({
     '?': () => (isHelpOpen.value = !isHelpOpen.value),
@@ -148,9 +150,14 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
         <Who link={link} />
       </header>
       {kind === 'error' && hint !== '' && !isInPicture && <PassingNotice kind="error" what={text} hint={hint} testId="loud-status" />}
-      <main ref={page} class="page" data-testid="page">
+      <main ref={page} class={isOfResults ? 'page page-results' : 'page'} data-testid="page">
         {children}
       </main>
+      {isOfResults && (
+        <footer class="intended-use" data-testid="intended-use">
+          {words.intendedUse}
+        </footer>
+      )}
       {isHelpOpen.value && <KeyHelp isFleet={link.me.value.isFleet} onClose={() => (isHelpOpen.value = false)} />}
     </>
   );

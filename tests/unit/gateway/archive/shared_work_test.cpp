@@ -13,14 +13,15 @@ using SharedWorkTest = IoTest;
 
 TEST_F(SharedWorkTest, WhatThrowsIsAnErrorForWhoAskedAndTheNextIsMade) {
   Worker worker(io_);
-  SharedWork<int> work(worker, [](const std::string&, int) {});
+  SharedWork<int> work([](const std::string&, int) {});
   std::optional<core::Result<int>> first;
   std::optional<core::Result<int>> second;
 
   ASSERT_TRUE(work.ask(
-      "large", [](const std::stop_token&) -> core::Result<int> { throw std::bad_alloc(); }, [&](const auto& made) { first = made; }));
+      worker, "large", [](const std::stop_token&) -> core::Result<int> { throw std::bad_alloc(); },
+      [&](const auto& made) { first = made; }));
   ASSERT_TRUE(work.ask(
-      "small", [](const std::stop_token&) -> core::Result<int> { return 7; }, [&](const auto& made) { second = made; }));
+      worker, "small", [](const std::stop_token&) -> core::Result<int> { return 7; }, [&](const auto& made) { second = made; }));
 
   ASSERT_TRUE(runs_until([&] { return first && second; }));
   EXPECT_FALSE(first->has_value());

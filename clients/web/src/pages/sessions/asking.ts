@@ -4,6 +4,7 @@ import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 
+import type { Link } from '../../link/types';
 import { CommandError } from '../../link/types';
 import { asSentence } from '../../parts/names';
 
@@ -35,6 +36,12 @@ export const useAsked = <T>(key: string, ask: (signal: AbortSignal) => Promise<T
   }, [key]);
   return asked;
 };
+
+/** Changes when a session starts, ends or is resumed on any rig, so that lists are loaded again; empty without a connection. */
+export const sessionsKey = (link: Link): string =>
+  link.state.value !== 'up'
+    ? ''
+    : `sessions ${(link.status.value?.rigs ?? []).map((rig) => `${rig.session?.sessionId ?? ''} ${rig.session?.state ?? 0}`).join()}`;
 
 const fieldOf = (json: unknown, name: string): string => {
   const value: unknown = typeof json === 'object' && json !== null ? (json as Record<string, unknown>)[name] : undefined;

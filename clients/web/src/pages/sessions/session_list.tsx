@@ -9,18 +9,12 @@ import { Field, Notice } from '../../parts/controls';
 import { protocolName, sessionTitle } from '../../parts/names';
 import { dateTime, duration, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
-import { useAsked } from './asking';
+import { sessionsKey, useAsked } from './asking';
 import type { Filters } from './filters';
 import { durationS, noFilters, passes, rigsOf } from './filters';
 import { LostScans, StateMark } from './state_mark';
 
 const mostListed = 500;
-
-/** Changes when a session starts, ends or is resumed on any rig; the list is then loaded again. */
-const listKey = (link: Link): string =>
-  link.state.value !== 'up'
-    ? ''
-    : `list ${(link.status.value?.rigs ?? []).map((rig) => `${rig.session?.sessionId ?? ''} ${rig.session?.state ?? 0}`).join()}`;
 
 const askList = async (link: Link, deleted: boolean): Promise<readonly SessionRecord[]> => {
   const answer = await link.send({ case: 'listSessions', value: { limit: mostListed, deleted } });
@@ -150,7 +144,7 @@ const CompareLink = ({ chosen }: { chosen: readonly string[] }): JSX.Element => 
 export const SessionList = ({ link }: { link: Link }): JSX.Element => {
   const { list } = strings.sessions;
   const deleted = useSignal(false);
-  const key = listKey(link);
+  const key = sessionsKey(link);
   const asked = useAsked(key === '' ? '' : `${key} ${deleted.value}`, () => askList(link, deleted.value)).value;
   const filters = useSignal(noFilters);
   const chosen = useSignal<readonly string[]>([]);

@@ -10,7 +10,9 @@ import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { OutcomeMark, outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
+import { decisionWords } from '../floor/decision_tile';
 import { markerCorrection, outcomeCorrection } from './corrections';
+import { decisionLimitsOf, keptDecision } from './decisions';
 import { lossLine } from './losses';
 import { resultName, resultValue, unitText } from './result_names';
 
@@ -76,7 +78,23 @@ const shownMeasures = ['MVELO', 'RDIST', 'PEA95_F'] as const;
 
 const measureHeads = { MVELO: 'velocity', RDIST: 'distance', PEA95_F: 'ellipse' } as const;
 
-const SwayRow = ({ session, trial }: { session: SessionRecord; trial: TrialRecord }): JSX.Element => {
+/** What the steadiness model decided when the trial ended. A trial that does not count has no decision. */
+const DecisionCell = ({ trial }: { trial: TrialRecord }): JSX.Element => {
+  const { heads } = strings.sessions.trials;
+  const decision = keptDecision(trial);
+  if (decision === undefined) return <td data-label={heads.decision}>{strings.common.undefinedValue}</td>;
+  const { value, note } = decisionWords(decision);
+  return (
+    <td data-label={heads.decision} data-testid="trial-decision">
+      <div>
+        {value} <span class="unit">({decision.label})</span>
+        <div class="sessions-note">{note}</div>
+      </div>
+    </td>
+  );
+};
+
+const SwayRow = ({ session, trial, hasDecisions }: { session: SessionRecord; trial: TrialRecord; hasDecisions: boolean }): JSX.Element => {
   const { sway } = trial;
   const { heads } = strings.sessions.trials;
   const correction = outcomeCorrection(session, trial);
@@ -101,13 +119,16 @@ const SwayRow = ({ session, trial }: { session: SessionRecord; trial: TrialRecor
           {measured(sway?.measures.find((one) => one.symbol === symbol)?.value)}
         </td>
       ))}
+      {hasDecisions && <DecisionCell trial={trial} />}
     </tr>
   );
 };
 
 const SwayTable = ({ session }: { session: SessionRecord }): JSX.Element => {
   const { heads } = strings.sessions.trials;
-  return (
+  const limits = decisionLimitsOf(session);
+  const hasDecisions = limits.length > 0;
+  const table = (
     <table class="stack" data-testid="trial-table">
       <thead>
         <tr>
@@ -118,14 +139,26 @@ const SwayTable = ({ session }: { session: SessionRecord }): JSX.Element => {
           <th class="number">{heads.velocity}</th>
           <th class="number">{heads.distance}</th>
           <th class="number">{heads.ellipse}</th>
+          {hasDecisions && <th>{heads.decision}</th>}
         </tr>
       </thead>
       <tbody>
         {session.trials.map((trial) => (
-          <SwayRow key={`${trial.part}/${trial.trial}/${trial.attempt}`} session={session} trial={trial} />
+          <SwayRow key={`${trial.part}/${trial.trial}/${trial.attempt}`} session={session} trial={trial} hasDecisions={hasDecisions} />
         ))}
       </tbody>
     </table>
+  );
+  if (!hasDecisions) return table;
+  return (
+    <div class="column">
+      {table}
+      <ul class="decision-limits" data-testid="decision-limits">
+        {limits.map((line) => (
+          <li key={line}>{line}</li>
+        ))}
+      </ul>
+    </div>
   );
 };
 

@@ -19,8 +19,8 @@ const words = strings.subjects;
 export interface CareProps {
   link: Link;
   record: SubjectRecord;
-  /** A change was made: this is the subject now. */
-  onChanged: (record: SubjectRecord) => void;
+  /** A change was made. */
+  onChanged: () => void;
 }
 
 interface Wish {
@@ -60,7 +60,7 @@ const useChange = ({ link, record, onChanged }: CareProps) => {
   const subject = record.about?.subject ?? '';
   const change = async (wanted: Change): Promise<boolean> => {
     const answer = await commands.run({ case: 'editSubject', value: { subject, change: wanted } });
-    if (answer?.case === 'subject') onChanged(answer.value);
+    if (answer !== undefined) onChanged();
     return answer !== undefined;
   };
   return { commands, change };

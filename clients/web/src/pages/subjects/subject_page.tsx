@@ -2,7 +2,7 @@
 // Everything about one subject: start of a session, plan, notes, trend, plain words, sessions, erasure.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
-import { useEffect, useLayoutEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 
 import { Role } from '../../generated/dts/v1/options_pb';
 import type { EraseSubjectResponse, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
@@ -14,16 +14,11 @@ import { strings } from '../../strings';
 import { useAsked } from '../sessions/asking';
 import { SessionTable } from '../sessions/session_list';
 import { Care } from './care';
+import { useSubject } from './subject_record';
 import { askTrend } from './trend_data';
 import { PlainWords, TrendView } from './trend_view';
 
 const words = strings.sessions.subject;
-
-const askSubject = async (link: Link, subject: string): Promise<SubjectRecord> => {
-  const answer = await link.send({ case: 'showSubject', value: { subject } });
-  if (answer.case !== 'subject') throw new Error(strings.sessions.unexpected);
-  return answer.value;
-};
 
 interface EraseProps {
   link: Link;
@@ -126,13 +121,7 @@ const Results = ({ link, subject, record }: { link: Link; subject: string; recor
 export const SubjectPage = ({ link, subject }: { link: Link; subject: string }): JSX.Element => {
   const isErasing = useSignal(false);
   const erased = useSignal<EraseSubjectResponse | undefined>(undefined);
-  const changed = useSignal<SubjectRecord | undefined>(undefined);
-  const isUp = link.state.value === 'up' && erased.value === undefined;
-  const { answer: asked, error } = useAsked(isUp ? `subject ${subject}` : '', () => askSubject(link, subject)).value;
-  useEffect(() => {
-    changed.value = undefined; // a newer answer than that to the own change
-  }, [asked]);
-  const answer = changed.value ?? asked;
+  const { answer, error, reload } = useSubject(link, subject, erased.value !== undefined);
   const isEmpty = erased.value === undefined && answer !== undefined && answer.sessions.length + answer.notes.length + answer.plan.length === 0;
   const whyNot = whyNotOperate(link) || (link.me.value.role < Role.ENGINEER ? words.needsEngineer : '');
   return (
@@ -168,7 +157,7 @@ export const SubjectPage = ({ link, subject }: { link: Link; subject: string }):
               onClose={() => (isErasing.value = false)}
             />
           )}
-          <Care link={link} record={answer} onChanged={(record) => (changed.value = record)} />
+          <Care link={link} record={answer} onChanged={reload} />
           <Results link={link} subject={subject} record={answer} />
           {answer.mentioningSessions.length > 0 && <p data-testid="mentions">{words.mentions(whole(answer.mentioningSessions.length))}</p>}
           <SessionTable sessions={answer.sessions} />

@@ -8,6 +8,8 @@ export const common: typeof english = {
   language: 'Sprache',
   pages: { floor: 'Boden live', chair: 'Stuhl live', sessions: 'Untersuchungen', subjects: 'Personen', health: 'Zustand', clinics: 'Kliniken', trends: 'Verläufe' },
   navigation: 'Seiten',
+  intendedUse:
+    'Für Forschung, Lehre und Training unter Aufsicht. Keine Diagnose, keine Entscheidung über eine Behandlung allein nach diesen Werten, keine Überwachung von Patienten.',
   undefinedValue: '–',
   dismiss: 'Ausblenden',
   close: 'Schließen',

@@ -156,6 +156,7 @@ export const sessions: typeof english = {
       velocity: 'Mittlere Geschwindigkeit (mm/s)',
       distance: 'RMS-Abstand (mm)',
       ellipse: 'Fläche der 95-%-Ellipse (mm²)',
+      decision: 'Das Schwanken gleicht',
     },
   },
   markers: { head: 'Markierungen', heads: { marker: 'Markierung', text: 'Text', part: 'Teil', scan: 'Abtastung' } },

@@ -7,6 +7,8 @@ export const common = {
   language: 'Language',
   pages: { floor: 'Live floor', chair: 'Live chair', sessions: 'Sessions', subjects: 'Subjects', health: 'Health', clinics: 'Clinics', trends: 'Trends' },
   navigation: 'Pages',
+  intendedUse:
+    'For research, teaching and supervised training. No diagnosis, no decision about treatment by these figures alone, no watch over a patient.',
   undefinedValue: '–',
   dismiss: 'Dismiss',
   close: 'Close',

@@ -130,6 +130,7 @@ export const sessions = {
       velocity: 'Mean velocity (mm/s)',
       distance: 'RMS distance (mm)',
       ellipse: '95 % ellipse area (mm²)',
+      decision: 'Sway resembles',
     },
   },
   markers: { head: 'Markers', heads: { marker: 'Marker', text: 'Text', part: 'Part', scan: 'Scan' } },

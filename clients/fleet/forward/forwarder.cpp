@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fleet/forward/forwarder.h"
 
-#include <linux/ioprio.h>
 #include <malloc.h>
 #include <sched.h>
 #include <signal.h>
@@ -176,10 +175,13 @@ class Forwarder {
 
 /// Lets everything else on the machine come first.
 void become_idle(const core::Log& log) {
+  // From linux/ioprio.h, which is not C++ in each version: a parameter is named `class`.
+  constexpr int kWhoProcess = 1;
+  constexpr int kIdle = 3 << 13;
   const sched_param parameters{};
   if (::sched_setscheduler(0, SCHED_IDLE, &parameters) != 0)
     log.warning("the upload cannot run with SCHED_IDLE: it may slow down other work");
-  if (::syscall(SYS_ioprio_set, IOPRIO_WHO_PROCESS, 0, IOPRIO_PRIO_VALUE(IOPRIO_CLASS_IDLE, 0)) != 0) {
+  if (::syscall(SYS_ioprio_set, kWhoProcess, 0, kIdle) != 0) {
     log.warning("the upload cannot read with the lowest I/O priority: it may slow down other work");
   }
 }

@@ -43,7 +43,7 @@ std::optional<Staging::Upload> read_staged(const fs::path& file) {
   return upload;
 }
 
-/// Writes without synchronising. If this fails, the file has `offset` bytes.
+/// Writes without synchronising. If this fails, the file ends at `offset`, or after correct bytes of `data`.
 core::Status write_at(const std::string& path, std::uint64_t offset, std::string_view data) {
   const int opened = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, kStagedMode);
   if (opened < 0) return core::fail_errno(errno, "cannot open '" + path + "'", "check the disk");
@@ -55,7 +55,7 @@ core::Status write_at(const std::string& path, std::uint64_t offset, std::string
     if (count < 0 && errno != EINTR) error = errno;
     if (count == 0) error = ENOSPC;
   }
-  if (error != 0) static_cast<void>(::ftruncate(opened, static_cast<off_t>(offset)));
+  if (error != 0 && ::ftruncate(opened, static_cast<off_t>(offset)) != 0) error = errno;
   const auto end = static_cast<off64_t>(offset + written);
   if (error == 0 && end / kWriteBackBytes != static_cast<off64_t>(offset) / kWriteBackBytes) {
     // Starts to write to the disk, so that the commit need not wait for the whole file.

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Finds texts of the daemon and the gateway that have no German in the dashboard.
+"""Finds texts of the daemon and the gateway that have no German in the dashboard or in the report.
 
     daemon_messages.py ROOT
 
@@ -59,6 +59,12 @@ SYSTEM_ERRORS = (
     errno.EISDIR, errno.EMFILE, errno.ENETUNREACH, errno.ENODEV, errno.ENOENT, errno.ENOMEM, errno.ENOSPC, errno.ENOTDIR, errno.ENXIO, errno.EPERM,
     errno.EPIPE, errno.EROFS, errno.ETIMEDOUT,
 )
+# What a report says of a trial, a recording or a quotient; its German is in clients/report/german.cpp.
+REPORTED = (
+    "daemon/core/losses.cpp", "daemon/posturography/prepare.cpp", "daemon/record/overview.cpp", "daemon/record/xdf/survey.cpp",
+    "daemon/session/standing_load.cpp", "daemon/session/sway_results.cpp", "daemon/session/sway_summary.cpp",
+)
+REPORT_CATALOGUE = "clients/report/german.cpp"
 LOGGED = re.compile(r"(?:\blog_?(?:\.|->)\w+|\bstatic_assert)\($")
 HEAD = re.compile(r"^(?:.*?(?:\breturn\b|(?<![=!<>])=(?!=)|\bcase [^\"]*?:(?!:)|\bdefault:|<<))", re.DOTALL)
 SENTENCE = re.compile(r"[A-Za-z]{2,}[,:;]? [a-z(]|[a-z][,:;]? [A-Za-z]{2}")
@@ -195,6 +201,12 @@ def catalogue(source):
     return {re.sub(r"\\(.)", r"\1", one[1:-1]) for one in found}
 
 
+def report_catalogue(source):
+    """Returns the English texts of the report's catalogue. "{#}" is a place for a number."""
+    found = re.findall(r'\{"((?:[^"\\]|\\.)*)"\s*,', re.sub(r'"\s*\n\s*"', "", source))
+    return {re.sub(r"\\(.)", r"\1", one).replace("{#}", "{}") for one in found}
+
+
 class Translation:
     """Translates as clients/web/src/strings/messages.ts does, but returns what stays English."""
 
@@ -254,6 +266,11 @@ def main():
                for file in sources(root)
                for message in sorted(messages_of(file.read_text(encoding="utf-8")))
                if message not in OTHER_TEXTS and not german.has_german(message)]
+    report = Translation(report_catalogue((root / REPORT_CATALOGUE).read_text(encoding="utf-8")))
+    missing += [f"{name}: no German in the report for: {message}"
+                for name in REPORTED
+                for message in sorted(messages_of((root / name).read_text(encoding="utf-8")))
+                if not report.has_german(message)]
     missing += [f"errno {number}: no German for: {os.strerror(number)}" for number in SYSTEM_ERRORS if os.strerror(number) not in german.known]
     print("\n".join(missing), end="\n" if missing else "")
     return 1 if missing else 0

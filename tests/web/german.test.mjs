@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
-import { alteredProtocol } from './support.mjs';
+import { alteredProtocol, waitFor } from './support.mjs';
 import { Bench, by, goTo, Tabs, textOf, waitForText } from './support_browser.mjs';
 
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 3' };
@@ -23,7 +23,7 @@ const textsOf = (page) =>
 
 // The same in both languages: names, keys, units, and words that German has too.
 const shared =
-  /^(English|Deutsch|Auto|Esc|Tab|Name|Sensor|Position \(mm\)|Signal \(V\)|System|Text|Export|Median|Version|SHA-256|BIDS \(zip\)|Live|local|floor|chair|sim[:-].*|Simulated .*|P1|Text|RMS.*|[0-9a-f]{16,}.*|\/.*|.*\.xdf|[a-z_]+ [a-z_]+=.*|[a-z-]+\/[A-Z0-9_]+|ch\d, .*|[a-z_]+|[A-Z0-9_]+|[0-9T]+Z-.*|.* (ms|mm|kB|MB|GB|Hz|µs|kg)|[0-9:]+( (s|min|h))?|Filter)$/;
+  /^(English|Deutsch|Auto|Esc|Tab|Name|Sensor|Position \(mm\)|Signal \(V\)|System|Text|Export|Median|Minimum|Maximum|Version|SHA-256|BIDS \(zip\)|Live|local|floor|chair|sim[:-].*|Simulated .*|P1|Text|RMS.*|[0-9a-f]{16,}.*|\/.*|.*\.xdf|[a-z_]+ [a-z_]+=.*|[a-z-]+\/[A-Z0-9_]+|ch\d, .*|[a-z_]+|[A-Z0-9_]+|[0-9T]+Z-.*|.* (ms|mm|kB|MB|GB|Hz|µs|kg)|[0-9:]+( (s|min|h))?|Filter)$/;
 const isWords = (text) => /\p{Letter}{3}/u.test(text) && !shared.test(text);
 
 describe('german', () => {
@@ -131,6 +131,111 @@ describe('german', () => {
     assert.equal(await page.evaluate(() => document.documentElement.lang), 'en');
     await by(page, 'language').selectOption('de');
     await waitForText(page, 'tab-floor', 'Boden live');
+  });
+
+  test('no request went to another host, and nothing violated the policy', async () => {
+    await bench.tabs.close();
+  });
+});
+
+/** Keeps every text that the page shows from now on, also those that are gone again. */
+const rememberTexts = (page) =>
+  page.evaluate(() => {
+    window.texts = new Set();
+    const look = () => {
+      const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+      while (walker.nextNode()) window.texts.add(walker.currentNode.data.trim());
+    };
+    new MutationObserver(look).observe(document.body, { subtree: true, childList: true, characterData: true });
+    look();
+  });
+
+const rememberedTexts = (page) => page.evaluate(() => [...window.texts]);
+
+/** Waits until the page has shown a text. */
+const hasShown = (page, pattern) => {
+  let texts;
+  return waitFor(
+    async () => {
+      texts = await rememberedTexts(page);
+      return texts.some((text) => pattern.test(text));
+    },
+    () => `${pattern}; shown: ${texts.join(' | ')}`,
+    120_000,
+  );
+};
+
+describe('german, when something is wrong', () => {
+  let bench;
+  let daemon;
+  let englishTabs;
+  let pages; // [German, English]
+  let id;
+  before(async () => {
+    const devices = {
+      'sim:floor?seed=7': 'sim:floor?seed=7&fault=unplug&fault_at_s=40&fault_for_s=6',
+      'sim:chair?seed=5': 'sim:chair?seed=5&fault=stuck&fault_channel=0&fault_at_s=1&fault_for_s=3600',
+    };
+    bench = await Bench.opened({
+      daemon: { devices, protocols: (folder) => alteredProtocol(folder, 'quiet-standing', shorter) },
+      gateway: () => ['--local-role', 'engineer'],
+      tabs: { locale: 'de-DE' },
+    });
+    ({ daemon } = bench);
+    englishTabs = await Tabs.opened(bench.browser, bench.gateway);
+    pages = [await bench.tabs.open('floor'), await englishTabs.open('floor')];
+    for (const one of pages) {
+      await by(one, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
+      await rememberTexts(one);
+    }
+  });
+  after(async () => {
+    await englishTabs?.close();
+    await bench?.close();
+  });
+
+  const onBoth = async (act) => {
+    for (const one of pages) await act(one);
+  };
+
+  test('a tare is rejected, a trial is rejected, a rig is unplugged and comes back, a sensor does not measure', async () => {
+    const [german, english] = pages;
+    await onBoth((one) => by(one, 'tare').click());
+    await hasShown(german, /^Tarieren abgelehnt: Die Platte des Messplatzes „floor“ ist belastet/);
+    await hasShown(english, /^Tare rejected: the plate of rig 'floor' is loaded/);
+
+    id = await daemon.measuredStanding('P1');
+    await daemon.ctl('session', 'trial', 'reject');
+    await hasShown(german, /^Durchgang 1 verworfen/);
+    await hasShown(english, /^Trial 1 rejected/);
+
+    await hasShown(german, /Gerät getrennt; wieder einstecken|lässt sich nicht öffnen: nicht eingesteckt/);
+    await hasShown(english, /Device disconnected; plug it in again|not plugged in/);
+    await hasShown(german, /^Lücke von .* in den Daten/);
+    await hasShown(english, /^Gap of .* in the data/);
+    await daemon.ctl('session', 'stop', '--rig', 'floor');
+
+    await onBoth((one) => goTo(one, 'health'));
+    await hasShown(german, /^Sensoren, die nicht messen: .* \(unverändert\): Stecker, Versorgung und Abstand zur Platte prüfen/);
+    await hasShown(english, /^Sensors that do not measure: .* \(unchanged\)/);
+    await onBoth((one) => by(one, 'test-device-floor').click());
+    await onBoth((one) => by(one, 'device-channels').first().waitFor());
+    await onBoth((one) => by(one, 'tare-chair').click());
+    await hasShown(german, /^Tarieren abgelehnt: /);
+
+    await daemon.endedSession(id);
+    await onBoth((one) => goTo(one, `sessions/${id}`));
+    await onBoth((one) => by(one, 'part-table').waitFor());
+    await hasShown(german, /Gerät abgezogen/);
+    await hasShown(english, /device unplugged/);
+  });
+
+  // requirement: UI-12
+  test('the German page showed no sentence that the English page showed', async () => {
+    const known = new Set((await rememberedTexts(pages[1])).filter(isWords));
+    assert.ok(known.size > 50, `the English page showed ${known.size} texts`);
+    const left = (await rememberedTexts(pages[0])).filter((text) => isWords(text) && known.has(text) && !text.includes('sim:'));
+    assert.deepEqual(left, []);
   });
 
   test('no request went to another host, and nothing violated the policy', async () => {

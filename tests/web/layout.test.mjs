@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Layout on a phone, a tablet, a large screen and with large zoom: nothing is cut off, nothing overlaps, nothing scrolls across; on a tablet and a large
-// screen live pages do not scroll.
+// screen live pages do not scroll. German words are longer: the German pages are checked on large screens too.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
 import { alteredProtocol, waitFor } from './support.mjs';
-import { Bench, by, goTo, waitForText } from './support_browser.mjs';
+import { Bench, by, goTo, Tabs, waitForText } from './support_browser.mjs';
 
 const sizes = [
   { width: 1280, height: 800 },
@@ -58,23 +58,58 @@ const smallTargets = (page, least) =>
     least,
   );
 
+/** Returns the words of table heads that are broken into two lines. */
+const brokenWords = (page) =>
+  page.evaluate(() => {
+    const found = [];
+    for (const head of document.querySelectorAll('th')) {
+      const walker = document.createTreeWalker(head, NodeFilter.SHOW_TEXT);
+      while (head.checkVisibility() && walker.nextNode()) {
+        for (const { index, 0: word } of walker.currentNode.data.matchAll(/\p{Letter}+/gu)) {
+          const range = document.createRange();
+          range.setStart(walker.currentNode, index);
+          range.setEnd(walker.currentNode, index + word.length);
+          if (new Set([...range.getClientRects()].map(({ top }) => Math.round(top))).size > 1) found.push(`the head "${word}" is broken`);
+        }
+      }
+    }
+    return found;
+  });
+
 describe('layout', () => {
   let bench;
   let daemon;
   let page;
+  let germanTabs;
+  let german;
   let id;
   before(async () => {
     bench = await Bench.opened({ daemon: { protocols: (folder) => alteredProtocol(folder, 'quiet-standing', shorter) } });
     ({ daemon } = bench);
     page = await bench.tabs.open('floor');
+    germanTabs = await Tabs.opened(bench.browser, bench.gateway, { locale: 'de-DE' });
+    german = await germanTabs.open('floor');
     await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
     id = await daemon.measuredStanding('P1');
   });
-  after(() => bench?.close());
+  after(async () => {
+    await germanTabs?.close();
+    await bench?.close();
+  });
+
+  /** Does the same on the English and the German page. */
+  const onBoth = async (act) => {
+    for (const one of [page, german]) await act(one);
+  };
 
   const check = async (name, mayScrollDown) => {
+    const found = [...(await checkOne(page, name, [...sizes, ...narrowSizes], mayScrollDown)), ...(await checkOne(german, `German ${name}`, sizes, mayScrollDown))];
+    assert.deepEqual(found, []);
+  };
+
+  const checkOne = async (page, name, wanted, mayScrollDown) => {
     const found = [];
-    for (const size of [...sizes, ...narrowSizes]) {
+    for (const size of wanted) {
       await page.setViewportSize(size);
       const where = `${name} at ${size.width} x ${size.height}`;
       let now;
@@ -83,65 +118,81 @@ describe('layout', () => {
         async () => {
           const { across, down } = await excess(page);
           now = [...(across > 0 ? [`${across} px too wide`] : []), ...(down > 0 && !mayScrollDown && sizes.includes(size) ? [`${down} px too high`] : [])];
-          now = [...now, ...(await collisions(page)), ...(await smallTargets(page, largestTarget))].map((words) => `${where}: ${words}`);
+          const broken = sizes.includes(size) ? await brokenWords(page) : []; // a narrow page may have to break one
+          now = [...now, ...broken, ...(await collisions(page)), ...(await smallTargets(page, largestTarget))].map((words) => `${where}: ${words}`);
           return now.length === 0;
         },
         'a good layout',
       ).catch(() => found.push(...now));
     }
     await page.setViewportSize(sizes[0]);
-    assert.deepEqual(found, []);
+    return found;
   };
 
   test('floor, while a session waits after a trial', async () => {
-    await by(page, 'stop-session').waitFor();
+    await onBoth((one) => by(one, 'stop-session').waitFor());
     await waitForText(page, 'sway-note', /final, trial 1/);
+    await waitForText(german, 'sway-note', /endgültig, Durchgang 1/);
     await check('floor in a session', false);
-    const [inside, shown] = await page.locator('.floor-side').evaluate((side) => [side.scrollHeight, side.clientHeight]);
-    assert.ok(inside <= shown, `the numbers and buttons need ${inside} px and have ${shown} px`);
+    await onBoth(async (one) => {
+      const [inside, shown] = await one.locator('.floor-side').evaluate((side) => [side.scrollHeight, side.clientHeight]);
+      assert.ok(inside <= shown, `the numbers and buttons need ${inside} px and have ${shown} px`);
+    });
   });
 
   test('floor, between sessions and with the start form', async () => {
     await daemon.ctl('session', 'stop');
-    await by(page, 'open-start').waitFor();
+    await onBoth((one) => by(one, 'open-start').waitFor());
     await check('floor', false);
-    await by(page, 'open-start').click();
-    await by(page, 'start-protocol').selectOption('quiet-standing');
+    await onBoth(async (one) => {
+      await by(one, 'open-start').click();
+      await by(one, 'start-protocol').selectOption('quiet-standing');
+    });
     await check('floor with the start form', true);
-    await by(page, 'start-session-close').click();
+    await onBoth((one) => by(one, 'start-session-close').click());
   });
 
   test('chair, with a reach', async () => {
-    await goTo(page, 'chair');
-    await waitForText(page, 'trunk-deg', /\d/);
+    await onBoth(async (one) => {
+      await goTo(one, 'chair');
+      await waitForText(one, 'trunk-deg', /\d/);
+    });
     await check('chair', false);
   });
 
-  test('sessions: list, one, comparison', async () => {
-    await goTo(page, 'sessions');
-    await by(page, 'session-row').first().waitFor();
-    await check('sessions', true);
-    await goTo(page, `sessions/${id}`);
-    await by(page, 'report-frame').waitFor();
-    await by(page, 'export-bids').waitFor();
-    await check('a session', true);
-    await goTo(page, `compare/${id}/${id}`);
-    await by(page, 'comparison-table').waitFor();
-    await check('comparison', true);
+  test('sessions: list, one, comparison; a subject', async () => {
+    const pages = {
+      sessions: ['sessions', 'session-row'],
+      'a session': [`sessions/${id}`, 'export-bids'],
+      comparison: [`compare/${id}/${id}`, 'comparison-table'],
+      'a subject': ['subjects/P1', 'session-row'],
+    };
+    for (const [name, [hash, shown]] of Object.entries(pages)) {
+      await onBoth(async (one) => {
+        await goTo(one, hash);
+        await by(one, shown).first().waitFor();
+      });
+      if (name === 'a session') await onBoth((one) => by(one, 'report-frame').waitFor());
+      await check(name, true);
+    }
   });
 
   test('health', async () => {
-    await goTo(page, 'health');
-    await waitForText(page, 'volts-floor-w4', /\d/);
+    await onBoth(async (one) => {
+      await goTo(one, 'health');
+      await waitForText(one, 'volts-floor-w4', /\d/);
+    });
     await check('health', true);
   });
 
   test('patient screen, before a session and before a trial', async () => {
-    await goTo(page, 'patient/floor');
-    await by(page, 'patient').and(page.locator('[data-state="idle"]')).waitFor();
+    await onBoth(async (one) => {
+      await goTo(one, 'patient/floor');
+      await by(one, 'patient').and(one.locator('[data-state="idle"]')).waitFor();
+    });
     await check('patient screen', false);
     await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing');
-    await by(page, 'patient').and(page.locator('[data-state="wait"]')).waitFor();
+    await onBoth((one) => by(one, 'patient').and(one.locator('[data-state="wait"]')).waitFor());
     await check('patient screen before a trial', false);
     const share = await by(page, 'patient-word').evaluate((word) => Number.parseFloat(getComputedStyle(word).fontSize) / innerHeight);
     assert.ok(share > 0.12, `the word has ${share} of the height of the screen; from 3 m it needs an eighth`);
@@ -179,6 +230,8 @@ describe('layout', () => {
   });
 
   test('a dead daemon: its message covers neither what to do now nor a button', async () => {
+    await germanTabs.close();
+    germanTabs = undefined;
     await daemon.kill();
     for (const size of [sizes[0], narrowSizes[0], narrowSizes[3]]) {
       await page.setViewportSize(size);

@@ -5,6 +5,7 @@
 #include <pugixml.hpp>
 #include <regex>
 
+#include "core/losses.h"
 #include "made_decision.h"
 #include "made_standing.h"
 #include "report/report.h"
@@ -193,9 +194,33 @@ TEST(ReportTranslation, DamageAndGapsHaveNoEnglishText) {
   EXPECT_EQ(german("chunk torn at byte 1234; no footer: it was never closed"),
             "Block abgerissen bei Byte 1234; kein Abschluss: Sie wurde nie geschlossen");
   EXPECT_EQ(german("The recording a.xdf has gaps: 12 scans lost in 1 gap: overrun 1."),
-            "Die Aufzeichnung a.xdf hat Lücken: 12 Abtastungen verloren in 1 Lücke: overrun 1.");
+            "Die Aufzeichnung a.xdf hat Lücken: 12 Abtastungen verloren in 1 Lücke: Puffer des Geräts voll 1.");
+  EXPECT_EQ(german("40 scans lost in 3 gaps: unplugged 2, ring_full 1"),
+            "40 Abtastungen verloren in 3 Lücken: Gerät abgezogen 2, Verarbeitung oder Datenträger zu langsam 1");
   EXPECT_EQ(german("the trial has no samples"), "der Durchgang hat keine Abtastungen");
   EXPECT_EQ(german("the session has too many samples for one report"), "die Untersuchung hat zu viele Abtastungen für einen Bericht");
+}
+
+TEST(ReportTranslation, ReasonsOfATrialWithoutValuesHaveNoEnglishText) {
+  const Translation german(Language::German, {});
+  EXPECT_EQ(german("No values: samples were dropped before the analysis: analyse the recording with dtslab sway."),
+            "Keine Werte: vor der Auswertung gingen Werte verloren: die Aufzeichnung mit dtslab sway auswerten.");
+  EXPECT_EQ(german("No values: only 12 samples (0.12 s) are left of the centre of pressure, and 20 are needed."),
+            "Keine Werte: nur 12 Werte (0,12 s) des Druckmittelpunkts sind übrig, 20 sind nötig.");
+  EXPECT_EQ(german("No Romberg quotient for feet two: the trials with eyes open last 20 s, those with eyes closed 12.5 s."),
+            "Kein Romberg-Quotient für zwei Füße: die Durchgänge mit offenen Augen dauern 20 s, die mit geschlossenen 12,5 s.");
+}
+
+/// No reason for a gap stays English, whichever is added.
+TEST(ReportTranslation, EveryReasonOfAGapHasGerman) {
+  const Translation german(Language::German, {});
+  for (std::size_t reason = 0; reason < core::kGapReasons; ++reason) {
+    core::Losses losses;
+    losses.add(static_cast<core::GapReason>(reason), {.gaps = 1, .scans = 12});
+    const std::string english = core::to_text(losses);
+    const std::string name = english.substr(english.rfind(": ") + 2);
+    EXPECT_THAT(german(english), ::testing::Not(HasSubstr(name))) << english;
+  }
 }
 
 TEST(ReportTranslation, EveryGermanTextHasThePlacesOfTheEnglishOne) {

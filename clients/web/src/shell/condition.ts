@@ -25,7 +25,7 @@ const ofRig = (status: RigStatus): Condition | undefined => {
   if (status.device === DeviceState.WAITING) return { kind: 'warning', text: words.deviceWaiting(rig), hint };
   if (status.device !== DeviceState.STREAMING) return { kind: 'warning', text: words.deviceStopped(rig), hint };
   const problem = status.session?.recording?.problem ?? '';
-  return problem === '' ? undefined : { kind: 'error', text: words.recordingProblem(rig), hint: problem };
+  return problem === '' ? undefined : { kind: 'error', text: words.recordingProblem(rig), hint: asSentence(problem) };
 };
 
 const duringTrial = new Set([TrialPhase.READY, TrialPhase.SETTLING, TrialPhase.MEASURING]);
@@ -45,7 +45,7 @@ const ofSession = ({ rig, session }: RigStatus): string => {
 };
 
 const ofDisk = (status: StatusSnapshot): Condition | undefined => {
-  const hint = status.disk?.problem ?? '';
+  const hint = asSentence(status.disk?.problem ?? '');
   switch (status.disk?.state) {
     case DiskState.UNUSABLE:
       return { kind: 'error', text: words.diskUnusable, hint };

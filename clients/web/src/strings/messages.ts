@@ -3,25 +3,32 @@
 import { daemonMessages } from './de/daemon';
 import { language } from './language';
 
-/** An English message and its translation. "{}" stands for any text; a translation has as many, in the same order. A name in quotes is not translated. */
+/**
+ * An English message and its translation. "{}" stands for a text that is translated too, "{!}" for one that stays as it is: the name of a rig, a file.
+ * A translation has a "{}" for each, in the same order. A name in single quotes stays as it is.
+ */
 export type Message = readonly [english: string, translated: string];
 
 interface Pattern {
-  readonly parts: readonly string[]; // around each "{}"
+  readonly parts: readonly string[]; // around each place
+  readonly isName: readonly boolean[]; // of each place: its text stays as it is
   readonly translated: string;
 }
 
-const mostDepth = 6;
+const mostDepth = 8;
+const place = /\{!?\}/;
+const fixedLetters = (parts: readonly string[]): number => parts.reduce((sum, part) => sum + (part.match(/[a-z]/gi)?.length ?? 0), 0);
 
 /** Returns a function that translates a message. What the catalogue lacks stays English. */
 export const translatorOf = (messages: readonly Message[]): ((message: string) => string) => {
   const whole = new Map(messages);
   const patterns: readonly Pattern[] = messages
-    .filter(([english]) => english.includes('{}'))
-    .sort(([one], [other]) => other.length - one.length) // the closest one first
-    .map(([english, translated]) => ({ parts: english.split('{}'), translated }));
+    .map(([english, translated]) => ({ parts: english.split(place), places: english.match(new RegExp(place, 'g')) ?? [], translated }))
+    .filter(({ places }) => places.length > 0)
+    .sort((one, other) => fixedLetters(other.parts) - fixedLetters(one.parts)) // the closest one first
+    .map(({ parts, places, translated }) => ({ parts, isName: places.map((one, index) => one === '{!}' || parts[index]!.endsWith("'")), translated }));
 
-  /** Returns the texts for each "{}"; nothing if the message is another one. */
+  /** Returns the texts for each place; nothing if the message is another one. */
   const filled = (message: string, parts: readonly string[]): readonly string[] | undefined => {
     const last = parts.at(-1)!;
     if (!message.startsWith(parts[0]!) || !message.endsWith(last)) return undefined;
@@ -42,10 +49,10 @@ export const translatorOf = (messages: readonly Message[]): ((message: string) =
     const known = whole.get(message);
     if (known !== undefined) return known;
     if (depth === mostDepth) return message;
-    for (const { parts, translated } of patterns) {
+    for (const { parts, isName, translated } of patterns) {
       const texts = filled(message, parts);
       if (texts !== undefined) {
-        const rest = texts.map((text, index) => (parts[index]!.endsWith("'") ? text : translate(text, depth + 1)));
+        const rest = texts.map((text, index) => (isName[index] ? text : translate(text, depth + 1)));
         return translated.replaceAll('{}', () => rest.shift()!);
       }
     }

@@ -8,8 +8,10 @@ import { CheckOutcome } from '../../generated/dts/v1/control_pb';
 import { Role } from '../../generated/dts/v1/options_pb';
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Notice, useCommands, whyNotOperate } from '../../parts/controls';
+import { asSentence } from '../../parts/names';
 import { fixed, measured } from '../../parts/numbers';
 import { strings } from '../../strings';
+import { inReadersLanguage } from '../../strings/messages';
 import { QualityText } from './sensor_table';
 
 const Channels = ({ test }: { test: TestDeviceResponse }): JSX.Element => {
@@ -62,8 +64,8 @@ const Checks = ({ test }: { test: TestDeviceResponse }): JSX.Element => (
   <ul class="health-checks">
     {test.checks.map((check) => (
       <li key={check.name}>
-        <strong>{check.name}</strong>: {strings.health.test.outcomes[check.outcome] ?? CheckOutcome[check.outcome]}
-        {check.detail !== '' && `, ${check.detail}`}
+        <strong>{asSentence(check.name)}</strong>: {strings.health.test.outcomes[check.outcome] ?? CheckOutcome[check.outcome]}
+        {check.detail !== '' && `, ${inReadersLanguage(check.detail)}`}
       </li>
     ))}
   </ul>
@@ -91,7 +93,7 @@ export const DeviceTest = ({ link, rig }: { link: Link; rig: string }): JSX.Elem
       </div>
       <CommandNotice commands={commands} testId={`device-error-${rig}`} />
       {isTared.value && <Notice kind="good" what={words.tared} testId={`tared-${rig}`} onDismiss={() => (isTared.value = false)} />}
-      {test.value !== undefined && test.value.problem !== '' && <Notice kind="warning" what={test.value.problem} testId={`device-problem-${rig}`} />}
+      {test.value !== undefined && test.value.problem !== '' && <Notice kind="warning" what={asSentence(test.value.problem)} testId={`device-problem-${rig}`} />}
       {test.value !== undefined && test.value.channels.length > 0 && <Channels test={test.value} />}
       {test.value !== undefined && <Checks test={test.value} />}
     </div>

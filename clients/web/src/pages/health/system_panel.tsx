@@ -4,6 +4,7 @@ import type { JSX } from 'preact';
 import type { StatusSnapshot } from '../../generated/dts/v1/control_pb';
 import { DiskState } from '../../generated/dts/v1/sessions_pb';
 import { Notice, Panel } from '../../parts/controls';
+import { asSentence } from '../../parts/names';
 import { bytes, dateTime, duration, fixed, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { Facts } from './facts';
@@ -14,7 +15,7 @@ const Disk = ({ status }: { status: StatusSnapshot }): JSX.Element | null => {
   if (disk === undefined) return null;
   return (
     <>
-      {disk.problem !== '' && <Notice kind="error" what={disk.problem} testId="disk-problem" />}
+      {disk.problem !== '' && <Notice kind="error" what={asSentence(disk.problem)} testId="disk-problem" />}
       <Facts
         facts={[
           { name: facts.disk, value: diskStates[disk.state] ?? DiskState[disk.state], isDoubtful: disk.state !== DiskState.FINE, testId: 'disk-state' },
@@ -44,7 +45,7 @@ export const SystemPanel = ({ status }: { status: StatusSnapshot }): JSX.Element
       />
       <Disk status={status} />
       {status.notices.map((notice) => (
-        <Notice key={notice} kind="plain" what={notice} testId="daemon-notice" />
+        <Notice key={notice} kind="plain" what={asSentence(notice)} testId="daemon-notice" />
       ))}
     </Panel>
   );

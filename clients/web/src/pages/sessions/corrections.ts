@@ -6,6 +6,11 @@ import type { CorrectSessionRequestSchema, Correction, MarkerRecord, SessionReco
 import { dateTime } from '../../parts/numbers';
 import { strings } from '../../strings';
 
+const words = {
+  outcomes: strings.common.outcomes as Readonly<Record<string, string>>,
+  sessions: strings.sessions.change.isIt as Readonly<Record<string, string>>,
+};
+
 export type CorrectionRequest = MessageInitShape<typeof CorrectSessionRequestSchema>;
 
 /** What the form of a correction contains. */
@@ -42,7 +47,11 @@ export const requestOf = (session: SessionRecord, entered: Entered): CorrectionR
   return Object.keys(changes).length === 0 ? undefined : { ...changes, sessionId: session.sessionId, reason: entered.reason.trim() };
 };
 
-const detail = ({ oldValue, who, utcNs, reason }: Correction): string => strings.sessions.change.detail(oldValue, who, dateTime(utcNs), reason);
+/** Returns a value of a correction as the reader sees it: an outcome in the reader's language; "" if there is none. */
+export const shownValue = ({ field }: Correction, value: string): string =>
+  (field === 'outcome' ? words.outcomes[value] : field === 'deleted' ? words.sessions[value] : undefined) ?? value;
+
+const detail = (one: Correction): string => strings.sessions.change.detail(shownValue(one, one.oldValue), one.who, dateTime(one.utcNs), one.reason);
 
 /** Returns who changed a value, when and why, and what it was before; "" if it is as recorded. */
 export const correctionOf = (session: SessionRecord, field: 'subject' | 'label' | 'notes'): string => {

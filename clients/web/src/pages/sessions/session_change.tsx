@@ -12,7 +12,7 @@ import { conditionName, labelRule } from '../../parts/names';
 import { dateTime, whole } from '../../parts/numbers';
 import { outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
-import { isInOtherPart, markerNumber, requestOf } from './corrections';
+import { isInOtherPart, markerNumber, requestOf, shownValue } from './corrections';
 
 const words = strings.sessions.change;
 const outcomes = ['done', 'rejected', 'redone', 'aborted'] as const;
@@ -286,8 +286,8 @@ export const CorrectionTable = ({ session }: { session: SessionRecord }): JSX.El
             <td data-label={heads.when}>{dateTime(one.utcNs)}</td>
             <td data-label={heads.who}>{one.who}</td>
             <td data-label={heads.what}>{what(one)}</td>
-            <td data-label={heads.before}>{one.oldValue || strings.common.undefinedValue}</td>
-            <td data-label={heads.after}>{one.newValue || strings.common.undefinedValue}</td>
+            <td data-label={heads.before}>{shownValue(one, one.oldValue) || strings.common.undefinedValue}</td>
+            <td data-label={heads.after}>{shownValue(one, one.newValue) || strings.common.undefinedValue}</td>
             <td data-label={heads.reason}>{one.reason}</td>
           </tr>
         ))}

@@ -5,7 +5,7 @@ import type { JSX } from 'preact';
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Notice, Panel } from '../../parts/controls';
-import { protocolName, sessionTitle } from '../../parts/names';
+import { asSentence, protocolName, sessionTitle } from '../../parts/names';
 import { dateTime, duration } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
@@ -43,7 +43,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
     [heads.duration, duration(durationS(session))],
     [heads.label, session.label, correctionOf(session, 'label')],
     [fields['notes'] ?? '', session.notes, correctionOf(session, 'notes')],
-    [facts.message, session.message],
+    [facts.message, asSentence(session.message)],
   ];
   return (
     <dl class="facts" data-testid="session-facts">

@@ -4,7 +4,7 @@ import type { JSX } from 'preact';
 
 import type { SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { PartState } from '../../generated/dts/v1/sessions_pb';
-import { conditionName } from '../../parts/names';
+import { asSentence, conditionName } from '../../parts/names';
 import type { SessionResult } from '../../generated/dts/v1/stream_pb';
 import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { OutcomeMark, outcomeOf } from '../../parts/outcomes';
@@ -41,7 +41,7 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
             <td data-label={heads.state}>
               <div>
                 {states[part.state] ?? PartState[part.state]}
-                {part.reason !== '' && <div class="sessions-note">{part.reason}</div>}
+                {part.reason !== '' && <div class="sessions-note">{asSentence(part.reason)}</div>}
                 {part.lostSAtMost > 0 && <div class="sessions-note">{lost(fixed(part.lostSAtMost, 2))}</div>}
                 {part.isLossUnknown && <div class="sessions-note">{lossesUnknown}</div>}
                 {part.losses.map((loss) => (
@@ -108,7 +108,7 @@ const SwayRow = ({ session, trial, hasDecisions }: { session: SessionRecord; tri
         <div>
           <OutcomeMark outcome={outcomeOf(trial)} />
           {correction !== '' && <div class="corrected">{correction}</div>}
-          {sway !== undefined && sway.problem !== '' && <div class="sessions-note">{sway.problem}</div>}
+          {sway !== undefined && sway.problem !== '' && <div class="sessions-note">{asSentence(sway.problem)}</div>}
         </div>
       </td>
       <td data-label={heads.duration} class="number">

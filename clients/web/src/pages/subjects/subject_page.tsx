@@ -9,6 +9,7 @@ import type { EraseSubjectResponse, SubjectRecord } from '../../generated/dts/v1
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Field, Notice, Panel, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
+import { asSentence } from '../../parts/names';
 import { bytes, dateTime, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from '../sessions/asking';
@@ -93,8 +94,8 @@ const Facts = ({ record: { about } }: { record: SubjectRecord }): JSX.Element =>
 /** What was erased, and what a person still has to do. */
 const Erased = ({ subject, erased }: { subject: string; erased: EraseSubjectResponse }): JSX.Element => (
   <>
-    <Notice kind="good" what={words.erased(subject, whole(erased.sessions), whole(erased.files))} hint={erased.backups} testId="erased" />
-    {erased.left.length > 0 && <Notice kind="error" what={words.left} hint={erased.left.join(' ')} testId="erase-left" />}
+    <Notice kind="good" what={words.erased(subject, whole(erased.sessions), whole(erased.files))} hint={asSentence(erased.backups)} testId="erased" />
+    {erased.left.length > 0 && <Notice kind="error" what={words.left} hint={erased.left.map(asSentence).join(' ')} testId="erase-left" />}
   </>
 );
 

@@ -61,6 +61,7 @@ export const sessions: typeof english = {
     head: 'Berichtigungen',
     heads: { when: 'Wann', who: 'Wer', what: 'Was', before: 'Vorher', after: 'Nachher', reason: 'Grund' },
     fields: byKey({ subject: 'Personen-ID', label: 'Stichwort', notes: 'Notizen', outcome: 'Ausgang', deleted: 'Gelöscht', marker: 'Markierung' }),
+    isIt: byKey({ yes: 'ja', no: 'nein' }),
     ofTrial: (trial, attempt) => `Ausgang von Durchgang ${trial}${attempt === '1' ? '' : `, Versuch ${attempt}`}`,
     ofMarker: (number) => `Text der Markierung ${number}`,
     detail: (before, who, when, reason) => `berichtigt, vorher: ${before === '' ? 'leer' : before}; durch ${who}, ${when}: ${reason}`,

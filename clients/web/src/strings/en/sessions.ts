@@ -56,6 +56,7 @@ export const sessions = {
     head: 'Corrections',
     heads: { when: 'When', who: 'Who', what: 'What', before: 'Before', after: 'After', reason: 'Reason' },
     fields: byKey({ subject: 'Subject ID', label: 'Label', notes: 'Notes', outcome: 'Outcome', deleted: 'Deleted', marker: 'Marker' }),
+    isIt: byKey({ yes: 'yes', no: 'no' }),
     ofTrial: (trial: string, attempt: string) => `Outcome of trial ${trial}${attempt === '1' ? '' : `, attempt ${attempt}`}`,
     ofMarker: (number: string) => `Text of marker ${number}`,
     // "recorded: rejected; corrected by local, 23/11/2026, 12:03: wrong button"

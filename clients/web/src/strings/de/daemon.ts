@@ -97,6 +97,7 @@ export const daemonMessages: readonly Message[] = [
   ['see the log of dtsd, then try again', 'das Protokoll von dtsd ansehen, dann erneut versuchen'],
   ['session {} already has {} corrections', 'Untersuchung {} hat schon {} Berichtigungen'],
   ['session {} has no recording', 'Untersuchung {} hat keine Aufzeichnung'],
+  ['the reach of trial {} is not in the recording of session {}', 'die Reichbewegung von Durchgang {} fehlt in der Aufzeichnung von Untersuchung {}'],
   ['session {} is not closed yet', 'Untersuchung {} ist noch nicht abgeschlossen'],
   ['somebody changed this file: restart dtsd, which reads it', 'jemand hat diese Datei geändert: dtsd neu starten, das sie dann liest'],
   ['stop it first: dtsctl session stop --rig {!}', 'zuerst beenden: dtsctl session stop --rig {}'],

@@ -130,6 +130,15 @@ LoggedDisk::LoggedDisk(std::string_view file_system, std::string folder)
     serve();
     ::_exit(1);
   }
+  try {
+    mount_new(file_system);
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+void LoggedDisk::mount_new(std::string_view file_system) {
   const std::string disk = scratch_.path() + "/served/disk";
   for (int turn = 0; turn < 500 && ::access(disk.c_str(), R_OK | W_OK) != 0; ++turn) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -139,7 +148,9 @@ LoggedDisk::LoggedDisk(std::string_view file_system, std::string folder)
   is_mounted_ = true;
 }
 
-LoggedDisk::~LoggedDisk() {
+LoggedDisk::~LoggedDisk() { close(); }
+
+void LoggedDisk::close() const noexcept {
   for (const std::string& mounted : {is_mounted_ ? folder_ : std::string(), scratch_.path() + "/served"}) {
     if (!mounted.empty() && std::system(("umount " + mounted).c_str()) != 0) std::fprintf(stderr, "%s stays mounted\n", mounted.c_str());
   }
@@ -168,7 +179,8 @@ void LoggedDisk::serve() const {
 std::uint64_t LoggedDisk::written() const { return std::filesystem::file_size(scratch_.path() + "/log"); }
 
 void LoggedDisk::restore(std::uint64_t moment, std::mt19937& random) {
-  if (std::exchange(is_mounted_, false)) run("umount " + folder_);
+  if (is_mounted_) run("umount " + folder_);
+  is_mounted_ = false;
   const std::string image = scratch_.path() + "/restored";
   std::filesystem::remove(image);
   std::ofstream(image).close();

@@ -49,6 +49,8 @@ class LoggedDisk {
 
  private:
   void serve() const;
+  void mount_new(std::string_view file_system);
+  void close() const noexcept;
 
   std::string folder_;
   TemporaryFolder scratch_{"/dev/shm"};  // in memory: what is written when is the question, not how fast

@@ -13,11 +13,11 @@ import time
 from collections.abc import Callable
 
 import zmq
+from judge import HELD
 
 import dts
 
 REST_S = 0.3
-HELD = 100  # connections at most at a time; soak.py knows it
 
 
 def greeting(mechanism: bytes) -> bytes:
@@ -41,11 +41,11 @@ class Attacker:
 
     def half_handshakes(self) -> None:
         for port in self._ports:
-            self._strangers(port, HELD // 2, greeting(b"CURVE") + b"\x04\xc8\x05HELLO" + 40 * b"x")
+            self._strangers(port, HELD["dts-relay"] // 2, greeting(b"CURVE") + b"\x04\xc8\x05HELLO" + 40 * b"x")
 
     def silent_connections(self) -> None:
         for port in self._ports:
-            self._strangers(port, HELD, b"")
+            self._strangers(port, HELD["dts-relay"], b"")
 
     def unknown_keys(self) -> None:
         for endpoint in self._endpoints:

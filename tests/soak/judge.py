@@ -13,15 +13,17 @@ from pathlib import Path
 BATCHES = 20  # of samples, for the slope of the memory
 ENDS = 5  # samples at least at each end, of which the least counts
 
-SHORT_S = 600.0  # a shorter run says nothing of the slope
+# A run stops taking samples some seconds before its end, so its last sample is a little before 10 or 60 min.
+SHORT_S = 580.0  # a shorter run says nothing of the slope
 SHORT_WARM_UP_S = 60.0  # rings, heaps and the peers' queues fill: measured +7.5 MB in the first 40 s, +0.4 MB in the next 6 min
 SHORT_MOST_MB = 5.0  # of growth. On a busy machine queues of peers fill after the warm-up, too: measured 3.8 MB. 128 bytes a scan are more
 MIDDLE_MOST_MB = 1.0
 MIDDLE_MOST_MB_PER_HOUR = 0.5
-LONG_S = 3600.0
+LONG_S = 3500.0
 LONG_WARM_UP_S = 1800.0
 LONG_MOST_MB_PER_HOUR = 0.3  # what leaks per block would be a hundred times that
 MOST_DESCRIPTORS = 4  # of growth
+HELD = {"dts-gateway": 16, "dts-relay": 100}  # connections that peers open and close all the time: at most, by process
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,9 +71,9 @@ def memory_fault(growth_mb: float, slope: float, noise: float, run_s: float, jud
     return ""
 
 
-def judge(process: str, samples: list[Sample], run_s: float, held_descriptors: int = 0) -> Verdict:
-    """Judges a run of `run_s`. Peers open and close up to `held_descriptors` connections all the time, which a short run has too few samples
-    to tell from growth."""
+def judge(process: str, samples: list[Sample]) -> Verdict:
+    """Judges the samples of one process. A short run has too few of them to tell connections that peers hold from growth."""
+    run_s = samples[-1].at_s if samples else 0.0
     begin_s = LONG_WARM_UP_S if run_s >= LONG_S else min(SHORT_WARM_UP_S, run_s / 2)
     warm = [sample for sample in samples if sample.at_s >= begin_s]
     if len(warm) < 2 * ENDS:
@@ -84,7 +86,7 @@ def judge(process: str, samples: list[Sample], run_s: float, held_descriptors: i
     judged_s = warm[-1].at_s - warm[0].at_s
     cpu = (warm[-1].cpu_s - warm[0].cpu_s) / judged_s
     faults = [fault] if (fault := memory_fault(last_mb - first_mb, slope, noise, run_s, judged_s)) else []
-    most_fds = first_fds + MOST_DESCRIPTORS + (held_descriptors if run_s < LONG_S else 0)
+    most_fds = first_fds + MOST_DESCRIPTORS + (HELD.get(process, 0) if run_s < LONG_S else 0)
     if last_fds > most_fds:
         faults.append(f"descriptors grow from {first_fds} to {last_fds}")
     row = (
@@ -102,6 +104,8 @@ def read(file: Path) -> dict[str, list[Sample]]:
     samples = defaultdict(list)
     with file.open(newline="") as lines:
         for row in csv.DictReader(lines):
+            if row["cpu_s"] is None or row[COLUMNS[-1]] is None:
+                continue  # the run was interrupted while it wrote this row
             sample = Sample(float(row["at_s"]), float(row["resident_mb"]), int(row["descriptors"]), float(row["cpu_s"]))
             samples[row["process"]].append(sample)
     return samples
@@ -113,7 +117,7 @@ def main(file: Path) -> int:
         print(f"{file} has no samples", file=sys.stderr)
         return 1
     print(f"| {file.name} | |\n|---|---|")
-    verdicts = [judge(process, of_process, of_process[-1].at_s) for process, of_process in samples.items()]
+    verdicts = [judge(process, of_process) for process, of_process in samples.items()]
     for verdict in verdicts:
         print(verdict.row)
     for fault in (faults := [fault for verdict in verdicts for fault in verdict.faults]):
@@ -122,4 +126,6 @@ def main(file: Path) -> int:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
     sys.exit(main(Path(sys.argv[1])))

@@ -2,7 +2,8 @@
 """A page of the dashboard without a browser: socket_page.py URL GATEWAY_PID SECONDS TOPIC ...
 
 Subscribes through dts-gateway's WebSocket, confirms each frame, and asks for the metrics now and then. Says "reading" when it has the first
-frame, and at the end what it got and what the gateway has dropped for it, as JSON. A missed scan must be among the dropped ones."""
+frame, and at the end what it got and what the gateway has dropped for it, as JSON. A missed scan is excused if the gateway said with the same frame that it
+dropped it, or if one of both waited for a core."""
 import importlib.util
 import json
 import subprocess
@@ -53,6 +54,7 @@ def main(url: str, gateway: int, seconds: float, topics: list[str]) -> None:
         page.send_binary(messages.FromBrowser(painted=messages.Painted(frame=answer.frame.number)).SerializeToString())
         now_s = time.monotonic()
         is_excused = False
+        dropped = answer.frame.dropped_scans_total - dropped_scans  # since the frame before, of all topics
         if now_s - looked_s >= EVERY_S or answer.frame.dropped_scans_total != dropped_scans:
             looked_s = now_s
             is_excused = starvation.is_excuse()
@@ -69,7 +71,9 @@ def main(url: str, gateway: int, seconds: float, topics: list[str]) -> None:
             count = counts[carried.topic]
             count["scans"] += block.scan_count
             count["missed"] += missed
-            count["excused"] += missed if missed and (is_excused or starvation.is_excuse()) else 0
+            explained = missed if missed and (is_excused or starvation.is_excuse()) else min(missed, dropped)
+            dropped -= min(missed, dropped)
+            count["excused"] += explained
         if now_s - asked_s >= METRICS_EVERY_S:
             asked_s = now_s
             with urllib.request.urlopen(f"{url}/metrics", timeout=60) as response:

@@ -31,7 +31,7 @@ def leak(mb_per_hour: float, jitter_mb: float = 0.0) -> Callable[[float], float]
 
 
 def faults_of(run_s: float, memory_mb: Callable[[float], float]) -> list[str]:
-    return judge.judge("dtsd", samples_of(run_s, memory_mb), run_s).faults
+    return judge.judge("dtsd", samples_of(run_s, memory_mb)).faults
 
 
 class LongRun(unittest.TestCase):
@@ -71,7 +71,7 @@ class LongRun(unittest.TestCase):
 
 class ShortRun(unittest.TestCase):
     def two_minutes(self, memory_mb: Callable[[float], float]) -> list[str]:
-        return judge.judge("dtsd", samples_of(110.0, memory_mb, every_s=2.5), 120.0).faults
+        return judge.judge("dtsd", samples_of(110.0, memory_mb, every_s=2.5)).faults
 
     def test_a_leak_of_128_bytes_a_scan_is_seen(self) -> None:
         scans_per_hour = 1500 * HOUR_S
@@ -89,12 +89,12 @@ class ShortRun(unittest.TestCase):
         self.assertEqual(len(faults_of(HOUR_S / 2, leak(4.0))), 1)
 
     def test_a_run_without_samples_is_not_right(self) -> None:
-        self.assertIn("only 0 samples", judge.judge("dtsd", [], 120.0).faults[0])
+        self.assertIn("only 0 samples", judge.judge("dtsd", []).faults[0])
 
 
 class Descriptors(unittest.TestCase):
     def faults(self, descriptors: Callable[[float], int], run_s: float = LONG_S) -> list[str]:
-        return judge.judge("dts-relay", samples_of(run_s, leak(0.0), descriptors), run_s, held_descriptors=100).faults
+        return judge.judge("dts-relay", samples_of(run_s, leak(0.0), descriptors)).faults
 
     def test_connections_that_come_and_go(self) -> None:
         self.assertEqual(self.faults(lambda at_s: 40 + 100 * (int(at_s / EVERY_S) % 3 > 0)), [])
@@ -109,15 +109,16 @@ class Descriptors(unittest.TestCase):
 
 
 class File(unittest.TestCase):
-    def judged(self, memory_mb: Callable[[float], float]) -> tuple[int, str]:
+    def judged(self, memory_mb: Callable[[float], float], run_s: float = LONG_S, tail: str = "") -> tuple[int, str]:
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "soak.csv"
             with file.open("w", newline="") as lines:
                 table = csv.writer(lines)
                 table.writerow(judge.COLUMNS)
-                for sample in samples_of(LONG_S, memory_mb):
+                for sample in samples_of(run_s, memory_mb):
                     for process in ("dtsd", "dts-relay"):
                         table.writerow((sample.at_s, process, sample.resident_mb, sample.descriptors, sample.cpu_s, "", "", ""))
+                lines.write(tail)
             output = io.StringIO()
             with contextlib.redirect_stdout(output), contextlib.redirect_stderr(io.StringIO()):
                 status = judge.main(file)
@@ -129,6 +130,12 @@ class File(unittest.TestCase):
         self.assertIn("| dtsd | 40.0 to 40.0 MB, +0.00 +- 0.00 MB an hour; 40 to 40 descriptors; 719 s of CPU time, 10 % of a core |", table)
         self.assertIn("| dts-relay |", table)
         self.assertEqual(self.judged(leak(2.0))[0], 1)
+
+    def test_an_hour_has_the_limit_of_long_runs(self) -> None:
+        self.assertEqual(self.judged(leak(0.45), run_s=HOUR_S - 10)[0], 1)
+
+    def test_a_row_that_is_not_complete_is_left_out(self) -> None:
+        self.assertEqual(self.judged(leak(0.0), tail="7190.0,dtsd,4")[0], 0)
 
 
 if __name__ == "__main__":

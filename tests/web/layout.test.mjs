@@ -33,7 +33,13 @@ const collisions = (page) =>
   page.evaluate(() => {
     const isAbove = (element) => getComputedStyle(element).position === 'absolute' || element.closest('.plate-corner, .live-age, .live-band, .floor-notices, .chair-notices, .shell-over') !== null;
     const named = [...document.querySelectorAll('[data-testid]')].filter((element) => element.checkVisibility() && !isAbove(element));
-    const boxes = named.map((element) => ({ element, name: element.dataset.testid, box: element.getBoundingClientRect() })).filter(({ box }) => box.width > 0 && box.height > 0);
+    // What the page has scrolled out of sight covers nothing.
+    const boxOf = (element) => {
+      const { left, right, top, bottom } = element.getBoundingClientRect();
+      const scroller = element.closest('main')?.getBoundingClientRect() ?? { top, bottom };
+      return { left, right, top: Math.max(top, scroller.top), bottom: Math.min(bottom, scroller.bottom) };
+    };
+    const boxes = named.map((element) => ({ element, name: element.dataset.testid, box: boxOf(element) })).filter(({ box }) => box.right > box.left && box.bottom > box.top);
     const found = [];
     for (const [index, one] of boxes.entries()) {
       if (one.box.left < -1 || one.box.right > innerWidth + 1) found.push(`${one.name} is cut off`);

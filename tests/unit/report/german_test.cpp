@@ -149,6 +149,7 @@ TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
     EXPECT_THAT(session, HasSubstr(part));
   }
   EXPECT_THAT(session, HasSubstr("test 1.2.3"));  // a version is no number
+  EXPECT_THAT(session, HasSubstr("Tabelle 4.2"));  // nor is the number of a table
 }
 
 TEST_F(GermanReport, WhatAPersonTyped_IsNotTranslated) {

@@ -18,7 +18,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {kDecisionLimit, "Keine Aussage über Gesundheit oder Sturzgefahr."},
     {"Decision of the steadiness model, recorded live", "Zuordnung durch das Schwankungsmodell, live aufgezeichnet"},
     {"Model", "Modell"},
-    {"Sway resembles", "Das Schwanken gleicht"},
+    {"Sway resembles", "Ähnlichkeit des Schwankens"},
     {"like {!}, p {#}", "wie {}, p {}"},
     {"like {!}", "wie {}"},
     {"no decision: {!} is outside of the training", "keine Zuordnung: {} liegt außerhalb des Trainings"},
@@ -340,7 +340,7 @@ constexpr auto kTexts = std::to_array<Translated>({
      "experimentell, keine anerkannte Definition."},
     {"Accuracy: that of the force plate; see its maker's data. {}",
      "Genauigkeit: die der Kraftmessplatte; siehe Angaben des Herstellers. {}"},
-    {"Accuracy: this kind of platform differed from a force plate by 1.05 mm (RMSE; thesis, Table {}). {}",
+    {"Accuracy: this kind of platform differed from a force plate by 1.05 mm (RMSE; thesis, Table {!}). {}",
      "Genauigkeit: Eine solche Plattform wich von einer Kraftmessplatte um 1,05 mm ab (RMSE; Dissertation, Tabelle {}). {}"},
     {"The requirement for posturography platforms is 0.1 mm (ISPGR committee, Scoppa et al. 2013; Gagey). Small differences between trials "
      "may "

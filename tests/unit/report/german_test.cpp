@@ -148,7 +148,8 @@ TEST_F(GermanReport, Page_HasTheNamesOfTheProtocolAndADecimalComma) {
   for (const char* part : {"lang=\"de\"", "Romberg-Test (romberg)", "Gewicht", "71,5 kg", "Augen offen (n = ", "21. November 2026"}) {
     EXPECT_THAT(session, HasSubstr(part));
   }
-  EXPECT_THAT(session, HasSubstr("test 1.2.3"));  // a version is no number
+  EXPECT_THAT(session, HasSubstr("test 1.2.3"));   // a version is no number
+  EXPECT_THAT(session, HasSubstr("Tabelle 4.2"));  // nor is the number of a table
 }
 
 TEST_F(GermanReport, WhatAPersonTyped_IsNotTranslated) {

@@ -72,6 +72,8 @@ NOT_FOR_PEOPLE = re.compile(r"\s*(?:SELECT|INSERT|UPDATE|DELETE|PRAGMA|WHERE|ORD
                             re.DOTALL)
 ESCAPES = {"n": "\n", "t": "\t"}
 PLACE = re.compile(r"\{!?\}")
+# A place in a command: what is typed must stay as it is, so the place must be "{!}".
+PLACE_IN_COMMAND = re.compile(r"(?:dtsctl|--rig|--session)\b[^';]*\{\}")
 MOST_DEPTH = 8
 
 
@@ -266,6 +268,7 @@ def main():
                for file in sources(root)
                for message in sorted(messages_of(file.read_text(encoding="utf-8")))
                if message not in OTHER_TEXTS and not german.has_german(message)]
+    missing += [f"write {{!}} in the command, a command is not translated: {one}" for one in sorted(german.known) if PLACE_IN_COMMAND.search(one)]
     report = Translation(report_catalogue((root / REPORT_CATALOGUE).read_text(encoding="utf-8")))
     missing += [f"{name}: no German in the report for: {message}"
                 for name in REPORTED

@@ -56,6 +56,22 @@ test.each([
 });
 
 test.each([
+  ['dtsd was too busy: analyse the recording with dtslab sway', 'dtsd war zu beschäftigt: die Aufzeichnung mit dtslab sway auswerten'],
+  ['dtsd was too busy for the results; compute them again from the file', 'dtsd war zu beschäftigt für die Ergebnisse; sie aus der Datei neu berechnen'],
+  ['dtsd is writing its catalogue again, because a subject was erased', 'dtsd schreibt seinen Katalog neu, weil eine Person endgültig gelöscht wurde'],
+  ['dtsd is making repaired copies of recordings', 'dtsd erstellt reparierte Kopien von Aufzeichnungen'],
+  ['dtsd is stopping: it continues the erasure when it starts again', 'dtsd wird beendet: Es setzt das Löschen beim nächsten Start fort'],
+  ['dtsctl tare --rig chair', 'dtsctl tare --rig chair'], // a command to type
+])('asSentence.In German %j is %j', async (message, expected) => {
+  vi.resetModules();
+  vi.stubGlobal('localStorage', { getItem: () => 'de' });
+  const inGerman = await import('./names');
+  vi.unstubAllGlobals();
+
+  expect(inGerman.asSentence(message)).toBe(expected);
+});
+
+test.each([
   ['[A-Z0-9]{1,8}', 'AB12', true],
   ['[A-Z0-9]{1,8}', 'Anna Schmidt', false],
   [String.raw`[^=+@<>\-\p{Z}][^<>\p{Z}]*( [^<>\p{Lu}\p{Z}]*)*`, 'дитина 2', true], // as the daemon's default

@@ -69,10 +69,14 @@ export const spoken = (key: string): string => key.replaceAll(/[-_]/g, ' ');
 
 export const capitalised = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
-const programs = /^(dts|sudo|systemctl|journalctl|chmod|chown)/;
+const programs = /^(dtsctl|dtslab|dts-[a-z]+|sudo|systemctl|journalctl|chmod|chown) /;
 
-/** Writes a message of daemon or gateway as a sentence on the screen: in the reader's language, and with a capital, unless it begins with a command to type. */
-export const asSentence = (message: string): string => (programs.test(message) ? message : capitalised(inReadersLanguage(message)));
+/** Writes a message of daemon or gateway as a sentence on the screen: in the reader's language, and with a capital, unless it begins with a command to type or with "dtsd". */
+export const asSentence = (message: string): string => {
+  if (programs.test(message)) return message;
+  const text = inReadersLanguage(message);
+  return text.startsWith('dtsd ') ? text : capitalised(text);
+};
 
 const protocolOf = (name: string): ProtocolInfo | undefined => protocols.value.find((one) => one.name === name);
 

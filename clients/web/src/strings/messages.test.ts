@@ -50,6 +50,15 @@ test.each([
     'thread acquire: SCHED_FIFO rejected: Operation not permitted; scans may arrive late under load (priorities are 1 to 99; grant LimitRTPRIO or rtprio in limits.conf)',
     'Thread acquire: SCHED_FIFO abgelehnt: nicht erlaubt; unter Last können Abtastungen verspätet ankommen (Prioritäten sind 1 bis 99; LimitRTPRIO setzen oder rtprio in limits.conf)',
   ],
+  [
+    "rig 'floor': the calibration of 2026-11-02 was measured with sim:chair, not with sim:floor; calibrate again: dtsctl calibrate cop --rig floor",
+    'Messplatz „floor“: Kalibrierung vom 2026-11-02 mit sim:chair gemessen, nicht mit sim:floor; neu kalibrieren: dtsctl calibrate cop --rig floor',
+  ],
+  [
+    "rig 'chair': the calibration of 2026-11-02 names no DAQ: it was computed from a model or from a table of loads; calibrate again: dtsctl calibrate cop --rig chair",
+    'Messplatz „chair“: Kalibrierung vom 2026-11-02 nennt kein Messgerät: aus einem Modell oder einer Tabelle von Lasten berechnet; neu kalibrieren: dtsctl calibrate cop --rig chair',
+  ],
+  ['session chair has no recording', 'Untersuchung chair hat keine Aufzeichnung'],
   ['a sentence that nobody has translated', 'a sentence that nobody has translated'],
 ])('messages.%s', (english, translated) => {
   expect(german(english)).toBe(translated);

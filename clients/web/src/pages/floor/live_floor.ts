@@ -67,9 +67,9 @@ export class LiveFloor {
   /** The measurement of the trial that this tab saw last. */
   #trialSpan = { fromMs: NaN, toMs: NaN };
   /** The attempt that began to be measured last, in ms of performance.now(). */
-  #measured: { readonly trial: number; readonly attempt: number; readonly fromMs: number } | undefined;
+  #measured: { readonly sessionId: string; readonly trial: number; readonly attempt: number; readonly fromMs: number } | undefined;
   /** The attempt that the newest event of a trial was about; the status may be a second behind it. */
-  #present: { readonly trial: number; readonly attempt: number } | undefined;
+  #present: { readonly sessionId: string; readonly trial: number; readonly attempt: number } | undefined;
   #rateHz = 0;
   #loadN = NaN;
   #updatedMs = 0;
@@ -95,13 +95,15 @@ export class LiveFloor {
 
   /** Shows a final result from the catalogue as if it had just arrived, unless another trial has begun meanwhile. */
   recall(sway: Sway): void {
-    if (this.#present !== undefined && (this.#present.trial !== sway.trial || this.#present.attempt !== sway.attempt)) return;
+    const present = this.#present;
+    if (present !== undefined && (present.sessionId !== sway.sessionId || present.trial !== sway.trial || present.attempt !== sway.attempt)) return;
     this.#addSway(sway, undefined);
   }
 
   /** Returns when the measurement of an attempt began, in ms of performance.now(). Undefined if it has not, or if this tab did not see it. */
-  measuredSinceMs(trial: number, attempt: number): number | undefined {
-    return this.#measured?.trial === trial && this.#measured.attempt === attempt ? this.#measured.fromMs : undefined;
+  measuredSinceMs(sessionId: string, trial: number, attempt: number): number | undefined {
+    const measured = this.#measured;
+    return measured?.sessionId === sessionId && measured.trial === trial && measured.attempt === attempt ? measured.fromMs : undefined;
   }
 
   #addCop(block: Block): void {
@@ -149,11 +151,11 @@ export class LiveFloor {
     }
   }
 
-  #addTrial({ step: kind, trial, attempt }: TrialChange, timeMs: number): void {
-    if (trial > 0) this.#present = { trial, attempt }; // the end of the plan names none
+  #addTrial({ sessionId, step: kind, trial, attempt }: TrialChange, timeMs: number): void {
+    if (trial > 0) this.#present = { sessionId, trial, attempt }; // the end of the plan names none
     if (kind === TrialEventKind.MEASURE) {
       this.#trialSpan = { fromMs: timeMs, toMs: Infinity };
-      this.#measured = { trial, attempt, fromMs: timeMs };
+      this.#measured = { sessionId, trial, attempt, fromMs: timeMs };
     } else if (kind === TrialEventKind.DONE) this.#trialSpan = { ...this.#trialSpan, toMs: timeMs };
     if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.#showSway(undefined);
   }

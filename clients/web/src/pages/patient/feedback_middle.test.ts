@@ -18,14 +18,14 @@ const openFloor = () => {
     fake.block('floor/cop', [same(mlMm), same(apMm), same(700)], { format: { channels }, firstScan: first, timeMs: first * 10, newestMs: (first + count - 1) * 10 });
   };
   const trial = (step: TrialEventKind, atS: number, number = 1): void =>
-    fake.event('floor/trial', { body: { case: 'trial', value: { step, trial: number, attempt: 1 } } }, atS * 1000);
+    fake.event('floor/trial', { body: { case: 'trial', value: { sessionId: 's1', step, trial: number, attempt: 1 } } }, atS * 1000);
   return { fake, floor, stand, trial };
 };
 const nobody = [NaN, NaN] as const;
 
 test('FeedbackMiddle.Is the mean of the last second of settling, however long a person stood elsewhere before', () => {
   const { floor, stand, trial } = openFloor();
-  const middle = new FeedbackMiddle(floor, 1, 1);
+  const middle = new FeedbackMiddle(floor, 's1', 1, 1);
   stand(0, 4, [100, 0]);
   stand(4, 5, [42, -20]);
   trial(TrialEventKind.MEASURE, 5);
@@ -37,7 +37,7 @@ test('FeedbackMiddle.Is the mean of the last second of settling, however long a 
 
 test('FeedbackMiddle.Stays the same after a gap, whoever stands where', () => {
   const { floor, stand, trial } = openFloor();
-  const middle = new FeedbackMiddle(floor, 1, 1);
+  const middle = new FeedbackMiddle(floor, 's1', 1, 1);
   stand(0, 5, [42, -20]);
   trial(TrialEventKind.MEASURE, 5);
   stand(5, 5.1, [42, -20]);
@@ -49,7 +49,7 @@ test('FeedbackMiddle.Stays the same after a gap, whoever stands where', () => {
 
 test('FeedbackMiddle.Is of the first whole second if there is a gap in the last second of settling', () => {
   const { floor, stand, trial } = openFloor();
-  const middle = new FeedbackMiddle(floor, 1, 1);
+  const middle = new FeedbackMiddle(floor, 's1', 1, 1);
   stand(0, 4.5, [42, -20]);
   trial(TrialEventKind.MEASURE, 5);
   stand(5.5, 6, nobody);
@@ -62,7 +62,7 @@ test('FeedbackMiddle.Is of the first whole second if there is a gap in the last 
 
 test('FeedbackMiddle.A screen that was opened in the trial uses the first second that it saw', () => {
   const { floor, stand } = openFloor();
-  const middle = new FeedbackMiddle(floor, 1, 1);
+  const middle = new FeedbackMiddle(floor, 's1', 1, 1);
   stand(0, 5, [100, 100]);
   expect(middle.whileMeasured()).toBeUndefined();
   stand(5, 5.99, [42, -20]);
@@ -77,9 +77,10 @@ test('FeedbackMiddle.Knows its own attempt and session only', () => {
   stand(0, 5, [42, -20]);
   trial(TrialEventKind.MEASURE, 5);
   stand(5, 9, [1, 2]);
-  expect(new FeedbackMiddle(floor, 2, 1).whileMeasured()).toBeUndefined();
-  expect(new FeedbackMiddle(floor, 1, 2).whileMeasured()).toBeUndefined();
+  expect(new FeedbackMiddle(floor, 's1', 2, 1).whileMeasured()).toBeUndefined();
+  expect(new FeedbackMiddle(floor, 's1', 1, 2).whileMeasured()).toBeUndefined();
+  expect(new FeedbackMiddle(floor, 's2', 1, 1).whileMeasured()).toBeUndefined(); // also if the event of its start was missed
   fake.event('floor/session', { body: { case: 'session', value: { state: SessionState.STARTING } } });
 
-  expect(new FeedbackMiddle(floor, 1, 1).whileMeasured()).toBeUndefined();
+  expect(new FeedbackMiddle(floor, 's1', 1, 1).whileMeasured()).toBeUndefined();
 });

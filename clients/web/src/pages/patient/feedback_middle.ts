@@ -37,11 +37,12 @@ export class FeedbackMiddle {
   #place: Place | undefined;
   #openedMs: number | undefined;
   readonly #floor: LiveFloor;
+  readonly #sessionId: string;
   readonly #trial: number;
   readonly #attempt: number;
 
-  constructor(floor: LiveFloor, trial: number, attempt: number) {
-    [this.#floor, this.#trial, this.#attempt] = [floor, trial, attempt];
+  constructor(floor: LiveFloor, sessionId: string, trial: number, attempt: number) {
+    [this.#floor, this.#sessionId, this.#trial, this.#attempt] = [floor, sessionId, trial, attempt];
   }
 
   /** Ask only while the attempt is measured. A screen that was opened after the settling has not seen it: then the first second that it saw counts. */
@@ -49,7 +50,7 @@ export class FeedbackMiddle {
     const { ring, newestMs } = this.#floor;
     if (ring === undefined) return undefined;
     this.#openedMs ??= newestMs;
-    const beganMs = this.#floor.measuredSinceMs(this.#trial, this.#attempt);
+    const beganMs = this.#floor.measuredSinceMs(this.#sessionId, this.#trial, this.#attempt);
     return (this.#place ??= meanPlace(ring, beganMs === undefined ? this.#openedMs : beganMs - meanOverMs));
   }
 }

@@ -123,7 +123,7 @@ const FloorScreen = ({ link, status, tones }: TaskProps): JSX.Element => {
   });
   const sinceS = useSinceS(link).value;
   const middle = useMemo(
-    () => (trial?.hasFeedback === true ? new FeedbackMiddle(floor, trial.trial, trial.attempt) : undefined),
+    () => (trial?.hasFeedback === true ? new FeedbackMiddle(floor, session?.sessionId ?? '', trial.trial, trial.attempt) : undefined),
     [floor, session?.sessionId, trial?.trial, trial?.attempt, trial?.hasFeedback],
   );
   const hasFeedback = middle !== undefined && state === 'measure';
@@ -138,7 +138,13 @@ const FloorScreen = ({ link, status, tones }: TaskProps): JSX.Element => {
   return (
     <Screen tones={tones} kind="floor" state={state} what={whatOf(state, status)} {...(hint === undefined ? {} : { hint })}>
       {hasTarget.has(state) && (
-        <TargetPicture key={`${trial?.trial}.${trial?.attempt}`} link={link} floor={floor} middle={middle} hasFeedback={hasFeedback} />
+        <TargetPicture
+          key={`${session?.sessionId}.${trial?.trial}.${trial?.attempt}`}
+          link={link}
+          floor={floor}
+          middle={middle}
+          hasFeedback={hasFeedback}
+        />
       )}
     </Screen>
   );

@@ -43,7 +43,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
     [heads.duration, duration(durationS(session))],
     [heads.label, session.label, correctionOf(session, 'label')],
     [fields['notes'] ?? '', session.notes, correctionOf(session, 'notes')],
-    [facts.message, asSentence(session.message)],
+    [facts.message, session.state === 'aborted' ? session.message : asSentence(session.message)], // a person typed why it was aborted
   ];
   return (
     <dl class="facts" data-testid="session-facts">

@@ -5,7 +5,7 @@ import type { JSX } from 'preact';
 import { useLayoutEffect, useRef } from 'preact/hooks';
 
 import { Role } from '../../generated/dts/v1/options_pb';
-import type { EraseSubjectResponse, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
+import type { EraseSubjectResponse, SessionRecord, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Field, Notice, Panel, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
@@ -99,9 +99,13 @@ const Erased = ({ subject, erased }: { subject: string; erased: EraseSubjectResp
   </>
 );
 
-/** Results over the visits. They are asked for again if this page learns of another number of sessions. */
+/** Changes with everything that changes results: a new session, its end, a correction. */
+const resultsKey = (sessions: readonly SessionRecord[]): string =>
+  sessions.map(({ sessionId, state, corrections }) => `${sessionId} ${state} ${corrections.length}`).join();
+
+/** Results over the visits. */
 const Results = ({ link, subject, record }: { link: Link; subject: string; record: SubjectRecord }): JSX.Element => {
-  const key = link.state.value === 'up' ? `trend ${subject} ${record.sessions.length}` : '';
+  const key = link.state.value === 'up' ? `trend ${subject} ${resultsKey(record.sessions)}` : '';
   const { answer, error, isBusy } = useAsked(key, (signal) => askTrend(link, subject, signal)).value;
   return (
     <>

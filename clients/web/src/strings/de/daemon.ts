@@ -33,19 +33,19 @@ export const daemonMessages: readonly Message[] = [
   ["cannot write '{}'", "kann '{}' nicht schreiben"],
   // What can make results wrong
   [
-    "rig '{}': the calibration of {} was measured with {}, not with {}; calibrate again: dtsctl calibrate cop --rig {}",
+    "rig '{}': the calibration of {!} was measured with {!}, not with {!}; calibrate again: dtsctl calibrate cop --rig {!}",
     'Messplatz „{}“: Kalibrierung vom {} mit {} gemessen, nicht mit {}; neu kalibrieren: dtsctl calibrate cop --rig {}',
   ],
   [
-    "rig '{}': the calibration of {} was measured with {}, and the device is {}, another unit of the same model; compare a known weight on the middle and near each corner, or calibrate again: dtsctl calibrate cop --rig {}",
+    "rig '{}': the calibration of {!} was measured with {!}, and the device is {!}, another unit of the same model; compare a known weight on the middle and near each corner, or calibrate again: dtsctl calibrate cop --rig {!}",
     'Messplatz „{}“: Kalibrierung vom {} mit {} gemessen, und das Gerät ist {}, ein anderes desselben Modells; ein bekanntes Gewicht in der Mitte und nahe jeder Ecke vergleichen oder neu kalibrieren: dtsctl calibrate cop --rig {}',
   ],
   [
-    "rig '{}': the calibration of {} is of rig '{}'; calibrate again: dtsctl calibrate cop --rig {}",
+    "rig '{}': the calibration of {!} is of rig '{!}'; calibrate again: dtsctl calibrate cop --rig {!}",
     'Messplatz „{}“: Kalibrierung vom {} gehört zu Messplatz „{}“; neu kalibrieren: dtsctl calibrate cop --rig {}',
   ],
   [
-    "rig '{}': the calibration of {} names no DAQ: it was computed from a model or from a table of loads; calibrate again: dtsctl calibrate cop --rig {}",
+    "rig '{}': the calibration of {!} names no DAQ: it was computed from a model or from a table of loads; calibrate again: dtsctl calibrate cop --rig {!}",
     'Messplatz „{}“: Kalibrierung vom {} nennt kein Messgerät: aus einem Modell oder einer Tabelle von Lasten berechnet; neu kalibrieren: dtsctl calibrate cop --rig {}',
   ],
   [
@@ -60,7 +60,7 @@ export const daemonMessages: readonly Message[] = [
   ["the subject ID does not follow this clinic's rule for subject IDs", 'die Personen-ID folgt nicht der Regel dieser Klinik'],
   [
     "Ask your engineer for the rule: subject_pattern in dtsd.toml. Use the clinic's subject ID, never a name",
-    'Den Techniker nach der Regel fragen: subject_pattern in dtsd.toml. Die Personen-ID der Klinik verwenden, nie einen Namen',
+    'Die Technik nach der Regel fragen: subject_pattern in dtsd.toml. Die Personen-ID der Klinik verwenden, nie einen Namen',
   ],
   ["the {} does not follow this clinic's rule for labels", 'nach der Regel dieser Klinik nicht erlaubt: {}'],
   ['the {} has a character that is not visible', 'hat ein unsichtbares Zeichen: {}'],
@@ -96,7 +96,7 @@ export const daemonMessages: readonly Message[] = [
   ['a session has at most {}', 'eine Untersuchung hat höchstens {}'],
   ['see the log of dtsd, then try again', 'das Protokoll von dtsd ansehen, dann erneut versuchen'],
   ['session {} already has {} corrections', 'Untersuchung {} hat schon {} Berichtigungen'],
-  ['session {} has no recording', 'Untersuchung {} hat keine Aufzeichnung'],
+  ['session {!} has no recording', 'Untersuchung {} hat keine Aufzeichnung'],
   ['the reach of trial {} is not in the recording of session {}', 'die Reichbewegung von Durchgang {} fehlt in der Aufzeichnung von Untersuchung {}'],
   ['session {} is not closed yet', 'Untersuchung {} ist noch nicht abgeschlossen'],
   ['somebody changed this file: restart dtsd, which reads it', 'jemand hat diese Datei geändert: dtsd neu starten, das sie dann liest'],

@@ -157,7 +157,7 @@ export const sessions: typeof english = {
       velocity: 'Mittlere Geschwindigkeit (mm/s)',
       distance: 'RMS-Abstand (mm)',
       ellipse: 'Fläche der 95-%-Ellipse (mm²)',
-      decision: 'Das Schwanken gleicht',
+      decision: 'Das Schwanken ähnelt',
     },
   },
   markers: { head: 'Markierungen', heads: { marker: 'Markierung', text: 'Text', part: 'Teil', scan: 'Abtastung' } },

@@ -3,7 +3,7 @@
 import type { steadinessDecision as english } from '../en/steadiness_decision';
 
 export const steadinessDecision: typeof english = {
-  title: 'Das Schwanken gleicht',
+  title: 'Das Schwanken ähnelt',
   none: 'Keine Zuordnung',
   probability: (percent) => `Wahrscheinlichkeit ${percent} %`,
   outside: (measures) => `Außerhalb des Trainings: ${measures}`,

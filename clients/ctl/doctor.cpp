@@ -247,8 +247,12 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
 }
 
 std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v1::RigInfo& rig) {
-  if (rig.calibration().empty()) return std::nullopt;
   const std::string name = rig.name() + " calibration";
+  if (rig.calibration().empty()) {
+    const bool is_real = !rig.device_uri().starts_with("sim:") && !rig.device_uri().starts_with("replay:");
+    if (rig.kind() != "floor" || rig.is_force_plate() || !is_real) return std::nullopt;
+    return note(name, "none, so the centre of pressure is computed from the plate's model", "dtsctl calibrate cop --rig " + rig.name());
+  }
   if (const auto doubt = notice_that_begins(status, "rig '" + rig.name() + "': the calibration ")) {
     const auto [finding, fix] = finding_and_fix(*doubt);
     // Units of one model differ little; a calibration by `dtslab` knows no DAQ.

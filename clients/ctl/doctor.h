@@ -24,7 +24,8 @@ struct Check {
 /// These functions build checks from collected facts; they send no requests and do not wait.
 [[nodiscard]] Check check_version(const std::string& daemon_version);
 [[nodiscard]] std::vector<Check> check_rig(const v1::RigStatus& rig);
-/// Names the rig's calibration of the centre of pressure, its date, and the daemon's warning about it. Returns nothing without one.
+/// Names the rig's calibration of the centre of pressure, its date, and the daemon's warning about it, or that a real platform has
+/// none. Returns nothing for other rigs without one.
 [[nodiscard]] std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v1::RigInfo& rig);
 /// Checks whether other machines can connect, and whether they have connected.
 [[nodiscard]] Check check_network(const v1::StatusSnapshot& status);

@@ -32,15 +32,17 @@ class Values {
 
 std::optional<double> if_known(bool is_known, double value) { return is_known ? std::optional(value) : std::nullopt; }
 
-std::vector<Value> values_of(const v1::Sway& sway) {
+std::vector<Value> standing_values(const v1::TrialRecord& trial) {
   Values values;
-  for (const v1::SwayMeasure& measure : sway.measures()) {
+  for (const v1::SwayMeasure& measure : trial.sway().measures()) {
     values.add(measure.symbol(), report::plain_name(measure.symbol()), measure.value(), measure.unit());
   }
-  if (sway.decision().outcome() != v1::DECISION_OUTCOME_DECIDED) return values.all;
-  for (const v1::GroupProbability& group : sway.decision().probabilities()) {
-    const std::string name = "Probability of " + group.group() + " by the steadiness model of " + sway.decision().label() + " (" +
-                             report::decision_text(sway.decision()) + ")";
+  const v1::SteadinessDecision* decision = report::kept_decision(trial);
+  if (decision == nullptr || decision->outcome() != v1::DECISION_OUTCOME_DECIDED) return values.all;
+  const std::string limits = cli::join(report::decision_limits(*decision), " ");
+  for (const v1::GroupProbability& group : decision->probabilities()) {
+    const std::string name = "Probability of " + group.group() + " by the steadiness model of " + decision->label() + " (" +
+                             report::decision_text(*decision) + "). " + limits;
     values.add("p_" + group.group(), name, group.probability(), "1");
   }
   return values.all;
@@ -93,7 +95,7 @@ std::string trials_csv(const v1::SessionRecord& session) {
                                          trial.outcome(),
                                          report::fault_words(trial.fault()),
                                          is_valid ? "1" : "0"};
-    std::vector<Value> values = trial.has_sway() ? values_of(trial.sway()) : values_of(trial.result());
+    std::vector<Value> values = trial.has_sway() ? standing_values(trial) : values_of(trial.result());
     const auto add = [&](std::vector<std::string> cells) {
       cells.insert(cells.begin(), about.begin(), about.end());
       text += row_of(cells);

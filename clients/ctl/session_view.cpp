@@ -156,24 +156,25 @@ cli::Cell outcome_cell(const v1::TrialRecord& trial) {
   return cell;
 }
 
-cli::Cell decision_cell(const v1::Sway& sway) {
-  if (!sway.has_decision()) return {"-"};
-  const bool is_decided = sway.decision().outcome() == v1::DECISION_OUTCOME_DECIDED;
-  return {report::decision_text(sway.decision()), is_decided ? cli::Style::Plain : cli::Style::Warning};
+cli::Cell decision_cell(const v1::TrialRecord& trial) {
+  const v1::SteadinessDecision* decision = report::kept_decision(trial);
+  if (decision == nullptr) return {"-"};
+  const bool is_decided = decision->outcome() == v1::DECISION_OUTCOME_DECIDED;
+  return {report::decision_text(*decision), is_decided ? cli::Style::Plain : cli::Style::Warning};
 }
 
 /// Prints what must stand beside the decisions, once for each model.
 void print_decision_limits(cli::Console& console, const v1::SessionRecord& session) {
   std::set<std::string> limits;
   for (const v1::TrialRecord& trial : session.trials()) {
-    if (trial.sway().has_decision()) limits.insert(cli::join(report::decision_limits(trial.sway().decision()), " "));
+    if (const auto* decision = report::kept_decision(trial)) limits.insert(cli::join(report::decision_limits(*decision), " "));
   }
   for (const std::string& text : limits) console.out << cli::printable(text) << '\n';
 }
 
 /// Prints trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
-  const bool has_decisions = std::ranges::any_of(session.trials(), [](const auto& trial) { return trial.sway().has_decision(); });
+  const bool has_decisions = std::ranges::any_of(session.trials(), report::kept_decision);
   std::vector<std::string> headers{">TRIAL",         ">ATTEMPT",     "CONDITION",    "OUTCOME", ">LENGTH",
                                    ">VELOCITY mm/s", ">DISTANCE mm", ">ELLIPSE mm2", "FLAGS"};
   if (has_decisions) headers.emplace_back("DECISION");
@@ -195,7 +196,7 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
                                {value(sway, "PEA95_F", 1)},
                                {sway.problem().empty() ? sway_flag_words(sway) : sway.problem(),
                                 has_values && sway.is_valid() ? cli::Style::Plain : cli::Style::Warning}};
-    if (has_decisions) row.push_back(decision_cell(sway));
+    if (has_decisions) row.push_back(decision_cell(trial));
     row.insert(row.end(), {{std::to_string(trial.part())}, {place_text(trial)}});
     trials.add(std::move(row));
   }

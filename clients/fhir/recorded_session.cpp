@@ -10,13 +10,17 @@
 #include <utility>
 
 #include "dts/wire/event_json.h"
+#include "posturography/analysis.h"
+#include "posturography/prepare.h"
 #include "record/catalogue/corrections.h"
 #include "record/catalogue/trial_collector.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "report/recorded_definitions.h"
+#include "report/watched_recording.h"
 #include "session/corrected_results.h"
 #include "session/recorded_reaches.h"
+#include "session/recorded_sway.h"
 #include "session/session_events.h"
 
 namespace dts::fhir {
@@ -89,17 +93,64 @@ void add_trials(const Items& items, const record::Corrections& corrections, Reco
   }
 }
 
+/// Returns `is_wanted` for a WatchedRecording, which then fails; `is_interrupted` says that this was the reason.
+std::function<bool()> watch(const std::function<bool()>& is_wanted, bool& is_interrupted) {
+  return [&is_wanted, &is_interrupted] {
+    is_interrupted = is_interrupted || !is_wanted();
+    return !is_interrupted;
+  };
+}
+
+bool lacks_result(const RecordedTrial& trial) { return trial.row.result.empty(); }
+
+/// The result of the last trial may not have been recorded before the part was interrupted. It is computed as in the report.
+core::Status analyse_standing(record::Recording& opened, const std::function<bool()>& is_wanted, RecordedPart& part) {
+  bool is_interrupted = false;
+  report::WatchedRecording recording(opened, watch(is_wanted, is_interrupted));
+  DTS_TRY(recording.rewind());
+  auto standing = session::read_recorded_standing(recording, [](double) {});
+  if (is_interrupted) return interrupted();
+  DTS_TRY(standing);
+  for (RecordedTrial& trial : part.trials) {
+    if (!lacks_result(trial)) continue;
+    const auto found = std::ranges::find_if(standing->trials, [&trial](const session::StandingTrial& attempt) {
+      return attempt.trial == trial.row.trial && attempt.attempt == trial.row.attempt;
+    });
+    if (found == standing->trials.end()) continue;
+    session::SwayTrialResult result{.trial = found->trial,
+                                    .attempt = found->attempt,
+                                    .condition = found->condition,
+                                    .labels = found->labels,
+                                    .segment = found->segment,
+                                    .first_scan = found->first_scan,
+                                    .end_scan = found->end_scan,
+                                    .end_segment = found->end_segment,
+                                    .problem = found->problem};
+    if (result.problem.empty()) {
+      auto analysis = posturography::analyse(found->cop, {.preparation = posturography::kReportPreparation});
+      if (analysis) result.analysis = std::move(*analysis);
+      if (!analysis) result.problem = analysis.error().what;
+    }
+    trial.row.result = wire::to_json(session::to_event(result, part.facts.session_id, part.facts.software));
+  }
+  return {};
+}
+
 /// At the end of a session, dtsd judges its reaches again with the subject's own scale. A part that ended before lacks these results, and
 /// that of its last trial. They are computed here as in the report, so that the bundle and its PDF have the same.
-core::Status judge_reaches(record::Recording& recording, RecordedPart& part) {
+core::Status judge_reaches(record::Recording& opened, const std::function<bool()>& is_wanted, RecordedPart& part) {
+  bool is_interrupted = false;
+  report::WatchedRecording recording(opened, watch(is_wanted, is_interrupted));
   const auto model = report::recorded_trunk_model(*recording.session());
   DTS_TRY(recording.rewind());
-  DTS_TRY_ASSIGN(const auto reaches, session::read_recorded_reaches(recording, model ? &*model : nullptr, [](double) {}));
+  const auto reaches = session::read_recorded_reaches(recording, model ? &*model : nullptr, [](double) {});
+  if (is_interrupted) return interrupted();
+  DTS_TRY(reaches);
   for (RecordedTrial& trial : part.trials) {
-    const auto found = std::ranges::find_if(reaches.attempts, [&trial](const session::RecordedReachTrial& attempt) {
+    const auto found = std::ranges::find_if(reaches->attempts, [&trial](const session::RecordedReachTrial& attempt) {
       return attempt.trial == trial.row.trial && attempt.attempt == trial.row.attempt && attempt.result.has_value();
     });
-    if (found != reaches.attempts.end()) trial.row.result = wire::to_json(session::to_event(*found->result, part.facts.session_id));
+    if (found != reaches->attempts.end()) trial.row.result = wire::to_json(session::to_event(*found->result, part.facts.session_id));
   }
   return {};
 }
@@ -142,7 +193,10 @@ core::Result<RecordedPart> read_part(const std::string& path, const record::Corr
   part.has_corrected_subject = corrections.value(record::CorrectedField::Subject) != nullptr;
   add_trials(items, corrections, part);
   part.is_interrupted = items.trials.session_results().empty() && std::ranges::any_of(items.trials.rows(), record::is_valid);
-  if (part.is_interrupted && part.facts.kind == "chair") DTS_TRY(judge_reaches(*recording, part));
+  const auto is_still_wanted = [&progress] { return progress(1.0); };
+  if (part.is_interrupted && part.facts.kind == "chair") DTS_TRY(judge_reaches(*recording, is_still_wanted, part));
+  if (part.is_interrupted && part.facts.kind != "chair" && recording->find_stream("cop") && std::ranges::any_of(part.trials, lacks_result))
+    DTS_TRY(analyse_standing(*recording, is_still_wanted, part));
   DTS_TRY(add_results(path, items, part));
   return part;
 }

@@ -16,6 +16,10 @@ std::string named(const google::protobuf::RepeatedPtrField<std::string>& symbols
 
 }  // namespace
 
+const v1::SteadinessDecision* kept_decision(const v1::TrialRecord& trial) noexcept {
+  return trial.outcome() == "done" && trial.sway().has_decision() ? &trial.sway().decision() : nullptr;
+}
+
 std::string decision_text(const v1::SteadinessDecision& decision) {
   const std::string none = "no decision: ";
   switch (decision.outcome()) {

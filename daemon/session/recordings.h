@@ -211,6 +211,7 @@ class Recordings {
   std::map<std::string, record::PartRow> under_way_;     ///< The current or last part, by rig.
 
   std::optional<record::Erasure> erasure_;  ///< Under way, or failed half-way.
+  std::uint32_t erased_notes_ = 0;          ///< Files with notes that the erasure removed.
   std::vector<std::string> unerased_;       ///< What an erasure could not clean, for its answer.
   std::optional<core::Result<record::Erased>> erased_;
   std::uint64_t erasures_ = 0;

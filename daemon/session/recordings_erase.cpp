@@ -177,7 +177,8 @@ core::Status Recordings::keep_notes(const record::SubjectNotes& notes) {
 
 core::Status Recordings::erase_rows(record::Erasure& erasure) {
   DTS_TRY(catalogue_->erase(erasure.sessions));
-  DTS_TRY(record::remove_subject_notes(sessions_directory(config_), erasure.subject));
+  DTS_TRY_ASSIGN(const auto removed, record::remove_subject_notes(sessions_directory(config_), erasure.subject));
+  erased_notes_ += removed;
   DTS_TRY_ASSIGN(const auto unread, record::remove_mentions_in_notes(sessions_directory(config_), erasure.subject));
   for (const std::string& file : unread) unerased_.push_back("the notes in '" + file + "' cannot be read; look there for this subject ID");
   return remove_mentions(erasure);
@@ -313,6 +314,7 @@ void Recordings::finish_erasure(core::Result<record::Erased> erased) {
   }
   erased->sessions = static_cast<std::uint32_t>(sessions);
   erased->mentions = erasure_->mentions;
+  erased->files += std::exchange(erased_notes_, 0);
   add_left(*erased);
   log_.info("a subject was erased: " + count + ", " + std::to_string(erased->files) + " files");
   for (const std::string& left : erased->left) log_.warning("not erased: " + left);  // perhaps nobody waits for the answer any more

@@ -175,6 +175,8 @@ class Supervisor {
   void end_sync_pulse(Entry& entry, std::int64_t now_ns);
   void notice_device_change(Entry& entry, const AcquisitionReport& report);
   void check_calibration(Entry& entry);
+  /// Removes the notes of a subject that has neither entries nor sessions any more: a wrong subject ID must not stay in the list.
+  void forget_empty_notes(const std::string& subject);
   /// Reads the newest session of the catalogue, for `clock_warning`.
   void find_newest_session();
   /// Returns a warning if the wall clock is earlier than the begin of the newest session; else nothing.

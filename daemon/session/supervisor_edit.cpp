@@ -38,6 +38,7 @@ core::Result<record::SessionRow> Supervisor::corrected_session(const record::Ses
   for (record::Correction& correction : corrections) correction.who = who;
   DTS_TRY(services_.recordings.correct(session, std::move(corrections)));
   DTS_TRY_ASSIGN(auto changed, services_.recordings.catalogue().session(session.id));
+  if (changed.subject != session.subject) forget_empty_notes(session.subject);
   find_newest_session();                      // perhaps a session with a wrong date was deleted
   for (auto& [rig_name, entry] : entries_) {  // its rigs show it until their next session
     entry.session.revise(changed, moment(entry));
@@ -56,7 +57,18 @@ core::Status Supervisor::edit_subject(const SubjectEdit& edit, const std::string
   }
   const EditAuthor author{.who = who, .utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns()};
   DTS_TRY_ASSIGN(const auto changed, edited(std::move(notes), edit, author, services_.protocols, services_.label_rule));
-  return recordings.keep_notes(changed);
+  DTS_TRY(recordings.keep_notes(changed));
+  forget_empty_notes(edit.subject);
+  return {};
+}
+
+void Supervisor::forget_empty_notes(const std::string& subject) {
+  if (subject.empty()) return;
+  Recordings& recordings = services_.recordings;
+  const auto notes = recordings.subject_notes(subject);
+  const auto sessions = recordings.catalogue().sessions({.subject = subject, .limit = 1, .shown = record::Shown::Both});
+  // A file that cannot be read or removed stays, as does its subject in the list: it can be erased.
+  if (notes && notes->is_empty() && sessions && sessions->empty()) static_cast<void>(recordings.keep_notes({.subject = subject}));
 }
 
 core::Status Supervisor::erase_subject(const std::string& subject, const std::string& who) {

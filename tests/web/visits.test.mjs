@@ -38,6 +38,7 @@ const languages = {
     beyond: 'This is more than the variation between two days',
     upright: /^150 % of arm length: the trunk bent [\d.]+° less than on/,
     pdf: { floor: 'Mean velocity', chair: /Trunk class/i },
+    classHead: 'Trunk class',
     classes: ['none', 'minor', 'moderate', 'maximum'],
   },
   de: {
@@ -48,6 +49,7 @@ const languages = {
     beyond: 'Das ist mehr als die Schwankung zwischen zwei Tagen',
     upright: /^150 % der Armlänge: Der Rumpf beugte sich um [\d,]+° weniger als am/,
     pdf: { floor: 'Mittlere Geschwindigkeit', chair: /Rumpfklasse/i },
+    classHead: 'Rumpfklasse',
     classes: ['keine', 'gering', 'mäßig', 'maximal'],
   },
 };
@@ -212,8 +214,7 @@ describe('a subject with five visits of each rig', () => {
           const frame = page.frameLocator('[data-testid="report-frame"]');
           await frame.locator('h1').waitFor();
           assert.equal(await frame.locator('html').getAttribute('lang'), language);
-          const report = await frame.locator('body').innerText();
-          assert.match(report, /P017/);
+          assert.match(await frame.locator('body').innerText(), /P017/);
 
           const pdf = await downloadOf(page, 'report-pdf');
           assert.equal(readFileSync(pdf).subarray(0, 5).toString('latin1'), '%PDF-');
@@ -222,9 +223,17 @@ describe('a subject with five visits of each rig', () => {
           assert.match(text, new RegExp(words.pdf[rig]));
           if (rig === 'chair') {
             const { trials } = await daemon.session(id);
-            for (const { result } of trials.filter(({ result }) => result.movement?.trunk_class >= 0)) {
+            const cellsOf = await frame.locator('tr').evaluateAll((rows) => rows.map((row) => [...row.children].map((cell) => cell.textContent.trim())));
+            const columns = cellsOf.find((cells) => cells.includes(words.classHead));
+            assert.ok(columns, `a table with the column ${words.classHead}`);
+            const classed = trials.filter(({ result }) => result.movement?.trunk_class >= 0);
+            assert.ok(classed.length > 0, 'a trial with a class');
+            for (const { trial, result } of classed) {
               const name = words.classes[result.movement.trunk_class];
-              assert.ok(report.includes(name) && text.includes(name), `${name} in report and PDF`);
+              const rows = cellsOf.filter((cells) => cells.length === columns.length && cells[0] === `${trial}`);
+              assert.ok(rows.some((cells) => cells[columns.indexOf(words.classHead)] === name), `trial ${trial} is ${name}: ${rows.join('; ')}`);
+              const line = text.split('\n').find((one) => new RegExp(`^\\s*${trial}\\s.*\\s${name}\\s`).test(one));
+              assert.ok(line, `trial ${trial} is ${name} in the PDF`);
             }
           }
 

@@ -9,7 +9,7 @@
 namespace dts::gateway {
 
 Worker::Worker(boost::asio::io_context& io, std::size_t threads) : io_(io) {
-  for (std::size_t k = 0; k < threads; ++k) threads_.emplace_back([this] { run(stop_.get_token()); });
+  for (std::size_t k = 0; k < threads; ++k) threads_.emplace_back([this](const std::stop_token& stop) { run(stop); });
 }
 
 bool Worker::submit(Work work) {

@@ -26,7 +26,7 @@ class Worker {
 
   explicit Worker(boost::asio::io_context& io, std::size_t threads = 1);
   /// Requests the work in progress to stop and waits for it. Waiting work never starts, and no result is passed on any more.
-  ~Worker() { stop_.request_stop(); }
+  ~Worker() { request_stop(); }
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
@@ -34,6 +34,9 @@ class Worker {
   [[nodiscard]] bool submit(Work work);
 
  private:
+  void request_stop() noexcept {
+    for (std::jthread& thread : threads_) thread.request_stop();
+  }
   void run(const std::stop_token& stop);
 
   boost::asio::io_context& io_;
@@ -42,7 +45,6 @@ class Worker {
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::deque<Work> waiting_;
-  std::stop_source stop_;
   std::vector<std::jthread> threads_;  // last: they end before the other members are destroyed
 };
 

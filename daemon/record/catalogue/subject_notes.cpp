@@ -145,7 +145,10 @@ core::Result<SubjectNotes> read_subject_notes(const std::string& recordings, con
 
 core::Status write_subject_notes(const std::string& recordings, const SubjectNotes& notes) {
   if (!is_subject_id(notes.subject)) return core::fail(ErrorCode::InvalidArgument, "this is no subject ID");
-  if (notes.is_empty() && notes.next_number == 1) return remove_subject_notes(recordings, notes.subject);
+  if (notes.is_empty() && notes.next_number == 1) {
+    DTS_TRY(remove_subject_notes(recordings, notes.subject));
+    return {};
+  }
   const std::string folder = notes_folder(recordings);
   if (::mkdir(folder.c_str(), 0750) == 0) {
     synchronise_folder(recordings);
@@ -163,14 +166,17 @@ core::Status write_subject_notes(const std::string& recordings, const SubjectNot
   return replace_file(notes_file(recordings, notes.subject), json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n", 0640);
 }
 
-core::Status remove_subject_notes(const std::string& recordings, const std::string& subject) {
-  if (!is_subject_id(subject)) return {};
+core::Result<std::uint32_t> remove_subject_notes(const std::string& recordings, const std::string& subject) {
+  std::uint32_t removed = 0;
+  if (!is_subject_id(subject)) return removed;
   const std::string file = notes_file(recordings, subject);
   for (const std::string& one : {file, file + std::string(kUnfinishedEnding)}) {
-    if (::unlink(one.c_str()) != 0 && errno != ENOENT) return core::fail_errno(errno, "cannot remove '" + one + "'", kNotesHint);
+    const bool is_gone = ::unlink(one.c_str()) == 0;
+    if (!is_gone && errno != ENOENT) return core::fail_errno(errno, "cannot remove '" + one + "'", kNotesHint);
+    if (is_gone) ++removed;
   }
   synchronise_folder(notes_folder(recordings));
-  return {};
+  return removed;
 }
 
 core::Result<std::vector<std::string>> subjects_with_notes(const std::string& recordings) {

@@ -55,8 +55,8 @@ inline constexpr std::size_t kMostPlanned = 100;
 /// Replaces the file as a whole; without entries it still has the next number. Makes no file for notes that never had an entry. The file is
 /// on the disk when this returns. `subject` must be an ID.
 [[nodiscard]] core::Status write_subject_notes(const std::string& recordings, const SubjectNotes& notes);
-/// Removes the file, if there is one, and what a crash left of it.
-[[nodiscard]] core::Status remove_subject_notes(const std::string& recordings, const std::string& subject);
+/// Removes the file, if there is one, and what a crash left of it. Returns the number of removed files.
+[[nodiscard]] core::Result<std::uint32_t> remove_subject_notes(const std::string& recordings, const std::string& subject);
 /// Returns the IDs of the subjects that have a file, or one that a crash left unfinished; sorted, each once.
 [[nodiscard]] core::Result<std::vector<std::string>> subjects_with_notes(const std::string& recordings);
 /// Removes mentions of this subject ID from the texts of other subjects' notes. Returns the files that cannot be read and may have some.

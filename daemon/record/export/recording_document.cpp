@@ -80,18 +80,34 @@ Json stream_json(const Recording& recording, std::size_t stream) {
 /// The cells of a trial's result, by the names of their columns.
 using ResultCells = std::vector<std::pair<std::string, std::string>>;
 
-void add_cells(const v1::Sway& sway, ResultCells& cells) {
+/// Adds a decision with what must be known to read it.
+void add_cells(const v1::SteadinessDecision& decision, ResultCells& cells) {
+  std::string outcome = wire::enumerator_word(*v1::DecisionOutcome_descriptor(), decision.outcome());
+  std::ranges::replace(outcome, '_', ' ');
+  cells.emplace_back("decision", std::move(outcome));
+  if (decision.outcome() == v1::DECISION_OUTCOME_DECIDED) {  // the more probable group of another trial says nothing
+    for (const v1::GroupProbability& group : decision.probabilities())
+      cells.emplace_back("p_" + group.group() + " [1]", core::number_text(group.probability()));
+  }
+  cells.emplace_back("model", decision.label());
+  cells.emplace_back("model_people", std::to_string(decision.people()));
+  cells.emplace_back("model_condition", decision.condition());
+  cells.emplace_back("model_auc [1]", core::number_text(decision.auc()));
+  cells.emplace_back("model_auc_low [1]", core::number_text(decision.auc_low()));
+  cells.emplace_back("model_auc_high [1]", core::number_text(decision.auc_high()));
+  cells.emplace_back("best_measure", decision.best_measure());
+  cells.emplace_back("best_measure_auc [1]", core::number_text(decision.best_measure_auc()));
+  cells.emplace_back("rival", decision.rival());
+  if (decision.has_rival_auc()) cells.emplace_back("rival_auc [1]", core::number_text(decision.rival_auc()));
+  cells.emplace_back("decision_limit", "No statement about health or risk of falling.");
+}
+
+void add_cells(const v1::Sway& sway, bool is_kept, ResultCells& cells) {
   if (sway.has_duration_s()) cells.emplace_back("duration_s", core::number_text(sway.duration_s()));
   for (const v1::SwayMeasure& measure : sway.measures()) {
     cells.emplace_back(measure.symbol() + " [" + measure.unit() + "]", core::number_text(measure.value()));
   }
-  if (!sway.has_decision()) return;
-  std::string outcome = wire::enumerator_word(*v1::DecisionOutcome_descriptor(), sway.decision().outcome());
-  std::ranges::replace(outcome, '_', ' ');
-  cells.emplace_back("decision", std::move(outcome));
-  if (sway.decision().outcome() != v1::DECISION_OUTCOME_DECIDED) return;  // the more probable group of such a trial says nothing
-  for (const v1::GroupProbability& group : sway.decision().probabilities())
-    cells.emplace_back("p_" + group.group() + " [1]", core::number_text(group.probability()));
+  if (is_kept && sway.has_decision()) add_cells(sway.decision(), cells);
 }
 
 void add_cells(const v1::TrialResult& result, ResultCells& cells) {
@@ -115,7 +131,7 @@ ResultCells cells_of(const TrialRow& trial) {
   const v1::TrialFault fault = fault_of(*event);
   const bool is_faulty = fault != v1::TRIAL_FAULT_UNSPECIFIED;
   cells.emplace_back("fault", is_faulty ? wire::enumerator_word(*v1::TrialFault_descriptor(), fault) : "");
-  if (event->has_sway()) add_cells(event->sway(), cells);
+  if (event->has_sway()) add_cells(event->sway(), trial.outcome == "done", cells);
   if (event->has_trial_result()) add_cells(event->trial_result(), cells);
   return cells;
 }
@@ -150,8 +166,11 @@ std::string TrialTable::text(const Corrections& corrections) {
   const bool is_corrected = std::ranges::find(corrections.all, CorrectedField::Outcome, &Correction::field) != corrections.all.end();
   std::vector<TrialRow> rows = trials_.rows();
   if (rows.empty()) return {};
+  std::vector<std::string> recorded_outcomes;
   std::vector<std::string> columns{"fault"};  // always, then those of the results, as any trial has them
-  for (const TrialRow& trial : rows) {
+  for (TrialRow& trial : rows) {
+    recorded_outcomes.push_back(trial.outcome);
+    if (const std::string* outcome = corrections.outcome(part_, trial.trial, trial.attempt)) trial.outcome = *outcome;
     for (const auto& [name, cell] : cells_of(trial)) {
       if (std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
     }
@@ -160,14 +179,13 @@ std::string TrialTable::text(const Corrections& corrections) {
   if (is_corrected) text += ",recorded_outcome";
   for (const std::string& name : columns) text += "," + csv_cell(name);
   text += '\n';
-  for (TrialRow& trial : rows) {
-    const std::string recorded = trial.outcome;
-    if (const std::string* outcome = corrections.outcome(part_, trial.trial, trial.attempt)) trial.outcome = *outcome;
+  for (std::size_t index = 0; index < rows.size(); ++index) {
+    const TrialRow& trial = rows[index];
     text += std::to_string(trial.trial) + "," + std::to_string(trial.attempt) + "," + std::to_string(trial.block) + "," +
             csv_cell(trial.condition) + "," + trial.outcome + "," + (is_valid(trial) ? "1" : "0") + "," + std::to_string(trial.segment) +
             "," + std::to_string(trial.first_scan) + "," + std::to_string(std::max(trial.segment, trial.last_segment)) + "," +
             std::to_string(trial.last_scan);
-    if (is_corrected) text += "," + recorded;
+    if (is_corrected) text += "," + recorded_outcomes[index];
     const ResultCells cells = cells_of(trial);
     for (const std::string& name : columns) {
       const auto found = std::ranges::find(cells, name, &ResultCells::value_type::first);

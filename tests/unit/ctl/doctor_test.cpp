@@ -60,6 +60,14 @@ TEST(DoctorCalibration, NamesItsDate_AndWhatTheDaemonDoubts) {
   v1::RigInfo rig;
   rig.set_name("floor");
   EXPECT_FALSE(check_calibration(status, rig)) << "the plate's model";
+  rig.set_kind("floor");
+  rig.set_device_uri("u6:auto");
+  EXPECT_TRUE(check_calibration(status, rig)->is_good);
+  EXPECT_EQ(
+      text_of({check_calibration(status, rig).value()}),
+      "good floor calibration: none, so the centre of pressure is computed from the plate's model; dtsctl calibrate cop --rig floor\n");
+  rig.set_device_uri("sim:floor?seed=7");
+  EXPECT_FALSE(check_calibration(status, rig)) << "its model is what it is";
   for (const auto& [id, date] : {std::pair{"cop-20260131T120000Z-1a2b3c4d", ", of 2026-01-31"}, std::pair{"cop-2026013", ""},
                                  std::pair{"cop-x0260131T", ""}, std::pair{"mine", ""}}) {
     rig.set_calibration(id);

@@ -10,6 +10,7 @@
 #include "made_session.h"
 #include "report/chair_data.h"
 #include "report/intended_use.h"
+#include "report/session_data.h"
 #include "support/committed_text.h"
 #include "unit/record/xdf_fixture.h"
 #include "unit/report/made_reaching.h"
@@ -367,6 +368,22 @@ TEST_F(BundleTest, TrialsOfAnInterruptedPart_ArePreliminary) {
   for (const Json& one : resources_of(bundle, "Observation")) statuses.push_back(one["status"]);
   EXPECT_THAT(statuses, ElementsAre("preliminary", "preliminary", "final", "final"));
   EXPECT_EQ(observation_of(bundle_of(write(interrupted, "c.xdf")), "standing-trial")["status"], "preliminary") << "a crash";
+}
+
+TEST_F(BundleTest, AnInterruptedStandingSession_HasTheTrialsOfItsReport) {
+  report::MadeStanding made = made_session();
+  made.events.resize(1);  // the crash came before dtsd had recorded the result of trial 2
+  const std::string file = write(made);
+
+  const Json trial = observation_of(bundle_of(file), "standing-trial", "trial-number", 2);
+  const auto session = report::read_session({.files = {file}}, always);
+  ASSERT_TRUE(session) << session.error().what;
+  EXPECT_EQ(trial["status"], "preliminary");
+  const auto mvelo = session->trials.at(1).analysis->measures.get(posturography::Measure::Mvelo);
+  ASSERT_FALSE(component(trial, "MVELO").is_null());
+  EXPECT_NEAR(component(trial, "MVELO")["valueQuantity"]["value"].get<double>(), *mvelo, 1e-5 * *mvelo);
+  const Json first = observation_of(bundle_of(file), "standing-trial", "trial-number", 1);
+  EXPECT_EQ(component(first, "MVELO")["valueQuantity"]["value"], 8.38123) << "as recorded";
 }
 
 TEST_F(BundleTest, AnInterruptedChairSession_HasTheTrialsOfItsReport) {

@@ -148,6 +148,13 @@ TEST_F(CommandsTest, ASubjectWithAFileIsShownUntilItIsErased) {
   ASSERT_NE(ask("edit_subject { subject: 'P1' add_note: 'New shoes' }").find("number: 1"), std::string::npos);
   ASSERT_NE(ask("edit_subject { subject: 'P1' remove_note: 1 }").find("subject {"), std::string::npos);
   EXPECT_NE(ask("edit_subject { subject: 'P1' add_note: 'Tired' }").find("number: 2"), std::string::npos) << "1 was used";
+  ASSERT_NE(ask("edit_subject { subject: 'P1' remove_note: 2 }").find("subject {"), std::string::npos);
+  const std::string file = folder_ / "sessions" / "subjects" / "P1.json";
+  EXPECT_TRUE(std::filesystem::exists(file)) << "it has the next number";
+  const auto session = recordings_->catalogue().sessions({.subject = "P1"}).value().front().id;
+  ASSERT_NE(ask("correct_session { session_id: '" + session + "' subject: 'P2' reason: 'typing error' }").find("P2"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_EQ(ask("list_subjects {}").find("P1"), std::string::npos) << "a wrong subject ID without entries";
 
   const std::string left = folder_ / "sessions" / "subjects" / "P9.json.new";  // a crash left the first note of a subject unfinished
   std::ofstream(left) << "{";
@@ -155,7 +162,7 @@ TEST_F(CommandsTest, ASubjectWithAFileIsShownUntilItIsErased) {
   const std::string shown = ask("show_subject { subject: 'P9' }");
   EXPECT_NE(shown.find("subject: \"P9\""), std::string::npos) << shown;
   EXPECT_NE(ask("show_subject { subject: 'P8' }").find("NOT_FOUND"), std::string::npos);
-  ASSERT_NE(ask("erase_subject { subject: 'P9' }").find("erased { "), std::string::npos);
+  ASSERT_NE(ask("erase_subject { subject: 'P9' }").find("erased { files: 1 "), std::string::npos);
   EXPECT_FALSE(std::filesystem::exists(left));
   EXPECT_NE(ask("show_subject { subject: 'P9' }").find("NOT_FOUND"), std::string::npos);
 }

@@ -181,25 +181,48 @@ TEST_F(CsvExportTest, Trials_HaveTheMeasuresOfTheirResults) {
 }
 
 TEST_F(CsvExportTest, TrialWithoutADecision_HasItsReasonAndNoProbability) {
-  const std::string probabilities =
+  const std::string facts =
+      "label: 'group60' people: 124 auc: 0.5 auc_low: 0.25 auc_high: 0.75 best_measure: 'MVELO' best_measure_auc: 0.5 "
       "probabilities { group: '60plus' probability: 0.25 } probabilities { group: 'under60' probability: 0.75 }";
   for (const std::string& text :
        {std::string("scan: 1 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 1 attempt: 1 condition: 'a' }"),
         std::string("scan: 3 trial { step: TRIAL_EVENT_KIND_DONE trial: 1 attempt: 1 condition: 'a' }"),
         std::string("scan: 4 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 2 attempt: 1 condition: 'a' }"),
         std::string("scan: 6 trial { step: TRIAL_EVENT_KIND_DONE trial: 2 attempt: 1 condition: 'a' }"),
-        "scan: 6 sway { trial: 1 attempt: 1 is_valid: true decision { outcome: DECISION_OUTCOME_DECIDED group: 'under60' " + probabilities +
-            " } }",
-        "scan: 7 sway { trial: 2 attempt: 1 is_valid: true decision { outcome: DECISION_OUTCOME_NOT_COMPARABLE group: 'under60' " +
-            probabilities + " } }"}) {
+        "scan: 6 sway { trial: 1 attempt: 1 is_valid: true decision { outcome: DECISION_OUTCOME_DECIDED group: 'under60' " + facts + " } }",
+        "scan: 7 sway { trial: 2 attempt: 1 is_valid: true decision { outcome: DECISION_OUTCOME_NOT_COMPARABLE group: 'under60' " + facts +
+            " } }"}) {
     recording_.items.emplace_back(TimedEvent{.time_s = 0.0, .event = test::event_of(text)});
   }
   ASSERT_TRUE(run().has_value());
 
   const std::string place = "first_segment,first_scan,last_segment,last_scan";
-  EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
-              ElementsAre("trial,attempt,block,condition,outcome,is_valid," + place + ",fault,decision,p_60plus [1],p_under60 [1]",
-                          "1,1,1,a,done,1,0,1,0,3,,decided,0.25,0.75", "2,1,1,a,done,1,0,4,0,6,,not comparable,,"));
+  const std::string of_model = "group60,124,,0.5,0.25,0.75,MVELO,0.5,,No statement about health or risk of falling.";
+  const std::string header = "trial,attempt,block,condition,outcome,is_valid," + place + ",fault,decision,p_60plus [1],p_under60 [1]," +
+                             "model,model_people,model_condition,model_auc [1],model_auc_low [1],model_auc_high [1]," +
+                             "best_measure,best_measure_auc [1],rival,decision_limit";
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"), ElementsAre(header, "1,1,1,a,done,1,0,1,0,3,,decided,0.25,0.75," + of_model,
+                                                                        "2,1,1,a,done,1,0,4,0,6,,not comparable,,," + of_model));
+}
+
+TEST_F(CsvExportTest, WithdrawnTrial_HasNoDecision) {
+  for (const char* text :
+       {"scan: 1 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 1 attempt: 1 condition: 'a' }",
+        "scan: 3 trial { step: TRIAL_EVENT_KIND_DONE trial: 1 attempt: 1 condition: 'a' }",
+        "scan: 3 sway { trial: 1 attempt: 1 is_valid: true decision { outcome: DECISION_OUTCOME_DECIDED group: 'under60' } }"}) {
+    recording_.items.emplace_back(TimedEvent{.time_s = 0.0, .event = test::event_of(text)});
+  }
+  Corrections corrections{.session_id = recording_.facts->session_id};
+  corrections.add({.who = "local",
+                   .field = CorrectedField::Outcome,
+                   .part = 1,
+                   .trial = 1,
+                   .attempt = 1,
+                   .old_value = "done",
+                   .new_value = "rejected",
+                   .reason = "r"});
+  ASSERT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
+  EXPECT_THAT(text("20261121T144525Z-floor-1_trials.csv"), Not(HasSubstr("decision")));
 }
 
 TEST_F(CsvExportTest, CorrectedValues_StandBesideTheRecordedOnes) {

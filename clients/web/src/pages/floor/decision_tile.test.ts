@@ -66,5 +66,6 @@ test('decisionLimits.Facts and the condition are words, and the page says that f
 
 test('decisionLimits.A model that is better does not say that others do as well', () => {
   const limits = decisionLimits({ ...decision, isBetterThanOneMeasure: true, isBetterThanRival: true });
-  expect(limits).toHaveLength(4);
+  expect(limits).toHaveLength(5);
+  expect(limits).toContain(words.betterThanOneMeasure('MVELO', '0.78'));
 });

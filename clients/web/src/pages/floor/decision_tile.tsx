@@ -44,7 +44,7 @@ export const decisionLimits = (decision: SteadinessDecision): readonly string[] 
   [
     words.people(whole(decision.people), words.conditionOf(decision.condition)),
     words.auc(fixed(decision.auc, 2), fixed(decision.aucLow, 2), fixed(decision.aucHigh, 2)),
-    decision.isBetterThanOneMeasure ? '' : words.oneMeasure(decision.bestMeasure, fixed(decision.bestMeasureAuc, 2)),
+    (decision.isBetterThanOneMeasure ? words.betterThanOneMeasure : words.oneMeasure)(decision.bestMeasure, fixed(decision.bestMeasureAuc, 2)),
     decision.rivalAuc === undefined || decision.isBetterThanRival ? '' : words.rival(factsOf(decision.rival), fixed(decision.rivalAuc, 2)),
     decision.about,
     words.limit,

@@ -14,6 +14,7 @@ export const steadinessDecision: typeof english = {
   conditionOf: (condition) => condition.replace(/^condition=/, 'Bedingung '),
   auc: (auc, low, high) => `Richtige Reihenfolge bei einem Anteil von ${auc} der Paare (${low} bis ${high}); Zufall ist 0,50`,
   oneMeasure: (name, auc) => `Nicht besser als eine Kenngröße allein: ${name} (${auc})`,
+  betterThanOneMeasure: (name, auc) => `Besser als eine Kenngröße allein: ${name} (${auc})`,
   rival: (facts, auc) => `Ohne Plattform unterscheidet das ebenso gut: ${facts} (${auc})`,
   facts: { age: 'Alter', height_cm: 'Körpergröße', sex: 'Geschlecht' },
   and: ' mit ',

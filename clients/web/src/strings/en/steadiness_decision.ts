@@ -12,6 +12,7 @@ export const steadinessDecision = {
   conditionOf: (condition: string) => condition.replace(/^condition=/, 'condition '),
   auc: (auc: string, low: string, high: string) => `Right order in a share of ${auc} of pairs (${low} to ${high}); chance is 0.50`,
   oneMeasure: (name: string, auc: string) => `No better than one measure: ${name} (${auc})`,
+  betterThanOneMeasure: (name: string, auc: string) => `Better than one measure: ${name} (${auc})`,
   rival: (facts: string, auc: string) => `Without a platform, ${facts} does as well as the model (${auc})`,
   facts: { age: 'age', height_cm: 'height', sex: 'sex' },
   and: ' with ',

@@ -42,7 +42,7 @@ install(FILES config/dtsd-daq.toml clients/python/examples/board.py config/grafa
 install(FILES config/dtsd.toml DESTINATION ${dts_doc_dir}/examples RENAME dtsd-sim.toml)
 install(FILES config/protocols/README.md DESTINATION ${dts_doc_dir} RENAME protocols.md)
 install(FILES README.md SECURITY.md DESTINATION ${dts_doc_dir})
-install(DIRECTORY docs DESTINATION ${dts_doc_dir} FILES_MATCHING PATTERN *.md PATTERN *.svg PATTERN screenshots EXCLUDE)
+install(DIRECTORY docs DESTINATION ${dts_doc_dir} FILES_MATCHING PATTERN *.md PATTERN *.svg PATTERN screenshots EXCLUDE PATTERN site EXCLUDE)
 
 install(FILES clients/octave/dts_read_xdf.m DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/dts/octave)
 

@@ -65,11 +65,22 @@ struct DeviceCheck {
 
 /// Report on the unit that the device opened last.
 struct DeviceReport {
-  std::string serial;
+  std::string model{};  ///< As the unit says it; empty: it says none, and the description's is used.
+  std::string serial{};
   std::vector<std::string> nodes;  ///< Device files of the units that are open now: "/dev/bus/usb/001/002".
   std::string firmware;
   std::vector<DeviceCheck> checks;
 };
+
+/// Model and serial number of a unit: what it says itself, otherwise what was known before it was opened.
+struct UnitName {
+  std::string model;
+  std::string serial;  ///< Empty: unknown.
+};
+[[nodiscard]] inline UnitName unit_name(const DeviceDescription& described, const DeviceReport& report) {
+  return {.model = report.model.empty() ? described.model : report.model,
+          .serial = report.serial.empty() ? described.serial : report.serial};
+}
 
 /// Cue to the person on the rig.
 struct Cue {

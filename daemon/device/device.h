@@ -40,7 +40,7 @@ struct RecordedPipeline {
 struct DeviceDescription {
   std::string uri;     ///< As the user wrote it: "sim:floor?seed=7".
   std::string model;   ///< "Simulated floor platform"
-  std::string serial;  ///< Identifies the unit; does not change when it is plugged in again.
+  std::string serial;  ///< Identifies the unit, also when it is plugged in again; empty: not known before `open`.
   std::vector<ChannelDescription> channels;
   double minimum_rate_hz = 0.0;  ///< Scans per second.
   double maximum_rate_hz = 0.0;

@@ -9,6 +9,7 @@
 
 #include "cli/exit_status.h"
 #include "cli/table.h"
+#include "core/notice_words.h"
 #include "ctl/commands.h"
 #include "ctl/json.h"
 #include "ctl/latency.h"
@@ -20,6 +21,7 @@ namespace dts::ctl {
 namespace {
 
 using std::chrono::milliseconds;
+namespace words = core::notice_words;
 
 constexpr milliseconds kDataDeadline{2000};
 constexpr double kRateTolerance = 0.01;
@@ -143,13 +145,16 @@ Check check_data(const Target& where, const v1::StatusSnapshot& status, millisec
              "restart dtsd; read journalctl -u dtsd");
 }
 
-Check check_wall_clock(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
+Check check_wall_clock(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status, Daemon where) {
   const std::string name = "clock";
-  if (const auto late = status ? notice_that_begins(*status, "the clock of this machine says") : std::nullopt) {
+  if (const auto late = status ? notice_that_begins(*status, words::kClockBehindBegin) : std::nullopt) {
     const auto [finding, fix] = finding_and_fix(*late);
     return bad(name, finding, fix);
   }
-  if (facts.is_clock_set) return good(name, "synchronised");
+  const std::string whose = where == Daemon::Elsewhere ? ", of this machine; dtsd may run on another one" : "";
+  if (!facts.is_clock_set) return good(name, "unknown if it is synchronised: the system does not say" + whose);
+  if (*facts.is_clock_set) return good(name, "synchronised" + whose);
+  if (where == Daemon::Elsewhere) return good(name, "not synchronised" + whose);
   return note(name, "not synchronised, so date and order of visits are those of this machine alone",
               "turn on time synchronisation: timedatectl set-ntp true; without a network, compare the time with a watch");
 }
@@ -249,14 +254,14 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
 std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v1::RigInfo& rig) {
   const std::string name = rig.name() + " calibration";
   if (rig.calibration().empty()) {
-    const bool is_real = !rig.device_uri().starts_with("sim:") && !rig.device_uri().starts_with("replay:");
-    if (rig.kind() != "floor" || rig.is_force_plate() || !is_real) return std::nullopt;
-    return note(name, "none, so the centre of pressure is computed from the plate's model", "dtsctl calibrate cop --rig " + rig.name());
+    const bool is_of_plate = rig.device_uri().starts_with("sim:") || rig.device_uri().starts_with("replay:");
+    if (rig.kind() != "floor" || rig.is_force_plate() || is_of_plate) return std::nullopt;
+    return note(name, "no calibration: the plate model is used", "dtsctl calibrate cop --rig " + rig.name());
   }
-  if (const auto doubt = notice_that_begins(status, "rig '" + rig.name() + "': the calibration ")) {
+  if (const auto doubt = notice_that_begins(status, "rig '" + rig.name() + "': " + std::string(words::kCalibrationAfterRig))) {
     const auto [finding, fix] = finding_and_fix(*doubt);
     // Units of one model differ little; a calibration by `dtslab` knows no DAQ.
-    const bool is_likely_good = finding.ends_with("another unit of the same model") || finding.find("names no DAQ") != std::string::npos;
+    const bool is_likely_good = finding.ends_with(words::kOtherUnit) || finding.find(words::kNoDaq) != std::string::npos;
     return is_likely_good ? note(name, finding, fix) : bad(name, finding, fix);
   }
   const std::string date = date_of_calibration(rig.calibration());
@@ -293,9 +298,9 @@ std::vector<Check> check_disk(const v1::DiskStatus& disk) {
 }
 
 /// The daemon's report decides if there is one; this user's rights matter only for a daemon of this user.
-std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
+std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status, Daemon where) {
   std::vector<Check> checks;
-  if (status ? !has_notice_about(*status, "SCHED_FIFO") : facts.may_use_fifo) {
+  if (status ? !has_notice_about(*status, words::kNoFifo) : facts.may_use_fifo) {
     checks.push_back(good("scheduling", status ? "granted as the daemon requested" : "SCHED_FIFO is allowed for this user"));
   } else {
     checks.push_back(note("scheduling", status ? "the system denied SCHED_FIFO to the daemon" : "SCHED_FIFO is not allowed for this user",
@@ -303,14 +308,14 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
   }
   const bool has_no_limit = facts.lockable_bytes == std::numeric_limits<std::uint64_t>::max();
   const std::string lockable = has_no_limit ? "no limit" : "at most " + std::to_string(facts.lockable_bytes >> 20U) + " MiB for this user";
-  if (status ? !has_notice_about(*status, "memory is not locked") : has_no_limit) {
+  if (status ? !has_notice_about(*status, words::kNotLocked) : has_no_limit) {
     checks.push_back(good("locked memory", status ? "granted as the daemon requested" : lockable));
   } else {
     checks.push_back(
         note("locked memory", status ? "the system denied locked memory to the daemon" : lockable,
              "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
-  checks.push_back(check_wall_clock(facts, status));
+  checks.push_back(check_wall_clock(facts, status, where));
   checks.push_back(check_clock_source(facts));
   return checks;
 }
@@ -318,9 +323,11 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
 int run_doctor(const Arguments& arguments, cli::Console& console) {
   std::vector<Check> checks;
   std::optional<v1::StatusSnapshot> status;
+  Daemon daemon = Daemon::Here;
   if (const auto where = target(arguments); where) {
     const std::string origin = where->key && arguments.endpoint.empty() ? "key '" + where->key->name + "'" : where->endpoints.origin;
     checks.push_back(good("address", where->endpoints.control + " (from " + origin + ")"));
+    if (!where->endpoints.control.starts_with("ipc://")) daemon = Daemon::Elsewhere;
     status = ask_daemon(arguments, checks);
     const milliseconds deadline =
         arguments.timeout_s ? milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0)) : kDataDeadline;
@@ -328,7 +335,7 @@ int run_doctor(const Arguments& arguments, cli::Console& console) {
   } else {
     checks.push_back(bad("address", where.error()));
   }
-  std::ranges::move(check_system(gather_system_facts(), status), std::back_inserter(checks));
+  std::ranges::move(check_system(gather_system_facts(), status, daemon), std::back_inserter(checks));
   return report(checks, arguments.is_json, console);
 }
 

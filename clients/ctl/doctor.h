@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,11 +22,14 @@ struct Check {
   std::string fix;      ///< What to do; for a good result, an optional improvement; empty: nothing.
 };
 
+/// Where the daemon runs; an address of a network can be that of this machine too.
+enum class Daemon : std::uint8_t { Here, Elsewhere };
+
 /// These functions build checks from collected facts; they send no requests and do not wait.
 [[nodiscard]] Check check_version(const std::string& daemon_version);
 [[nodiscard]] std::vector<Check> check_rig(const v1::RigStatus& rig);
-/// Names the rig's calibration of the centre of pressure, its date, and the daemon's warning about it, or that a real platform has
-/// none. Returns nothing for other rigs without one.
+/// Names the rig's calibration of the centre of pressure, its date, and the daemon's warning about it. Without one, returns a note for a
+/// real floor rig, and nothing for others.
 [[nodiscard]] std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v1::RigInfo& rig);
 /// Checks whether other machines can connect, and whether they have connected.
 [[nodiscard]] Check check_network(const v1::StatusSnapshot& status);
@@ -35,7 +39,8 @@ struct Check {
 [[nodiscard]] std::vector<Check> check_disk(const v1::DiskStatus& disk);
 /// `status`: absent if the daemon did not answer. Otherwise it decides, because it shows what the daemon really has, whatever this user may
 /// do.
-[[nodiscard]] std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status);
+[[nodiscard]] std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status,
+                                              Daemon where = Daemon::Here);
 
 /// Runs all checks. Returns exit status 0 if nothing is wrong, otherwise 1.
 [[nodiscard]] int run_doctor(const Arguments& arguments, cli::Console& console);

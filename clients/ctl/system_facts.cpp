@@ -24,9 +24,10 @@ bool try_fifo() {
 }
 
 /// Reads the kernel's state without changing it: no right is needed.
-bool is_clock_synchronised() {
+std::optional<bool> is_clock_synchronised() {
   timex state{};
-  return ::adjtimex(&state) < 0 || (state.status & STA_UNSYNC) == 0;
+  if (::adjtimex(&state) < 0) return std::nullopt;
+  return (state.status & STA_UNSYNC) == 0;
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace dts::ctl {
@@ -11,7 +12,8 @@ struct SystemFacts {
   bool may_use_fifo = false;         ///< A thread of this user was allowed to become SCHED_FIFO.
   std::uint64_t lockable_bytes = 0;  ///< The largest value means no limit.
   std::string clock_source;          ///< "tsc"; empty when unknown.
-  bool is_clock_set = true;          ///< The kernel's clock is synchronised (NTP, PTP), or the system does not say.
+  /// The kernel's clock is synchronised (NTP, PTP); absent: the system does not say.
+  std::optional<bool> is_clock_set = true;
 };
 
 [[nodiscard]] SystemFacts gather_system_facts();

@@ -40,7 +40,7 @@ struct RecordedPipeline {
 struct DeviceDescription {
   std::string uri;     ///< As the user wrote it: "sim:floor?seed=7".
   std::string model;   ///< "Simulated floor platform"
-  std::string serial;  ///< Identifies the unit; does not change when it is plugged in again.
+  std::string serial;  ///< Identifies the unit, also when it is plugged in again; empty: not known before `open`.
   std::vector<ChannelDescription> channels;
   double minimum_rate_hz = 0.0;  ///< Scans per second.
   double maximum_rate_hz = 0.0;
@@ -65,11 +65,22 @@ struct DeviceCheck {
 
 /// Report on the unit that the device opened last.
 struct DeviceReport {
-  std::string serial;
+  std::string model{};  ///< As the unit says it; empty: it says none, and the description's is used.
+  std::string serial{};
   std::vector<std::string> nodes;  ///< Device files of the units that are open now: "/dev/bus/usb/001/002".
   std::string firmware;
   std::vector<DeviceCheck> checks;
 };
+
+/// Model and serial number of a unit: what it says itself, otherwise what was known before it was opened.
+struct UnitName {
+  std::string model;
+  std::string serial;  ///< Empty: unknown.
+};
+[[nodiscard]] inline UnitName unit_name(const DeviceDescription& described, const DeviceReport& report) {
+  return {.model = report.model.empty() ? described.model : report.model,
+          .serial = report.serial.empty() ? described.serial : report.serial};
+}
 
 /// Cue to the person on the rig.
 struct Cue {

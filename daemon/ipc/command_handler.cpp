@@ -171,9 +171,9 @@ dts::v1::Response CommandHandler::devices() {
     auto& device = *out.add_devices();
     device.set_rig(state.rig.config().name);
     device.set_uri(described.uri);
-    device.set_model(described.model);
-    const std::string serial = state.rig.device_report().serial;
-    device.set_serial(serial.empty() ? described.serial : serial);
+    const device::UnitName unit = device::unit_name(described, state.rig.device_report());
+    device.set_model(unit.model);
+    device.set_serial(unit.serial);
     device.set_state(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : session::to_message(state.acquisition.device));
     for (const auto& channel : described.channels) device.add_channels(channel.name);
     if (described.minimum_rate_hz > 0.0) device.set_minimum_rate_hz(described.minimum_rate_hz);

@@ -142,8 +142,9 @@ void RigSession::set_rig(record::SessionFacts& facts) const {
   facts.rig = config.name;
   facts.kind = config.kind;
   facts.device_uri = config.device_uri;
-  facts.device_model = rig_.device().model;
-  facts.device_serial = report.serial.empty() ? rig_.device().serial : report.serial;
+  device::UnitName unit = device::unit_name(rig_.device(), report);
+  facts.device_model = std::move(unit.model);
+  facts.device_serial = std::move(unit.serial);
   facts.firmware = report.firmware;
   facts.calibration_id = config.cop_calibration ? config.cop_calibration->id : "";
   facts.stages = rig_.stage_texts();

@@ -29,6 +29,7 @@ class NotesEditor {
   }
   core::Status operator()(const RemoveNote& remove) const { return remove_from(notes_.notes, remove.number, "note"); }
   core::Status operator()(const AddPlan& add) const {
+    DTS_TRY(check_subject(rule_, notes_.subject));  // otherwise the planned session could not start
     const auto known = std::ranges::find(protocols_, add.protocol, &Protocol::name);
     if (known == protocols_.end()) {
       return core::fail(ErrorCode::NotFound, "this daemon has no such protocol", "see dtsctl protocol list");

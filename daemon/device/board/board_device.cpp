@@ -108,9 +108,10 @@ core::Status BoardDevice::meet_lines() {
 /// Fills the report on the opened unit.
 void BoardDevice::note_unit() {
   bytes::ByteLink::Facts facts = link_->facts();
-  DeviceReport found{.serial = facts.serial, .nodes = std::move(facts.nodes), .firmware = {}, .checks = {}};
+  DeviceReport found{.model = {}, .serial = facts.serial, .nodes = std::move(facts.nodes), .firmware = {}, .checks = {}};
   if (conversation_) {
     const Descriptor& board = conversation_->facts().descriptor();
+    found.model = board.model.view();
     if (!board.serial.view().empty()) found.serial = board.serial.view();
     found.firmware = board.firmware.view();
     std::string detail = std::string(board.model.view()) + ", " + std::to_string(board.converter_bits) + " bits";

@@ -141,7 +141,7 @@ core::Result<BoardOptions> read_board_options(const DeviceUri& uri, bool is_seri
   DeviceDescription& description = options.description;
   description.uri = uri.text;
   description.model = options.speaks_lines ? "Board that sends lines" : "Board that sends frames";
-  description.serial = options.serial.empty() ? uri.name : options.serial;
+  description.serial = options.serial;
   const double rate_hz = given.number("rate_hz");
   if (rate_hz > 0.0 && rate_hz < kLowestRateHz) return refuse(uri, "rate_hz must be 1 to 20000");
   description.minimum_rate_hz = rate_hz > 0.0 ? rate_hz : kLowestRateHz;

@@ -3,7 +3,11 @@
 
 #include <dlfcn.h>
 
+#include <array>
+#include <cstdio>
 #include <vector>
+
+#include "core/utf8.h"
 
 namespace dts::device::nidaqmx {
 namespace {
@@ -11,6 +15,7 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::size_t kErrorTextBytes = 2048;
+constexpr std::size_t kModelBytes = 64;
 
 std::string loader_says() {
   const char* const text = dlerror();
@@ -55,9 +60,28 @@ core::Result<std::unique_ptr<const DaqmxLibrary>> DaqmxLibrary::load(const std::
   resolve(library, "DAQmxStopTask", loaded->stop_task, missing);
   resolve(library, "DAQmxClearTask", loaded->clear_task, missing);
   resolve(library, "DAQmxGetExtendedErrorInfo", loaded->get_extended_error_info, missing);
+  std::string optional;  // without these, model and serial number stay unknown
+  resolve(library, "DAQmxGetDevProductType", loaded->get_dev_product_type, optional);
+  resolve(library, "DAQmxGetDevSerialNum", loaded->get_dev_serial_num, optional);
   if (missing.empty()) return loaded;
   return core::fail(ErrorCode::Unsupported, file + " has no function " + missing + ": it is not NI-DAQmx, or an unsuitable release",
                     "install a current release of NI-DAQmx");
+}
+
+std::string DaqmxLibrary::model_of(const std::string& device) const {
+  if (get_dev_product_type == nullptr) return {};
+  std::array<char, kModelBytes> text{};
+  if (get_dev_product_type(device.c_str(), text.data(), text.size()) < 0) return {};
+  text.back() = '\0';
+  return core::printable(text.data());
+}
+
+std::string DaqmxLibrary::serial_of(const std::string& device) const {
+  std::uint32_t number = 0;
+  if (get_dev_serial_num == nullptr || get_dev_serial_num(device.c_str(), &number) < 0 || number == 0) return {};
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%08X", number);
+  return text.data();
 }
 
 core::Error DaqmxLibrary::error(std::int32_t status, const std::string& what) const {

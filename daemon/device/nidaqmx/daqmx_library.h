@@ -48,6 +48,11 @@ class DaqmxLibrary {
   /// Returns the error `status` of the last call in this thread, with NI's text after `what`.
   [[nodiscard]] core::Error error(std::int32_t status, const std::string& what) const;
 
+  /// Returns the product's name, "USB-6008"; empty: the library does not say.
+  [[nodiscard]] std::string model_of(const std::string& device) const;
+  /// Returns the serial number as NI prints it, in hexadecimal digits; empty: the device has none, or the library does not say.
+  [[nodiscard]] std::string serial_of(const std::string& device) const;
+
   // NI's functions, with their names without "DAQmx". Thread: any, one per task.
   std::int32_t (*create_task)(const char* name, Task* task) = nullptr;
   std::int32_t (*create_ai_voltage_chan)(Task task, const char* channels, const char* names, std::int32_t terminal, double minimum,
@@ -63,6 +68,9 @@ class DaqmxLibrary {
   std::int32_t (*stop_task)(Task task) = nullptr;
   std::int32_t (*clear_task)(Task task) = nullptr;
   std::int32_t (*get_extended_error_info)(char* text, std::uint32_t size) = nullptr;
+  // Optional: nullptr if the library has none.
+  std::int32_t (*get_dev_product_type)(const char* device, char* text, std::uint32_t size) = nullptr;
+  std::int32_t (*get_dev_serial_num)(const char* device, std::uint32_t* number) = nullptr;
 
  private:
   DaqmxLibrary() = default;

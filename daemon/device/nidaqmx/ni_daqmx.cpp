@@ -32,7 +32,6 @@ DeviceDescription describe_device(const NiOptions& options) {
   DeviceDescription description;
   description.uri = options.uri;
   description.model = "NI-DAQmx device";
-  description.serial = options.name;
   description.minimum_rate_hz = kMinimumRateHz;
   description.maximum_rate_hz = kMaximumRateHz;
   for (const std::size_t channel : options.channels) {
@@ -96,7 +95,8 @@ core::Status NiDaqmx::open() {
   if (!created) return created;
   read_error_.store(0, std::memory_order_release);  // pairs with report()
   const std::lock_guard lock(report_mutex_);
-  report_ = {.serial = options_.name,
+  report_ = {.model = library_->model_of(options_.name),
+             .serial = library_->serial_of(options_.name),
              .checks = {{"NI-DAQmx knows the device and its channels", DeviceCheck::Outcome::Passed, options_.library}}};
   move_to(DeviceState::Open);
   return {};

@@ -47,6 +47,10 @@ TEST(DoctorClock, ThatIsNotSynchronisedIsANote_AndOneBehindTheNewestSessionIsWro
   EXPECT_EQ(clock_of({.clock_source = "tsc", .is_clock_set = false}, std::nullopt),
             "good clock: not synchronised, so date and order of visits are those of this machine alone; turn on time synchronisation: "
             "timedatectl set-ntp true; without a network, compare the time with a watch\n");
+  EXPECT_EQ(clock_of({.clock_source = "tsc", .is_clock_set = std::nullopt}, std::nullopt),
+            "good clock: unknown if it is synchronised: the system does not say; \n");
+  EXPECT_EQ(text_of({check_system({.clock_source = "tsc", .is_clock_set = false}, std::nullopt, Daemon::Elsewhere).at(2)}),
+            "good clock: not synchronised, of this machine; dtsd may run on another one; \n");
   v1::StatusSnapshot status;
   status.add_notices("the clock of this machine says 2020-01-01T00:00 UTC, and session s began later; set the clock (timedatectl), or X");
   EXPECT_EQ(
@@ -59,15 +63,15 @@ TEST(DoctorCalibration, NamesItsDate_AndWhatTheDaemonDoubts) {
   v1::StatusSnapshot status;
   v1::RigInfo rig;
   rig.set_name("floor");
-  EXPECT_FALSE(check_calibration(status, rig)) << "the plate's model";
+  EXPECT_FALSE(check_calibration(status, rig)) << "not of a floor";
   rig.set_kind("floor");
-  rig.set_device_uri("u6:auto");
-  EXPECT_TRUE(check_calibration(status, rig)->is_good);
-  EXPECT_EQ(
-      text_of({check_calibration(status, rig).value()}),
-      "good floor calibration: none, so the centre of pressure is computed from the plate's model; dtsctl calibrate cop --rig floor\n");
-  rig.set_device_uri("sim:floor?seed=7");
-  EXPECT_FALSE(check_calibration(status, rig)) << "its model is what it is";
+  rig.set_device_uri("sim:floor");
+  EXPECT_FALSE(check_calibration(status, rig)) << "the simulated plate is the plate model";
+  rig.set_device_uri("mcc:usb-1408fs");
+  EXPECT_EQ(text_of({check_calibration(status, rig).value()}),
+            "good floor calibration: no calibration: the plate model is used; dtsctl calibrate cop --rig floor\n");
+  rig.set_is_force_plate(true);
+  EXPECT_FALSE(check_calibration(status, rig)) << "the maker calibrated it";
   for (const auto& [id, date] : {std::pair{"cop-20260131T120000Z-1a2b3c4d", ", of 2026-01-31"}, std::pair{"cop-2026013", ""},
                                  std::pair{"cop-x0260131T", ""}, std::pair{"mine", ""}}) {
     rig.set_calibration(id);

@@ -84,6 +84,7 @@ HOUSE = [
     ("clients/fhir/resources.cpp", [],                                                    ["sodium.h"]),
     ("clients/ctl",              ["cli", "libdts", "proto", "report", "visits"],                   ["CLI/", "google/protobuf/"]),
     ("clients/ctl/system_facts", ["core"],                                                []),
+    ("clients/ctl/doctor.cpp",   ["core"],                                                []),
     ("clients/ctl/calibrate",    ["core", "physics", "files"],                            []),
     ("clients/ctl/sessions",     ["core", "record", "report", "fhir"],                    []),
     ("clients/lab/base",         ["cli", "core", "physics", "files", "pipeline", "record"], ["CLI/"]),

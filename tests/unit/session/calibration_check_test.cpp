@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "core/notice_words.h"
 #include "supervisor_fixture.h"
 
 namespace dts::session {
@@ -21,12 +22,12 @@ physics::CopCalibration calibration_of(physics::CopCalibrationOrigin origin) {
 }
 
 std::string warning_of(const physics::CopCalibrationOrigin& origin, const std::string& address = "mcc:usb-1408fs",
-                       const std::string& model = "USB-1408FS", const std::string& serial = "11") {
+                       const std::string& model = "USB-1408FS", const std::string& serial = "11", const std::string& own_model = "") {
   pipeline::RigConfig config = floor_config(address);
   config.cop_calibration = calibration_of(origin);
   device::DeviceDescription device;
   device.model = model;
-  return calibration_warning(config, device, serial);
+  return calibration_warning(config, device, {.model = own_model, .serial = serial});
 }
 
 TEST(CalibrationCheck, AnotherDeviceIsNamed) {
@@ -57,7 +58,40 @@ TEST(CalibrationCheck, AnotherRigOrNoDaqIsNamed) {
   EXPECT_THAT(warning_of({.rig = "a-file"}), HasSubstr("names no DAQ: it was computed from a model or from a table of loads;"));
   EXPECT_EQ(warning_of({.rig = "a-file"}, "sim:floor", "Simulated floor platform"), "") << "the simulated plate is that model";
   EXPECT_EQ(warning_of({.rig = "left", .daq_model = "LabJack U6"}, "replay:x.xdf", "LabJack U6"), "");
-  EXPECT_EQ(calibration_warning(floor_config("mcc:usb-1408fs"), {}, "11"), "") << "no calibration";
+  EXPECT_EQ(calibration_warning(floor_config("mcc:usb-1408fs"), {}, {.serial = "11"}), "") << "no calibration";
+}
+
+TEST(CalibrationCheck, AUnitThatSaysItsModelIsComparedByIt) {
+  RecordProperty("requirement", "COP-14");
+  const auto of_ni = [](const physics::CopCalibrationOrigin& origin, const std::string& serial, const std::string& own_model) {
+    return warning_of(origin, "ni:Dev1", "NI-DAQmx device", serial, own_model);
+  };
+  const physics::CopCalibrationOrigin of_6008{.rig = "floor", .daq_model = "USB-6008", .daq_serial = "01A2B3C4"};
+  EXPECT_EQ(of_ni(of_6008, "01A2B3C4", "USB-6008"), "");
+  EXPECT_THAT(of_ni(of_6008, "0000000A", "USB-6255"), HasSubstr("was measured with USB-6008 01A2B3C4, not with USB-6255 0000000A;"));
+  EXPECT_THAT(of_ni(of_6008, "0000000A", "USB-6008"), HasSubstr(", and the device is 0000000A, another unit of the same model;"));
+  EXPECT_EQ(of_ni({.rig = "floor", .daq_model = "NI-DAQmx device", .daq_serial = "Dev1"}, "0000000A", "USB-6008"), "") << "an old file";
+  const physics::CopCalibrationOrigin of_port{.rig = "floor", .daq_model = "Uno", .daq_serial = "/dev/ttyACM0"};
+  EXPECT_EQ(warning_of(of_port, "serial:/dev/ttyACM1", "Board that sends frames", "", "Uno"), "") << "a port is no serial number";
+}
+
+TEST(CalibrationCheck, ASerialNumberCannotDivideTheNotice) {
+  const std::string warning =
+      warning_of({.rig = "floor", .daq_model = "USB-1408FS", .daq_serial = "1; 2"}, "mcc:usb-1408fs", "USB-1408FS", "3; 4");
+  EXPECT_THAT(warning, HasSubstr("was measured with USB-1408FS 1, 2, and the device is 3, 4, another unit of the same model; compare"));
+}
+
+TEST(CalibrationCheck, HasTheWordsByWhichDoctorFindsIt) {
+  RecordProperty("requirement", "COP-14");
+  const std::string begin = "rig 'floor': " + std::string(core::notice_words::kCalibrationAfterRig);
+  const auto has_words = [&](const std::string& warning, std::string_view words) {
+    return warning.starts_with(begin) && warning.substr(0, warning.find("; ")).find(words) != std::string::npos;
+  };
+  const std::string other_unit = warning_of({.rig = "floor", .daq_model = "USB-1408FS", .daq_serial = "12"});
+  EXPECT_TRUE(has_words(other_unit, core::notice_words::kOtherUnit)) << other_unit;
+  EXPECT_TRUE(has_words(warning_of({.rig = "a-file"}), core::notice_words::kNoDaq));
+  EXPECT_TRUE(has_words(warning_of({.rig = "floor", .daq_model = "LabJack U6"}), ""));
+  EXPECT_TRUE(has_words(warning_of({.rig = "left", .daq_model = "USB-1408FS"}), ""));
 }
 
 class CalibrationWarningTest : public SupervisorTest {};
@@ -100,6 +134,7 @@ TEST_F(WallClockTest, BehindTheNewestSession_IsReportedUntilItIsSet) {
   clock_.set_by_ns = -2 * kDayNs;
   ASSERT_EQ(supervisor_->warnings().size(), 1U);
   EXPECT_THAT(supervisor_->warnings().front(), HasSubstr("and session " + id + " began later"));
+  EXPECT_TRUE(supervisor_->warnings().front().starts_with(core::notice_words::kClockBehindBegin));
   static_cast<void>(log());
   static_cast<void>(record(kBlock));
   EXPECT_THAT(log(), HasSubstr("visits would be in the wrong order; set the clock")) << "a new session says it in the log";
@@ -107,6 +142,20 @@ TEST_F(WallClockTest, BehindTheNewestSession_IsReportedUntilItIsSet) {
   EXPECT_EQ(supervisor_->warnings().size(), 1U) << "the newest session is still the later one";
   ASSERT_TRUE(supervisor_->delete_session(id, "wrong date", false, "local"));
   EXPECT_THAT(supervisor_->warnings(), IsEmpty()) << "its date was the wrong one";
+}
+
+TEST_F(WallClockTest, DoesNotNameTheSessionOfAnErasedSubject) {
+  RecordProperty("requirement", "REC-14");
+  start();
+  SessionRequest request;
+  request.subject = "P017";
+  ASSERT_TRUE(supervisor_->start_session("floor", request));
+  feed(kBlock);
+  ASSERT_TRUE(stop());
+  clock_.set_by_ns = -86'400 * core::kNanosecondsPerSecond;
+  ASSERT_EQ(supervisor_->warnings().size(), 1U);
+  ASSERT_TRUE(supervisor_->erase_subject("P017", "local"));
+  EXPECT_THAT(supervisor_->warnings(), IsEmpty());
 }
 
 TEST_F(WallClockTest, AfterARestart_IsReportedBeforeTheFirstSession) {

@@ -810,6 +810,11 @@ TEST_F(EditTest, SubjectIdsFollowTheRule) {
   EXPECT_TRUE(corrections_for(old, {.subject = "", .reason = "typing error"}, label_rule_)) << "an ID can be removed";
   EXPECT_TRUE(corrections_for(old, {.subject = "Schmidt", .notes = "tired", .reason = "added"}, label_rule_))
       << "it is older than the rule";
+  const std::vector<Protocol> protocols{{.name = "stand"}};
+  const SubjectEdit plan{.subject = "Schmidt", .change = AddPlan{.protocol = "stand", .due_date = {}}};
+  EXPECT_EQ(refused(edited({.subject = "Schmidt"}, plan, {}, protocols, label_rule_)), message) << "the session could not start";
+  EXPECT_TRUE(edited({.subject = "P017"}, plan, {}, protocols, label_rule_));
+  EXPECT_TRUE(edited({.subject = "Schmidt"}, {.subject = "Schmidt", .change = AddNote{"needs a corset"}}, {}, {}, label_rule_));
   EXPECT_TRUE(supervisor_->start_session("floor", {.subject = "P017"}));
 }
 

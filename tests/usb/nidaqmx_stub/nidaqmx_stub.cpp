@@ -97,6 +97,8 @@ std::int32_t DAQmxReadAnalogF64(void* task, std::int32_t scans, double timeout_s
 std::int32_t DAQmxStopTask(void* task);
 std::int32_t DAQmxClearTask(void* task);
 std::int32_t DAQmxGetExtendedErrorInfo(char* text, std::uint32_t size);
+std::int32_t DAQmxGetDevProductType(const char* device, char* text, std::uint32_t size);
+std::int32_t DAQmxGetDevSerialNum(const char* device, std::uint32_t* number);
 
 dts::emulator::NiStubControl* nidaqmx_stub_control() { return &state().control; }
 
@@ -200,6 +202,18 @@ std::int32_t DAQmxGetExtendedErrorInfo(char* text, std::uint32_t size) {
   const char* const words =
       state().last_error == kInvalidDevice ? "Device identifier is invalid.\nDevice Specified: Dev7" : "Stub says no.";
   std::snprintf(text, size, "%s", words);
+  return 0;
+}
+
+std::int32_t DAQmxGetDevProductType(const char* device, char* text, std::uint32_t size) {
+  if (std::strcmp(device, "Dev1") != 0) return fail(kInvalidDevice);
+  std::snprintf(text, size, "%s", "USB-6008");
+  return 0;
+}
+
+std::int32_t DAQmxGetDevSerialNum(const char* device, std::uint32_t* number) {
+  if (std::strcmp(device, "Dev1") != 0) return fail(kInvalidDevice);
+  *number = state().control.serial_number;
   return 0;
 }
 

@@ -23,10 +23,11 @@ struct NiStubControl {
   bool is_triggered = true;             ///< The edge at the trigger input has come.
   std::uint64_t fail_at_read = kNever;  ///< From this read on, counted from 0, ...
   std::int32_t fail_status = 0;         ///< ... reads end with this.
-  bool is_present = true;               ///< The device is plugged in.
-  std::int32_t start_status = 0;        ///< What DAQmxStartTask says.
-  std::uint64_t nan_at_scan = kNever;   ///< Every channel of this scan is not a number.
-  bool gives_too_many = false;          ///< Claims more scans than were asked for.
+  std::uint32_t serial_number = 0x1A2B3C4;
+  bool is_present = true;              ///< The device is plugged in.
+  std::int32_t start_status = 0;       ///< What DAQmxStartTask says.
+  std::uint64_t nan_at_scan = kNever;  ///< Every channel of this scan is not a number.
+  bool gives_too_many = false;         ///< Claims more scans than were asked for.
 
   int tasks = 0;  ///< Created and not cleared.
   int running = 0;

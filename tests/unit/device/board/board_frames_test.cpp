@@ -32,6 +32,7 @@ TEST(BoardFrames, Report_NamesTheBoard) {
   rig.open();
   const DeviceReport report = rig.device->report();
   EXPECT_EQ(report.serial, "B0A4D001");
+  EXPECT_FALSE(report.model.empty());
   EXPECT_EQ(report.firmware, "1.0");
   EXPECT_EQ(report.nodes, std::vector<std::string>{"/dev/fake"});
   ASSERT_NE(rig.check("describes itself"), nullptr);

@@ -48,6 +48,19 @@ TEST(NiDaqmx, WhatCannotBeOpened_SaysWhatToDoOrInNisWords) {
   EXPECT_EQ(open_error(*Rig("channels=0,9").device).code, ErrorCode::Failed);
 }
 
+TEST(NiDaqmx, ReportsModelAndSerialNumberOfTheUnit) {
+  RecordProperty("requirement", "COP-14");
+  Rig rig;
+  EXPECT_EQ(rig.device->describe().serial, "") << "Dev1 is a name that another unit can get";
+  ASSERT_TRUE(rig.device->open());
+  EXPECT_EQ(rig.device->report().model, "USB-6008");
+  EXPECT_EQ(rig.device->report().serial, "01A2B3C4");
+  Rig unnumbered;
+  unnumbered.control.serial_number = 0;
+  ASSERT_TRUE(unnumbered.device->open());
+  EXPECT_EQ(unnumbered.device->report().serial, "");
+}
+
 TEST(NiDaqmx, Trigger_ArmedUntilItComesAndAFaultGoesOnWithoutIt) {
   Rig rig("channels=0&trigger=pfi1");
   rig.control.is_triggered = false;

@@ -12,6 +12,9 @@
 
 namespace dts::golden {
 
+/// The model that the device with the recorded scans names.
+inline constexpr const char* kRecordedModel = "Recorded scans";
+
 /// One channel of one scan, as the file has it.
 struct Sample {
   double value = 0.0;

@@ -58,7 +58,7 @@ struct Turn {
 class PlayedDevice final : public device::TestDevice {
  public:
   PlayedDevice(const std::string& uri, std::vector<device::ChannelDescription> channels) {
-    description_ = {.uri = uri, .model = "Recorded scans", .serial = "1", .channels = std::move(channels)};
+    description_ = {.uri = uri, .model = kRecordedModel, .serial = "1", .channels = std::move(channels)};
   }
 
   core::Status open() override {

@@ -105,7 +105,7 @@ export const floor: typeof english = {
     stop: 'Untersuchung beenden',
     startTrial: 'Starten',
     startNext: 'Nächsten starten',
-    accept: 'Übernehmen',
+    accept: 'Übernehmen, weiter',
     redo: 'Wiederholen',
     reject: 'Verwerfen',
     mark: 'Markierung setzen',

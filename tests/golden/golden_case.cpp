@@ -163,7 +163,10 @@ Case read_case(const std::string& name) {
   }
   golden.rig = read_rig(rig_text, name);
   golden.rig.device_uri = "recorded:" + name;
-  if (golden.rig.cop_calibration) golden.rig.cop_calibration->origin.daq_model = kRecordedModel;  // as if measured with this device
+  if (golden.rig.cop_calibration) {  // as if measured with this device
+    golden.rig.cop_calibration->origin.rig = golden.rig.name;
+    golden.rig.cop_calibration->origin.daq_model = kRecordedModel;
+  }
   for (const Step& setting : settings) {
     std::istringstream words(setting.rest);
     if (setting.verb == "block") words >> golden.rig.block_scans;

@@ -111,7 +111,7 @@ export const chair: typeof english = {
     tare: 'Leeren Stuhl tarieren',
     tared: 'Stuhl tariert: Der leere Stuhl zeigt null.',
     first: 'Starten',
-    next: 'Übernehmen, weiter',
+    next: 'OK, weiter',
     startNext: 'Nächsten starten',
     redo: 'Wiederholen',
     reject: 'Verwerfen',

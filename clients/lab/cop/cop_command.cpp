@@ -13,6 +13,7 @@
 #include "cli/json.h"
 #include "cli/table.h"
 #include "files/cop_calibration_file.h"
+#include "files/toml_reader.h"
 #include "lab/base/command.h"
 #include "lab/base/problems.h"
 #include "lab/base/rig.h"
@@ -25,6 +26,8 @@ struct FitArguments {
   std::string points;  ///< CSV of point loads.
   std::string rig;
   std::string estimator = "poly3";
+  std::string daq_model;  ///< Of the DAQ that measured `points`; empty: unknown.
+  std::string daq_serial;
   std::string out;
   bool is_json = false;
 };
@@ -64,6 +67,11 @@ void print_fit(const CopCalibration& calibration, const FitArguments& arguments,
   if (calibration.cross_validated) add("cross-validation", *calibration.cross_validated);
   table.print(console);
   cli::print_hint(console, "to use it: dtslab cop estimate " + arguments.out + " POINTS.csv --out EST.csv");
+}
+
+/// A longer text could not be read back from the calibration file.
+std::string is_short(const std::string& text) {
+  return text.size() <= files::kLongestText ? "" : "longer than " + std::to_string(files::kLongestText) + " characters";
 }
 
 // Above these limits a calibration is worse than the method allows: a measurement is wrong, or there are too few.
@@ -107,7 +115,10 @@ int run_cop_fit(const FitArguments& arguments, cli::Console& console) {
   if (!problems.empty()) return report_problems(console, problems);
   const auto method = physics::parse_cop_method(arguments.estimator);
   if (!method) return fail_with(console, method.error());
-  const physics::CopCalibrationOrigin origin{.created_utc = now_utc(), .rig = std::filesystem::path(arguments.rig).stem().string()};
+  const physics::CopCalibrationOrigin origin{.created_utc = now_utc(),
+                                             .rig = std::filesystem::path(arguments.rig).stem().string(),
+                                             .daq_model = arguments.daq_model,
+                                             .daq_serial = arguments.daq_serial};
   const auto calibration = physics::calibrate_cop(*method, points.samples, origin);
   if (!calibration) return fail_with(console, calibration.error());
   const auto written = files::write_cop_calibration(arguments.out, *calibration);
@@ -143,13 +154,19 @@ void add_commands(cli::CommandLine& line) {
   const auto [fit, fitted] =
       add_command(line, *cop, "fit", "Calibrate an estimator with known loads",
                   "dtslab cop fit points.csv --rig rig.toml --out cal.toml | poly3\n"
-                  "dtslab cop fit points.csv --rig rig.toml --estimator thesis --out cal.toml | as in section 4.4 of the thesis\n",
+                  "dtslab cop fit points.csv --rig rig.toml --estimator thesis --out cal.toml | as in section 4.4 of the thesis\n"
+                  "dtslab cop fit points.csv --rig floor.toml --daq-model USB-6008 --daq-serial 01A2B3C4 --out cal.toml | names the DAQ\n",
                   run_cop_fit);
   fit.add_option("POINTS.csv", fitted.points, "CSV file with columns p_n,x_mm,y_mm and w1_mm,w2_mm,... per sensor; origin at a corner")
       ->required()
       ->option_text(" ");
   fit.add_option("--rig", fitted.rig, "Rig file with plate and sensors")->option_text("FILE")->required();
   add_estimator(fit, fitted.estimator, {"poly3", "thesis", "thesis_per_pair", "moment"});
+  CLI::Option* model =
+      fit.add_option("--daq-model", fitted.daq_model, "DAQ that measured POINTS.csv, as dtsctl device list prints it; else dtsd warns")
+          ->option_text("MODEL")
+          ->check(is_short);
+  fit.add_option("--daq-serial", fitted.daq_serial, "Its serial number")->option_text("SERIAL")->check(is_short)->needs(model);
   fit.add_option("--out", fitted.out, "Calibration file to write; never overwritten")->option_text("CAL.toml")->required();
   add_json(fit, fitted.is_json);
 

@@ -95,6 +95,25 @@ TEST_F(CopTest, EveryEstimatorOfTheContract_CanBeFitted) {
   }
 }
 
+TEST_F(CopTest, Fit_NamesTheDaqOfTheTable) {
+  const std::string points = points_file(CopMethod::Poly3);
+  const std::vector<std::string> fit{"cop", "fit", points, "--rig", kFloorRig, "--out", path("cal.toml")};
+  const auto with = [&fit](std::vector<std::string> more) {
+    more.insert(more.begin(), fit.begin(), fit.end());
+    return more;
+  };
+  EXPECT_THAT(refusal_of(with({"--daq-serial", "01A2B3C4"})), HasSubstr("--daq-serial requires --daq-model"));
+  EXPECT_THAT(refusal_of(with({"--daq-model", std::string(201, 'x')})), HasSubstr("longer than 200 characters"));
+
+  ASSERT_EQ(run_with(with({"--daq-model", "USB-6008", "--daq-serial", "01A2B3C4"})), cli::kOk) << talk();
+
+  files::Problems problems;
+  const auto calibration = files::read_cop_calibration(path("cal.toml"), problems);
+  ASSERT_TRUE(calibration);
+  EXPECT_EQ(calibration->origin.daq_model, "USB-6008");
+  EXPECT_EQ(calibration->origin.daq_serial, "01A2B3C4");
+}
+
 TEST_F(CopTest, EstimateWithoutTruth_LeavesTheUndefinedEmpty) {
   ASSERT_EQ(run_with({"cop", "fit", points_file(CopMethod::Poly3), "--rig", kFloorRig, "--out", path("cal.toml")}), cli::kOk);
   const std::string bare = write("bare.csv", "note,w1_mm,w2_mm,w3_mm,w4_mm\nempty,0,0,0,0\n");

@@ -205,6 +205,15 @@ TEST_F(CsvExportTest, TrialWithoutADecision_HasItsReasonAndNoProbability) {
                                                                         "2,1,1,a,done,1,0,4,0,6,,not comparable,,," + of_model));
 }
 
+const Correction kFirstTrialRejected{.who = "local",
+                                     .field = CorrectedField::Outcome,
+                                     .part = 1,
+                                     .trial = 1,
+                                     .attempt = 1,
+                                     .old_value = "done",
+                                     .new_value = "rejected",
+                                     .reason = "r"};
+
 TEST_F(CsvExportTest, WithdrawnTrial_HasNoDecision) {
   for (const char* text :
        {"scan: 1 trial { step: TRIAL_EVENT_KIND_MEASURE trial: 1 attempt: 1 condition: 'a' }",
@@ -213,14 +222,7 @@ TEST_F(CsvExportTest, WithdrawnTrial_HasNoDecision) {
     recording_.items.emplace_back(TimedEvent{.time_s = 0.0, .event = test::event_of(text)});
   }
   Corrections corrections{.session_id = recording_.facts->session_id};
-  corrections.add({.who = "local",
-                   .field = CorrectedField::Outcome,
-                   .part = 1,
-                   .trial = 1,
-                   .attempt = 1,
-                   .old_value = "done",
-                   .new_value = "rejected",
-                   .reason = "r"});
+  corrections.add(kFirstTrialRejected);
   ASSERT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
   EXPECT_THAT(text("20261121T144525Z-floor-1_trials.csv"), Not(HasSubstr("decision")));
 }
@@ -236,14 +238,7 @@ TEST_F(CsvExportTest, CorrectedValues_StandBesideTheRecordedOnes) {
   Corrections corrections{.session_id = recording_.facts->session_id};
   corrections.add({.who = "local:anna", .field = CorrectedField::Subject, .old_value = "P-017", .new_value = "P-018", .reason = "=cmd"});
   corrections.add({.who = "local", .field = CorrectedField::Notes, .old_value = "", .new_value = "<b>n</b>", .reason = "r"});
-  corrections.add({.who = "local",
-                   .field = CorrectedField::Outcome,
-                   .part = 1,
-                   .trial = 1,
-                   .attempt = 1,
-                   .old_value = "done",
-                   .new_value = "rejected",
-                   .reason = "r"});
+  corrections.add(kFirstTrialRejected);
   ASSERT_TRUE(export_csv(recording_, folder_.string(), {}, corrections));
 
   EXPECT_THAT(

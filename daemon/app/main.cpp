@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // dtsd: the daemon. Four switches; everything else is configuration (config/dtsd.toml) or a command (dtsctl).
 #include <google/protobuf/stubs/logging.h>
+#include <malloc.h>
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -15,6 +16,9 @@
 namespace {
 
 constexpr int kBadInput = 2;
+/// Bytes from which malloc(3) takes a block from the kernel and returns it there. 128 KiB is glibc's first value. glibc raises it when such
+/// a block is freed: the large matrices of the start then leave a heap full of holes, and the commands of days fill them, page by page.
+constexpr int kLargeBlock = 128 * 1024;
 
 int report(const dts::files::Problems& problems) {
   for (const auto& problem : problems) std::cerr << dts::files::to_string(problem) << '\n';
@@ -59,6 +63,7 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  ::mallopt(M_MMAP_THRESHOLD, kLargeBlock);
   CLI::App app{
       "dtsd - the distributive tactile sensing daemon: samples rigs, computes, publishes.\n\n"
       "Examples:\n"

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "c3d/c3d_writer.h"
 #include "c3d/force_platform.h"
@@ -228,14 +229,110 @@ TEST(C3dFile, NoC3dFile_IsRejectedWithItsPlace) {
   EXPECT_THAT(reason(far), HasSubstr("behind the end"));
   std::string processor = bytes;
   processor[512 + 3] = 'x';
-  EXPECT_THAT(reason(processor), HasSubstr("processor 120"));
-  EXPECT_THAT(reason(bytes.substr(0, 1024)), HasSubstr("has no frame"));
+  EXPECT_THAT(reason(processor), HasSubstr("byte 516: the processor 120"));
+  EXPECT_THAT(reason(bytes.substr(0, 1024)), HasSubstr("byte 1025: the file has no frame"));
   MadeC3d empty;
   empty.frame({});
   EXPECT_THAT(reason(empty.bytes()), HasSubstr("no points and no channels"));
   MadeC3d timeless = small(MadeEncoding::Intel, true);
   timeless.rate_hz = 0.0;
   EXPECT_EQ(read(timeless).point_rate_hz(), 100.0) << "of POINT:RATE";
+}
+
+TEST(C3dFile, NumberOfTheProcessor_MayBeThatOfItsKind) {
+  for (const MadeEncoding encoding : {MadeEncoding::Intel, MadeEncoding::Dec, MadeEncoding::Sgi}) {
+    std::string bytes = small(encoding, true).bytes();
+    bytes[512 + 3] = static_cast<char>(static_cast<int>(encoding) - 83);
+    const C3dFile file = C3dFile::read(bytes).value();
+    EXPECT_THAT(file.warnings(), Contains(HasSubstr("instead of " + std::to_string(static_cast<int>(encoding)))));
+    EXPECT_EQ(file.analogue(5, 0), 5.0);
+  }
+  for (const int unknown : {0, 4, 83, 87}) {
+    std::string bytes = small(MadeEncoding::Intel, true).bytes();
+    bytes[512 + 3] = static_cast<char>(unknown);
+    EXPECT_FALSE(C3dFile::read(bytes)) << unknown;
+  }
+}
+
+TEST(C3dFile, WhatTheHeaderLacks_IsReplacedWithAWarning) {
+  MadeC3d made(MadeEncoding::Intel, false);
+  made.channels = 0;
+  made.points = 1;
+  made.samples_per_frame = 0;
+  made.frame({1, 2, 3, 4});
+  std::string bytes = made.bytes();
+  EXPECT_THAT(C3dFile::read(bytes)->warnings(), IsEmpty()) << "no channels, no samples";
+  bytes[2 * 2] = 3;  // three analogue values
+  bytes += std::string(6, '\0');
+  const C3dFile file = C3dFile::read(bytes).value();
+  EXPECT_THAT(file.warnings(), Contains(HasSubstr("0 analogue samples in a frame: 1 is used")));
+  EXPECT_THAT(file.warnings(), Contains("ANALOG:SCALE has 0 of 3 channels: the others have 1"));
+  EXPECT_EQ(file.channels(), 3U);
+  EXPECT_EQ(file.samples(), 1U);
+}
+
+TEST(C3dFile, ScaleAndOffset_ContinueInTheirSecondParts) {
+  MadeC3d made(MadeEncoding::Intel, true);
+  made.channels = 257;
+  made.group("ANALOG");
+  made.reals("SCALE", {255}, std::vector<double>(255, 2.0));
+  made.reals("SCALE2", {1}, {3.0});
+  made.words("OFFSET", {255}, std::vector<int>(255, 1));
+  made.words("OFFSET2", {2}, {10, 20});
+  made.frame(std::vector<double>(257, 100.0));
+  const C3dFile file = read(made);
+  EXPECT_EQ(file.analogue(0, 254), 198.0);
+  EXPECT_EQ(file.analogue(0, 255), 270.0);
+  EXPECT_EQ(file.analogue(0, 256), 80.0);
+  EXPECT_THAT(file.warnings(), Contains(HasSubstr("has 256 of 257 channels")));
+}
+
+TEST(C3dFile, Events_CountFromTheFirstFrame) {
+  MadeC3d made(MadeEncoding::Intel, true);
+  made.channels = 1;
+  made.first_frame = 11;  // 0.1 s
+  made.group("EVENT");
+  made.words("USED", {}, {2});
+  made.texts("LABELS", 4, {"one"});
+  made.reals("TIMES", {2, 2}, {0, 0.5, 1, 0.1});
+  made.frame({1});
+  const C3dFile file = read(made);
+  ASSERT_EQ(file.events().size(), 2U);
+  EXPECT_NEAR(file.events()[0].time_s, 0.4, 1e-6);
+  EXPECT_NEAR(file.events()[1].time_s, 60.0, 1e-6);
+  EXPECT_EQ(file.events()[1].label, "") << "the file has one label";
+}
+
+TEST(C3dFile, ManyBrokenParameters_GiveTwentyWarnings) {
+  MadeC3d made = small(MadeEncoding::Intel, true);
+  for (int k = 0; k < 25; ++k) made.parameter("BAD", 3, {1}, "");
+  EXPECT_EQ(read(made).warnings().size(), 20U);
+}
+
+TEST(ForcePlatforms, MatrixAndPolynomial_BelongToTheirPlate) {
+  const auto counted = [](double from, int count) {
+    std::vector<double> numbers;
+    for (int k = 0; k < count; ++k) numbers.push_back(from + k);
+    return numbers;
+  };
+  MadeC3d made = small(MadeEncoding::Intel, true);
+  made.plates({{.type = 4, .channels = {1, 2}, .matrix = counted(0.0, 36)}, {.type = 3, .channels = {2, 0}, .matrix = counted(100.0, 36)}});
+  made.reals("FPCOPPOLY", {6, 2, 2}, counted(1000.0, 24));
+  const ForcePlatforms platforms = force_platforms(read(made).parameters());
+  ASSERT_EQ(platforms.plates.size(), 2U);
+  EXPECT_EQ(platforms.plates[1].type, 3);
+  EXPECT_EQ(platforms.plates[1].matrix, counted(100.0, 36));
+  ASSERT_TRUE(platforms.plates[1].polynomial);
+  EXPECT_EQ(platforms.plates[1].polynomial->front(), 1012.0);
+  EXPECT_EQ(platforms.plates[0].channels, (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(platforms.plates[1].channels, (std::vector<std::size_t>{2, 0}));
+
+  MadeC3d wrong = small(MadeEncoding::Intel, true);
+  wrong.plates({{.type = 2, .channels = {1}}});
+  wrong.reals("CAL_MATRIX", {4, 9, 1}, counted(0.0, 36));
+  const ForcePlatforms without = force_platforms(read(wrong).parameters());
+  EXPECT_FALSE(without.plates.at(0).matrix) << "36 numbers, but not 6 x 6";
+  EXPECT_FALSE(without.plates.at(0).polynomial);
 }
 
 TEST(C3dFile, EventsOfTheHeader_AreReadIfThereAreNoOthers) {
@@ -288,6 +385,58 @@ TEST(C3dWriter, WhatIsWritten_IsReadTheSame) {
   EXPECT_EQ(platforms.zero_frames, (std::array<int, 2>{1, 0}));
 }
 
+/// "GROUP:NAME dimensions = values", a line each.
+std::string listed(const Parameters& parameters) {
+  std::ostringstream text;
+  for (const Parameter& parameter : parameters.all()) {
+    text << parameter.group << ':' << parameter.name << ' ';
+    for (const std::size_t dimension : parameter.dimensions) text << dimension << ' ';
+    text << '=';
+    for (const double number : parameter.numbers) text << ' ' << number;
+    for (const std::string& one : parameter.texts) text << ' ' << one;
+    text << '\n';
+  }
+  return text.str();
+}
+
+TEST(C3dWriter, EveryParameter_IsWritten) {
+  const Outline outline{.rate_hz = 1500.0,
+                        .samples = 2,
+                        .plates = {corners_of(500)},
+                        .events = {{.context = "Left", .label = "Foot Strike", .time_s = 61.5}},
+                        .software = "test 1"};
+  std::string bytes = file_beginning(outline).value();
+  for (int sample = 0; sample < 2; ++sample) append_sample(bytes, std::array<double, 6>{});
+  EXPECT_EQ(listed(C3dFile::read(bytes)->parameters()),
+            "POINT:USED = 0\n"
+            "POINT:SCALE = -1\n"
+            "POINT:RATE = 1500\n"
+            "POINT:DATA_START = 4\n"
+            "POINT:FRAMES = 2\n"
+            "POINT:UNITS 2 = mm\n"
+            "TRIAL:ACTUAL_START_FIELD 2 = 1 0\n"
+            "TRIAL:ACTUAL_END_FIELD 2 = 2 0\n"
+            "ANALOG:USED = 6\n"
+            "ANALOG:LABELS 3 6 = Fx1 Fy1 Fz1 Px1 Py1 Mz1\n"
+            "ANALOG:DESCRIPTIONS 3 6 = Fx1 Fy1 Fz1 Px1 Py1 Mz1\n"
+            "ANALOG:UNITS 3 6 = N N N mm mm Nmm\n"
+            "ANALOG:GEN_SCALE = 1\n"
+            "ANALOG:SCALE 6 = 1 1 1 1 1 1\n"
+            "ANALOG:OFFSET 6 = 0 0 0 0 0 0\n"
+            "ANALOG:RATE = 1500\n"
+            "FORCE_PLATFORM:USED = 1\n"
+            "FORCE_PLATFORM:TYPE 1 = 1\n"
+            "FORCE_PLATFORM:ZERO 2 = 1 0\n"
+            "FORCE_PLATFORM:CORNERS 3 4 1 = 700 300 0 300 300 0 300 -300 0 700 -300 0\n"
+            "FORCE_PLATFORM:ORIGIN 3 1 = 0 0 0\n"
+            "FORCE_PLATFORM:CHANNEL 6 1 = 1 2 3 4 5 6\n"
+            "EVENT:USED = 1\n"
+            "EVENT:CONTEXTS 4 1 = Left\n"
+            "EVENT:LABELS 11 1 = Foot Strike\n"
+            "EVENT:TIMES 2 1 = 1 1.5\n"
+            "MANUFACTURER:SOFTWARE 6 = test 1\n");
+}
+
 TEST(C3dWriter, ManySamples_AreDividedSoThatTheHeaderCountsThem) {
   for (const std::size_t samples : {std::size_t{70000}, std::size_t{65537}}) {  // the second is a prime
     std::string bytes = file_beginning({.rate_hz = 1000.0, .samples = samples, .plates = {corners_of(0)}}).value();
@@ -298,6 +447,16 @@ TEST(C3dWriter, ManySamples_AreDividedSoThatTheHeaderCountsThem) {
     EXPECT_EQ(file.analogue_rate_hz(), 1000.0);
     EXPECT_EQ(file.analogue(samples - 1, 0), static_cast<double>(samples - 1));
   }
+}
+
+TEST(C3dWriter, MostSamplesOfAFrame_AreAHundred) {
+  const auto samples_per_frame = [](std::size_t samples) {
+    const std::string bytes = file_beginning({.rate_hz = 1000.0, .samples = samples, .plates = {corners_of(0)}}).value();
+    return static_cast<int>(bytes[18]);  // word 10 of the header
+  };
+  EXPECT_EQ(samples_per_frame(65535), 1);
+  EXPECT_EQ(samples_per_frame(65535 * 100), 100);
+  EXPECT_EQ(samples_per_frame(std::size_t{65535} * 101), 1) << "the parameters count them";
 }
 
 TEST(C3dWriter, NothingToWrite_IsRejected) {

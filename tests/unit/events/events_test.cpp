@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 #include "dts/wire/event_json.h"
 #include "events/make.h"
@@ -13,6 +15,11 @@ namespace dts::events {
 namespace {
 
 using posturography::Measure;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 
 core::ReachEvent final_reach() {
   core::ReachEvent event{.step = core::ReachStep::Final, .number = 7, .segment = 2, .scan = {123'456'789'012}, .host_time_ns = 5};
@@ -136,8 +143,72 @@ TEST(Events, Trigger_HasItsEdgeAndChannel) {
   EXPECT_EQ(event.host_time_ns(), 9);
 }
 
+TEST(Events, PreliminarySway_HasTheMeasuresThatAreExact) {
+  core::SwayEvent sway{.segment = 2, .scan = {899}, .host_time_ns = 5, .first_scan = {300}, .trial = 4};
+  sway.values = {.samples = 200,
+                 .rate_hz = 100.0,
+                 .rdist_mm = 1,
+                 .rdist_ap_mm = 2,
+                 .rdist_ml_mm = 3,
+                 .totex_mm = 40,
+                 .totex_ap_mm = 50,
+                 .totex_ml_mm = 60,
+                 .range_ap_mm = 7,
+                 .range_ml_mm = 8,
+                 .ellipse_sd1_mm = 9,
+                 .ellipse_sd2_mm = 10,
+                 .ellipse_angle_deg = -11,
+                 .pea95_f_mm2 = 12};
+  const auto measures_of = [&sway] {
+    std::ostringstream text;
+    const v1::Event made = make(sway, "");
+    for (const v1::SwayMeasure& measure : made.sway().measures()) {
+      text << measure.symbol() << ' ' << measure.value() << ' ' << measure.unit() << '\n';
+    }
+    return text.str();
+  };
+  const std::string of_two = "RDIST 1 mm\nRDIST_AP 2 mm\nRDIST_ML 3 mm\nTOTEX 40 mm\nTOTEX_AP 50 mm\nTOTEX_ML 60 mm\n";
+  const std::string ranges = "RANGE_AP 7 mm\nRANGE_ML 8 mm\n";
+  const std::string of_plane = "PEA95_F 12 mm2\nELL_SD1 9 mm\nELL_SD2 10 mm\nELL_ANGLE -11 deg\n";
+  EXPECT_EQ(measures_of(), of_two + "MVELO 20 mm/s\nMVELO_AP 25 mm/s\nMVELO_ML 30 mm/s\n" + ranges + of_plane);
+  v1::Event event = make(sway, "");
+  event.mutable_sway()->clear_measures();
+  EXPECT_EQ(event.ShortDebugString(),
+            test::event_of("segment: 2 scan: 899 host_time_ns: 5 sway { is_preliminary: true trial: 4 first_segment: 2 first_scan: 300 "
+                           "end_segment: 2 end_scan: 900 profile: 'lp10' samples: 200 rate_hz: 100 duration_s: 2 flags: 0 is_valid: true "
+                           "window: SWAY_WINDOW_TRIAL }")
+                .ShortDebugString());
+
+  sway.trial = 0;
+  EXPECT_EQ(make(sway, "").sway().window(), v1::SWAY_WINDOW_LATEST);
+  EXPECT_EQ(make(sway, "").sway().window_s(), core::kRecentSwayS);
+  sway.values.range_ml_mm = kUndefined;
+  sway.values.samples = 3;
+  EXPECT_THAT(measures_of(), AllOf(HasSubstr("ELL_SD2"), Not(HasSubstr("RANGE_ML"))));
+  sway.values.samples = 2;
+  EXPECT_THAT(measures_of(), AllOf(HasSubstr("MVELO 2000 mm/s"), Not(HasSubstr("PEA95_F"))));
+  sway.values.samples = 1;
+  EXPECT_EQ(measures_of(), "");
+}
+
+TEST(Events, Gap_SaysWhatIsMissing) {
+  core::Frame frame;
+  frame.segment = 3;
+  frame.host_time_ns = 7;
+  frame.gap_before = {.reason = core::GapReason::Stall, .missing_scans = 12, .is_exact = true};
+  EXPECT_EQ(
+      make_gap(frame).ShortDebugString(),
+      test::event_of("segment: 3 host_time_ns: 7 gap { reason: GAP_REASON_STALL missing_scans: 12 is_exact: true }").ShortDebugString());
+}
+
 TEST(Events, Analysis_ComesBackToTheLastBit) {
-  posturography::Analysis written{.rate_hz = 100.0, .samples = 2000, .duration_s = 20.0, .flags = 3, .missing = 4, .interpolated = 5};
+  posturography::Analysis written{.profile = posturography::Profile::AsIs,
+                                  .rate_hz = 100.0,
+                                  .samples = 2000,
+                                  .duration_s = 20.0,
+                                  .flags = 3,
+                                  .missing = 4,
+                                  .interpolated = 5};
   written.measures.set(Measure::Mvelo, 8.187831842);
   written.measures.set(Measure::EllAngle, -71.8 / 3.0);
   written.measures.set(Measure::Totex, std::numeric_limits<double>::denorm_min());
@@ -147,6 +218,7 @@ TEST(Events, Analysis_ComesBackToTheLastBit) {
   const auto read = analysis_of(wire::event_of_json(wire::to_json(event)).value().sway());
 
   ASSERT_TRUE(read);
+  EXPECT_EQ(read->profile, posturography::Profile::AsIs);
   EXPECT_EQ(read->measures, written.measures);
   EXPECT_EQ(read->samples, 2000U);
   EXPECT_EQ(read->flags, 3U);

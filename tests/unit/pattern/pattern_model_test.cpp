@@ -118,6 +118,7 @@ TEST(PatternModel, Damage_IsNamed) {
   EXPECT_THAT(damaged("\"offsets\": [", "\"offsets\": [0.5,"), HasSubstr("'offsets'"));
   EXPECT_THAT(damaged("\"offsets\": [", "\"offsets\": [1e999,"), HasSubstr("not JSON"));
   EXPECT_THAT(damaged("\"weights\": [", "\"weights\": [[],"), HasSubstr("'weights'"));
+  EXPECT_THAT(damaged("0.3333333333333333,", ""), HasSubstr("'weights' and 'measures' have different lengths"));
   EXPECT_THAT(damaged("\"old\"", "\"z\""), HasSubstr("is not in alphabetical order"));
   EXPECT_THAT(damaged("\"least\"", "\"lowest\""), HasSubstr("'least' is missing"));
   EXPECT_THAT(damaged("\"least\": -80.0", "\"least\": 90.0"), HasSubstr("'most'"));
@@ -126,6 +127,80 @@ TEST(PatternModel, Damage_IsNamed) {
   for (const char* other : {"", "[]", "3", "null", "{}", "\xff\xfe", "\"kind\""}) EXPECT_FALSE(read_model_text(other, "other")) << other;
   EXPECT_FALSE(read_model_text(std::string(200'000, '['), "deep"));
   EXPECT_THAT(read_model_text(text + std::string(kLongestModelText, ' '), "long").error().what, HasSubstr("larger than 256 KiB"));
+}
+
+TEST(PatternModel, EveryNumber_HasItsLimits) {
+  using Json = nlohmann::json;
+  const Json whole = Json::parse(model_text(made_model()));
+  const auto answer = [&whole](const std::string& at, double value) {
+    Json changed = whole;
+    changed[Json::json_pointer(at)] = value;
+    const auto read = read_model_text(changed.dump(), "model.json");
+    return read ? std::string("accepted") : read.error().what;
+  };
+  const auto name_of = [](const std::string& at) {  // an item of a list has the name of the list
+    const std::string list = at.substr(0, at.find_last_not_of("/0123456789") + 1);
+    return "'" + list.substr(list.rfind('/') + 1) + "'";
+  };
+  struct Limits {
+    const char* at;
+    double least, most;
+  };
+  for (const auto& [at, least, most] : {Limits{"/rate_hz", 0.0, 1e9},
+                                        {"/duration_s", 0.0, 1e6},
+                                        {"/noise_mm", 0.0, 1e3},
+                                        {"/rows", 0.0, 1e9},
+                                        {"/people", 0.0, 1e9},
+                                        {"/shrinkage", 0.0, 1.0},
+                                        {"/groups/1/people", 0.0, 1e9},
+                                        {"/groups/1/trials", 0.0, 1e9},
+                                        {"/groups/1/moved", 0.0, 1e9},
+                                        {"/measures/0/mean", -1e12, 1e12},
+                                        {"/measures/0/sd", 1e-15, 1e12},
+                                        {"/measures/0/least", 1e-300, 20.0},
+                                        {"/measures/0/most", 3.0, 1e12},
+                                        {"/measures/1/least", -1e12, 85.0},
+                                        {"/weights/0/1", -1e12, 1e12},
+                                        {"/offsets/1", -1e12, 1e12},
+                                        {"/figures/auc_people/0", 0.0, 1.0},
+                                        {"/figures/auc_people/1", 0.0, 1.0},
+                                        {"/figures/auc_people/2", 0.0, 1.0},
+                                        {"/figures/auc_trials", 0.0, 1.0},
+                                        {"/figures/equal_error_correct", 0.0, 1.0},
+                                        {"/figures/brier", 0.0, 1.0},
+                                        {"/figures/brier_base", 0.0, 1.0},
+                                        {"/figures/slope", -1e6, 1e6},
+                                        {"/figures/accuracy", 0.0, 1.0},
+                                        {"/figures/balanced_accuracy", 0.0, 1.0},
+                                        {"/figures/commonest_share", 0.0, 1.0},
+                                        {"/figures/permutation_p", 0.0, 1.0},
+                                        {"/figures/best_measure_auc_people/0", 0.0, 1.0},
+                                        {"/figures/gain/0", -1.0, 1.0},
+                                        {"/figures/rival_auc_people/0", 0.0, 1.0},
+                                        {"/figures/rival_gain/2", -1.0, 1.0}}) {
+    SCOPED_TRACE(at);
+    EXPECT_EQ(answer(at, least), "accepted");
+    EXPECT_EQ(answer(at, most), "accepted");
+    EXPECT_THAT(answer(at, std::nextafter(least, -1e300)), HasSubstr(name_of(at)));
+    const bool is_least = std::string_view(at).ends_with("/least");  // above the other limit, that one is named
+    EXPECT_THAT(answer(at, std::nextafter(most, 1e300)), HasSubstr(is_least ? "'most'" : name_of(at)));
+  }
+}
+
+TEST(PatternModel, MostClasses_AreAHundred) {
+  using Json = nlohmann::json;
+  const auto of_classes = [whole = Json::parse(model_text(made_model()))](std::size_t count) {
+    Json changed = whole;
+    for (const char* list : {"classes", "groups", "weights", "offsets"}) {
+      const Json first = whole[list][0];
+      changed[list] = Json::array();
+      for (std::size_t k = 0; k < count; ++k) changed[list].push_back(first.is_string() ? Json(std::to_string(1000 + k)) : first);
+    }
+    return read_model_text(changed.dump(), "model.json");
+  };
+  EXPECT_TRUE(of_classes(100));
+  EXPECT_THAT(of_classes(101).error().what, HasSubstr("'classes' is not a list of 2 to 100"));
+  EXPECT_FALSE(of_classes(1));
 }
 
 /// Replaces every value of the model, one by one, by values that do not belong there: nothing of it may reach a decision that is not
@@ -183,6 +258,9 @@ TEST(Decision, OutsideTheTraining_NamesTheMeasure) {
   EXPECT_EQ(decision.outcome, Outcome::Outside);
   EXPECT_THAT(decision.answer.outside, ElementsAre(Measure::Mvelo));
   EXPECT_EQ(decision.answer.probabilities.size(), 2U) << "for comparison, though it is a guess";
+  for (const double limit : {3.0, 20.0}) {
+    EXPECT_EQ(decide(made_model(), {.measures = made_measures(limit, 0.0), .profile = "lp10", .rate_hz = 100.0}).outcome, Outcome::Decided);
+  }
 }
 
 TEST(Decision, MovedFeet_AreNotValid) {

@@ -17,6 +17,8 @@ TEST(Folders, RuntimeDirectory_FollowsTheDocumentedOrder) {
   EXPECT_EQ(runtime_directory(), "/systemd");
   ::setenv("DTSD_RUNTIME_DIR", "/ours", 1);
   EXPECT_EQ(runtime_directory(), "/ours");
+  ::setenv("DTSD_RUNTIME_DIR", "", 1);
+  EXPECT_EQ(runtime_directory(), "/systemd") << "an empty variable decides nothing";
 }
 
 }  // namespace

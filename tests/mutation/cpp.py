@@ -25,10 +25,16 @@ BUILD = TOP / "build" / "mutated"
 WOVEN = WORK / "woven"
 REACH_BYTES = 8 << 16  # mutation.h: kPlaces
 ROOMS = ["core", "pipeline", "record", "session", "ipc", "device", "classifier", "posturography", "physics", "sim", "events", "files", "access", "app",
-         "libdts", "gateway", "ctl", "cli", "report", "lab"]
+         "c3d", "pattern", "settings", "libdts", "gateway", "relay", "ctl", "cli", "report", "fhir", "visits", "lab", "lsl", "fleet"]
+# The unit programs of a room that has not one, unit_ROOM, but several.
+OWN = {"fleet": [f"unit_fleet_{part}" for part in ("database", "desk", "forward", "hub", "link", "s3", "wire", "worker")]}
 # Programs that judge a room beside its unit program: what they test lives in that room.
 SUBJECT = {"device": ["contract_device", "usb_umockdev"], "pipeline": ["contract_stage", "golden_cases"], "session": ["golden_cases"],
            "ipc": ["golden_cases"]}
+
+
+def own_programs(room: str) -> list[str]:
+    return OWN.get(room, [f"unit_{room}"])
 
 
 def sources() -> list[str]:
@@ -37,7 +43,7 @@ def sources() -> list[str]:
 
 def configure() -> None:
     """A build beside build/release, at the same depth: the compiler cache then has what a mutant does not change."""
-    run_or_leave(["cmake", "--preset", "release", "-B", str(BUILD), "-DBUILD_TESTING=ON", "-DDTS_TESTS=suite",
+    run_or_leave(["cmake", "--preset", "release", "-B", str(BUILD), "-DBUILD_TESTING=ON", "-DDTS_TESTS=suite", "-DDTS_FLEET=ON",
                   f"-DCMAKE_COMPILE_WARNING_AS_ERROR={'ON' if os.environ.get('CI') == 'true' else 'OFF'}",
                   f"-DCMAKE_PROJECT_dtsd_INCLUDE={TOP / 'tests' / 'mutation' / 'woven.cmake'}", f"-DDTS_WOVEN={WOVEN}"], TOP)
 
@@ -202,14 +208,14 @@ def map_tests(programs: list[str]) -> list[Case]:
 
 
 def try_mutant(name: str, mutant, cases: list[Case], budget_s: float) -> Outcome:
-    own = f"unit_{room_of(mutant.path)}"
+    own = own_programs(room_of(mutant.path))
     outcome = Outcome(name, mutant)
     reaching = collections.defaultdict(list)
     for case in cases:
         if name in case.reached:
             reaching[case.program].append(case)
     outcome.was_reached = bool(reaching)
-    for program in sorted(reaching, key=lambda key: (key != own, sum(case.seconds for case in reaching[key]))):
+    for program in sorted(reaching, key=lambda key: (key not in own, sum(case.seconds for case in reaching[key]))):
         # Those that come by little else are nearest; those that take long are last.
         near = sorted(reaching[program], key=lambda case: (case.seconds > 2.0, len(case.reached) * (0.1 + case.seconds)))
         spent, names = 0.0, []
@@ -219,7 +225,7 @@ def try_mutant(name: str, mutant, cases: list[Case], budget_s: float) -> Outcome
             names.append(case.name)
             spent += case.seconds
         if notices(program, name, names, spent):
-            outcome.noticed_by, outcome.by_own = program, program == own
+            outcome.noticed_by, outcome.by_own = program, program in own
             return outcome
     return outcome
 
@@ -246,7 +252,7 @@ def notices(program: str, mutant: str, names: list[str], seconds: float) -> bool
 
 def judge(chosen: dict[str, Mutant], options) -> Iterator[Outcome]:
     used = sorted({room_of(mutant.path) for mutant in chosen.values()}, key=ROOMS.index)
-    programs = [f"unit_{room}" for room in (ROOMS if options.elsewhere else used)]
+    programs = [program for room in (ROOMS if options.elsewhere else used) for program in own_programs(room)]
     programs += sorted({program for room in used for program in SUBJECT.get(room, [])})
     chosen = build(chosen, programs, options.deadline)
     cases = map_tests(programs)

@@ -21,9 +21,8 @@ namespace dts::relay {
 /// Thread: its own, "access".
 class Authenticator {
  public:
-  /// Starts the thread. Call it before a CURVE server socket is bound. `keys` and `clock` must outlive this object.
+  /// Starts the thread. Call it before a CURVE server socket is bound. `context`, `keys` and `clock` must outlive this object.
   [[nodiscard]] static core::Result<std::unique_ptr<Authenticator>> start(zmq::context_t& context, FreshKeys& keys, core::Clock& clock);
-  ~Authenticator();
   Authenticator(const Authenticator&) = delete;
   Authenticator& operator=(const Authenticator&) = delete;
 
@@ -41,7 +40,7 @@ class Authenticator {
   access::RateLimit handshakes_;
   std::atomic<std::uint64_t> accepted_total_{0};
   std::atomic<std::uint64_t> refused_total_{0};
-  std::jthread thread_;
+  std::jthread thread_;  // last: ends before the other members are destroyed
 };
 
 }  // namespace dts::relay

@@ -14,7 +14,6 @@ namespace {
 
 constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // as dtsd's own control socket
 constexpr int kQueueCommands = 400;                      // on their way to dtsd; answers on their way to one client
-constexpr int kFramesOfACommand = 3;                     // libzmq counts each of them
 constexpr std::size_t kMostFrames = 4;                   // one more than any message has
 constexpr int kReadPerTurn = 4096;
 constexpr int kReconnectMs = 100;
@@ -28,7 +27,7 @@ zmq::socket_t router(zmq::context_t& context) {
   zmq::socket_t socket(context, zmq::socket_type::router);
   socket.set(zmq::sockopt::linger, 200);  // time to send the last answers at shutdown
   socket.set(zmq::sockopt::maxmsgsize, kLongestRequestBytes);
-  socket.set(zmq::sockopt::sndhwm, kFramesOfACommand * kQueueCommands);
+  socket.set(zmq::sockopt::sndhwm, kQueueCommands);
   return socket;
 }
 
@@ -36,8 +35,8 @@ zmq::socket_t dealer_to(zmq::context_t& context, const std::string& endpoint) {
   zmq::socket_t socket(context, zmq::socket_type::dealer);
   socket.set(zmq::sockopt::linger, 0);
   socket.set(zmq::sockopt::immediate, true);  // while dtsd is away, a send fails, instead of filling a queue
-  socket.set(zmq::sockopt::sndhwm, kFramesOfACommand * kQueueCommands);
-  socket.set(zmq::sockopt::rcvhwm, kFramesOfACommand * kQueueCommands);
+  socket.set(zmq::sockopt::sndhwm, kQueueCommands);
+  socket.set(zmq::sockopt::rcvhwm, kQueueCommands);
   socket.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
   socket.connect(endpoint);
   return socket;

@@ -45,11 +45,6 @@ core::Result<std::unique_ptr<DataRelay>> DataRelay::start(zmq::context_t& contex
 DataRelay::DataRelay(RemoteListener listener, std::unique_ptr<client::DataSource> source)
     : listener_(std::move(listener)), source_(std::move(source)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-DataRelay::~DataRelay() {
-  thread_.request_stop();
-  thread_.join();  // the thread uses the sockets, so it must end first
-}
-
 void DataRelay::run(const std::stop_token& stop) {
   static_cast<void>(core::configure_this_thread("data", {}));
   bool has_more = false;

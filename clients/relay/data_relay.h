@@ -25,7 +25,6 @@ class DataRelay {
   /// Binds `remote` and starts the thread. `local`: dtsd's data endpoint; connects to it in the background, and again whenever it was away.
   [[nodiscard]] static core::Result<std::unique_ptr<DataRelay>> start(zmq::context_t& context, const RemoteEndpoint& remote,
                                                                       const std::string& local);
-  ~DataRelay();
   DataRelay(const DataRelay&) = delete;
   DataRelay& operator=(const DataRelay&) = delete;
 
@@ -52,7 +51,7 @@ class DataRelay {
   bool is_renewal_due_ = false;
   std::uint64_t interruptions_ = 0;
   Clock::time_point renewed_at_{};
-  std::jthread thread_;
+  std::jthread thread_;  // last: ends before the other members are destroyed
 };
 
 }  // namespace dts::relay

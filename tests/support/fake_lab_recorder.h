@@ -41,6 +41,8 @@ class FakeLabRecorder {
   }
   /// From now on it answers no line.
   void fall_silent() noexcept { answers_ = false; }
+  /// From now on it ends the connection after each line.
+  void hang_up() noexcept { hangs_up_ = true; }
   [[nodiscard]] int port() const noexcept { return port_; }
   [[nodiscard]] std::vector<std::string> lines() {
     const std::lock_guard lock(mutex_);
@@ -69,6 +71,10 @@ class FakeLabRecorder {
           line += letter;
           continue;
         }
+        if (hangs_up_) {
+          keep(line);
+          break;
+        }
         const bool is_slow = line == "update" || line == "start";
         keep(std::exchange(line, {}));
         if (is_slow) std::this_thread::sleep_for(std::chrono::milliseconds(1200));
@@ -81,6 +87,7 @@ class FakeLabRecorder {
   int listener_;
   int port_ = 0;
   std::atomic<bool> answers_ = true;
+  std::atomic<bool> hangs_up_ = false;
   std::mutex mutex_;
   std::vector<std::string> lines_;
   std::jthread thread_;

@@ -93,6 +93,17 @@ TEST_F(LabRecorderTest, SilentLabRecorder_IsReportedOnceAndNotStarted) {
   EXPECT_EQ(logged("LabRecorder did not confirm the command 'update'"), 1);
 }
 
+TEST_F(LabRecorderTest, ConnectionThatEnds_IsReportedWithTheCommandAndWhatToDo) {
+  fake_.hang_up();
+  LabRecorder recorder(settings(), log_);
+  recorder.follow("a");
+  EXPECT_TRUE(comes_true([this] {
+    return logged(
+               "LabRecorder ended the connection after the command 'update' (start LabRecorder, and tick RCS in its window (the port "
+               "is beside it)); dts-lsl retries every 5 s") == 1;
+  }));
+}
+
 TEST_F(LabRecorderTest, AbsentLabRecorder_IsReported) {
   LabRecorderSettings nowhere = settings();
   {

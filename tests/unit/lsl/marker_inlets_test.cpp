@@ -32,7 +32,9 @@ TEST(MarkerRequest, SameMarker_HasTheSameId) {
   ReceivedMarker again = marker;
   again.host_time_ns = 1;  // the estimate of the other clock may differ
   EXPECT_EQ(request_id(marker), request_id(again));
-  EXPECT_LE(request_id(marker).size(), 64U);
+  again.stream_uid += "longer than LSL's";
+  EXPECT_EQ(request_id(marker), request_id(again));
+  EXPECT_EQ(request_id(marker).size(), 64U) << "dtsd accepts no longer one";
 }
 
 TEST(MarkerRequest, OtherStreamTimeOrText_HasAnotherId) {
@@ -62,6 +64,8 @@ struct FakeSender {
   bool has_clock = true;
   bool has_ended = false;
   int opened = 0;
+  int open = 0;
+  int measured = 0;
 };
 std::mutex lsl_mutex;
 std::vector<std::unique_ptr<FakeSender>> senders;
@@ -88,9 +92,13 @@ Liblsl library_of_senders() {
   lsl.create_inlet = [](api::Info info, std::int32_t, std::int32_t, std::int32_t) -> api::Inlet {
     const std::lock_guard lock(lsl_mutex);
     ++sender(info).opened;
+    ++sender(info).open;
     return info;
   };
-  lsl.destroy_inlet = [](api::Inlet) {};
+  lsl.destroy_inlet = [](api::Inlet inlet) {
+    const std::lock_guard lock(lsl_mutex);
+    --sender(inlet).open;
+  };
   lsl.pull_sample_str = [](api::Inlet inlet, char** texts, std::int32_t, double, std::int32_t* error) {
     const std::lock_guard lock(lsl_mutex);
     FakeSender& from = sender(inlet);
@@ -104,6 +112,7 @@ Liblsl library_of_senders() {
   lsl.destroy_string = [](char* text) { std::free(text); };
   lsl.time_correction = [](api::Inlet inlet, double, std::int32_t* error) {
     const std::lock_guard lock(lsl_mutex);
+    ++sender(inlet).measured;
     *error = sender(inlet).has_clock ? api::kNoError : -1;
     return sender(inlet).correction_s;
   };
@@ -169,7 +178,7 @@ TEST_F(MarkerInletsTest, MarkersOfAStreamThatHasEnded_AreKeptAndTheStreamIsNotOp
   FakeSender& task = add();
   task.samples = {{"a", 1.0}, {"b", 2.0}, {"c", 3.0}};
   is_stuck_ = true;
-  const auto inlets = start();
+  auto inlets = start();
   ASSERT_TRUE(becomes([&] { return task.samples.empty(); }));
   change([&] { task.has_ended = true; });
   ASSERT_TRUE(becomes([&] { return said("has ended") == 1; }));
@@ -177,13 +186,16 @@ TEST_F(MarkerInletsTest, MarkersOfAStreamThatHasEnded_AreKeptAndTheStreamIsNotOp
   EXPECT_TRUE(becomes([&] { return handled_.size() == 3; }));
   FakeSender& next = add();
   ASSERT_TRUE(becomes([&] { return next.opened == 1; }));
-  EXPECT_TRUE(holds([&] { return task.opened == 1; }));
+  EXPECT_TRUE(holds([&] { return task.opened == 1 && task.open == 0 && next.open == 1; }));
+  inlets.reset();
+  EXPECT_EQ(next.open, 0);
 }
 
 TEST_F(MarkerInletsTest, ClockThatDrifts_IsMeasuredAgain) {
   FakeSender& task = add();
   task.correction_s = 10.0;
   task.samples = {{"a", 1.0}};
+  const auto begin = std::chrono::steady_clock::now();
   const auto inlets = start();
   ASSERT_TRUE(becomes([&] { return handled_.size() == 1; }));
   EXPECT_TRUE(holds([&] { return handled_[0].host_time_ns == 11'000'000'000; }));
@@ -192,6 +204,8 @@ TEST_F(MarkerInletsTest, ClockThatDrifts_IsMeasuredAgain) {
     if (task.samples.empty()) task.samples.emplace_back("b", 1.0);
     return handled_.back().host_time_ns == 11'500'000'000;
   }));
+  EXPECT_TRUE(holds([&] { return task.measured <= 1 + (std::chrono::steady_clock::now() - begin) / std::chrono::seconds(2); }))
+      << "every 2 s";
 }
 
 TEST_F(MarkerInletsTest, StreamWithoutAClock_WaitsAndDelaysNoOtherStream) {
@@ -216,6 +230,22 @@ TEST_F(MarkerInletsTest, EqualMarkersOfOneChunk_AreDifferentMarkers) {
   for (const ReceivedMarker& marker : handled_) ids.insert(request_id(marker));
   EXPECT_EQ(ids.size(), 4U);
   EXPECT_EQ(said("its time is no number"), 1);
+}
+
+TEST_F(MarkerInletsTest, FloodOfMarkers_IsLimitedTo50PerSecond) {
+  FakeSender& task = add();
+  for (int number = 0; number < 300; ++number) task.samples.emplace_back("a", 1.0);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto inlets = start();
+  ASSERT_TRUE(becomes([&] { return task.samples.empty(); }));
+  const double passed_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  FakeSender& other = add();
+  change([&] { other.samples = {{"end", 1.0}}; });
+  ASSERT_TRUE(becomes([&] { return !handled_.empty() && handled_.back().text == "end"; }));
+  EXPECT_GE(handled_.size(), 201U) << "four seconds' worth at once, and the marker of the other stream";
+  EXPECT_LE(static_cast<double>(handled_.size()), 202.0 + 50.0 * passed_s);
+  EXPECT_GE(said("sends more than 50 markers per second"), 5);
+  EXPECT_LT(said("sends more than 50 markers per second"), 20) << "the log is limited, too";
 }
 
 TEST_F(MarkerInletsTest, OneStreamTooMany_IsReportedAndOpenedLater) {

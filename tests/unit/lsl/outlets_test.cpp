@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -237,7 +238,13 @@ TEST_F(OutletsTest, StreamsAndRigsThatAreNotWanted_AreNotOffered) {
   Outlets other = make(settings);
   other.take(status_);
   other.take(block("cop"));
+  v1::Event marker;
+  marker.mutable_marker()->set_text("x");
+  give(other, marker, "marker");
   EXPECT_EQ(other.count(), 0U);
+  Outlets early = make();
+  give(early, marker, "marker");
+  EXPECT_EQ(early.count(), 0U) << "no status has named the daemon's version yet";
 }
 
 TEST_F(OutletsTest, WithoutConsumers_NothingIsSent) {
@@ -287,6 +294,31 @@ TEST_F(OutletsTest, Restart_KeepsOutletsThatStillFit) {
   EXPECT_THAT(fake_library.of("floor/raw").description, HasSubstr("unit=N;type=Force"));
 }
 
+TEST_F(OutletsTest, EveryFact_MakesAnotherOutlet) {
+  const OutletFacts facts{
+      .name = "floor/raw", .source_id = "s", .format = format_, .device_model = "m", .device_serial = "n", .daemon_version = "1"};
+  const std::vector<std::function<void(OutletFacts&)>> changes{
+      [](OutletFacts& other) { other.name += "x"; },
+      [](OutletFacts& other) { other.source_id += "x"; },
+      [](OutletFacts& other) { other.device_model += "x"; },
+      [](OutletFacts& other) { other.device_serial += "x"; },
+      [](OutletFacts& other) { other.daemon_version += "x"; },
+      [](OutletFacts& other) { other.format.reset(); },
+      [](OutletFacts& other) { other.format->name = "cop"; },
+      [](OutletFacts& other) { ++other.format->rate.numerator; },
+      [](OutletFacts& other) { ++other.format->delay_ns; },
+      [](OutletFacts& other) { other.format->channels.pop_back(); },
+      [](OutletFacts& other) { other.format->channels[0].name = "x"; },
+      [](OutletFacts& other) { other.format->channels[1].unit = "N"; },
+  };
+  EXPECT_TRUE(facts == OutletFacts(facts));
+  for (std::size_t index = 0; index < changes.size(); ++index) {
+    OutletFacts other = facts;
+    changes[index](other);
+    EXPECT_FALSE(facts == other) << "change " << index;
+  }
+}
+
 TEST_F(OutletsTest, OtherDeviceAtTheSameRig_IsAnotherSource) {
   Outlets outlets = make();
   outlets.take(block());
@@ -308,12 +340,8 @@ TEST_F(OutletsTest, LossOnTheWay_IsAnEvent) {
   outlets.take(late);
   const FakeStream& events = fake_library.of("floor/events");
   ASSERT_EQ(events.texts.size(), 1U);
-  const json loss = json::parse(events.texts[0]);
-  EXPECT_EQ(loss.at("segment"), 3);
-  EXPECT_EQ(loss.at("scan"), "70");
-  EXPECT_EQ(loss.at("loss").at("scans"), "20");
-  EXPECT_EQ(loss.at("stream"), "raw");
-  EXPECT_EQ(loss.at("is_exact"), true);
+  EXPECT_EQ(json::parse(events.texts[0]), json::parse(R"({"segment": 3, "scan": "70", "host_time_ns": "5000000000",
+    "loss": {"scans": "20"}, "stream": "raw", "is_exact": true})"));
   EXPECT_THAT(events.stamps_s, ElementsAre(5.0));
 }
 

@@ -133,10 +133,90 @@ TEST_F(ControlRelayTest, TooManyCommands_AreRefusedAndDoNotReachTheDaemon) {
   EXPECT_EQ(passed, 100);
   EXPECT_EQ(error_of(refusal).code(), v1::ERROR_CODE_LIMIT_EXCEEDED);
   EXPECT_EQ(error_of(refusal).what(), "more than 50 commands per second from key:eve");
-  EXPECT_TRUE(log_.str().ends_with("rejected 1 malformed or excess requests, the last by key:eve\n")) << log_.str();
+  const std::string logged = log_.str();
+  EXPECT_TRUE(logged.ends_with("rejected 1 malformed or excess requests, the last by key:eve\n")) << logged;
+  for (int number = 0; number < 2; ++number) {
+    send(eve, {"status"});
+    static_cast<void>(next(eve));
+  }
+  EXPECT_EQ(log_.str(), logged) << "one line a second";
+  clock_.advance_ns(core::kNanosecondsPerSecond);
+  relay_.serve(0);
+  EXPECT_TRUE(log_.str().ends_with("rejected 2 malformed or excess requests, the last by key:eve\n")) << log_.str();
   zmq::socket_t ina = client(zmq::socket_type::dealer, ina_);
   send(ina, {"status"});
   EXPECT_EQ(next(daemon_)[2], ina_.public_key) << "others are not limited by it";
+}
+
+TEST_F(ControlRelayTest, LongestRequestPasses_ALongerOneEndsItsConnection) {
+  start_daemon();
+  zmq::socket_t eve = client(zmq::socket_type::dealer, eve_);
+  connect(eve);
+  zmq::socket_t ends = watch(eve);
+  const std::string longest(4096 - kCurveBytes, 'x');
+  send(eve, {longest});
+  const Frames passed = next(daemon_);
+  ASSERT_EQ(passed.size(), 4U);
+  EXPECT_EQ(passed[3], longest);
+  EXPECT_TRUE(receive_now(ends).empty());
+  send(eve, {longest + "x"});
+  EXPECT_FALSE(next(ends).empty());
+  connect(eve);
+}
+
+/// libzmq's and the kernel's own buffers hold some messages more than the queue.
+TEST_F(ControlRelayTest, QueueOfCommands_EndsAt400_WhileTheDaemonDoesNotRead) {
+  daemon_ = zmq::socket_t(clients_, zmq::socket_type::router);
+  daemon_.set(zmq::sockopt::linger, 0);
+  daemon_.set(zmq::sockopt::rcvhwm, 1);
+  daemon_.bind(local());
+  zmq::socket_t eve = client(zmq::socket_type::dealer, eve_);
+  connect(eve);
+  int accepted = 0;
+  for (bool has_room = true; has_room && accepted < 2000;) {
+    clock_.advance_ns(core::kNanosecondsPerSecond);
+    for (int number = 0; number < 50; ++number) send(eve, {std::string(4000, 'x')});
+    send(eve, {"no", "request"});
+    accepted += 50;
+    while (error_of(next(eve)).code() == v1::ERROR_CODE_UNREACHABLE) {
+      --accepted;
+      has_room = false;
+    }
+  }
+  EXPECT_GE(accepted, 395) << "libzmq counts some that have left the queue";
+  EXPECT_LT(accepted, 500);
+}
+
+TEST_F(ControlRelayTest, QueueOfAnswers_EndsAt400_WhileAClientDoesNotRead) {
+  start_daemon();
+  zmq::socket_t ina = client(zmq::socket_type::dealer, ina_);
+  connect(ina);
+  zmq::socket_t eve = unconnected_client(zmq::socket_type::dealer, eve_);
+  eve.set(zmq::sockopt::rcvhwm, 1);
+  eve.connect(remote_);
+  send(ina, {"1"});
+  const Frames of_ina = next(daemon_);
+  send(eve, {"1"});
+  const Frames of_eve = next(daemon_);
+  const std::string answer(std::size_t{32} * 1024, 'x');
+  for (int number = 0; number < 800; ++number) {
+    send(daemon_, {of_eve[0], of_eve[1], answer});
+    if (number % 50 > 0) continue;
+    send(daemon_, {of_ina[0], of_ina[1], "passed"});
+    EXPECT_EQ(next(ina), Frames{"passed"});
+  }
+  int accepted = 0;
+  EXPECT_TRUE(eventually([&] {
+    send(daemon_, {of_eve[0], of_eve[1], "end"});  // is dropped, too, until there is room
+    relay_.serve(1);
+    while (true) {
+      const Frames frames = receive_now(eve);
+      if (frames.empty() || frames[0] == "end") return !frames.empty();
+      ++accepted;
+    }
+  }));
+  EXPECT_GE(accepted, 395) << "libzmq counts some that have left the queue";
+  EXPECT_LT(accepted, 700);
 }
 
 TEST_F(ControlRelayTest, DroppedPeers_ComeBackByThemselves_ExceptARevokedOne) {

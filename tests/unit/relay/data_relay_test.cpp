@@ -15,6 +15,7 @@ class DataRelayTest : public RelayFixture {
   DataRelayTest() {
     daemon_.set(zmq::sockopt::linger, 0);
     daemon_.set(zmq::sockopt::xpub_verbose, true);
+    daemon_.set(zmq::sockopt::sndhwm, 0);
     daemon_.bind(local());
     relay_ = bound([this](const RemoteEndpoint& remote) { return DataRelay::start(context_, remote, local()); });
     expect_subscriptions();
@@ -82,6 +83,57 @@ TEST_F(DataRelayTest, DroppedPeers_ComeBackByThemselves_ExceptARevokedOne) {
   send(daemon_, {"floor/cop", "1"});
   EXPECT_EQ(next(ina), (Frames{"floor/cop", "1"}));
   EXPECT_TRUE(receive_now(eve).empty());
+}
+
+TEST_F(DataRelayTest, LongestMessagesPass_ALongerOneEndsItsConnection) {
+  zmq::socket_t eve = client(zmq::socket_type::xsub, eve_);
+  zmq::socket_t ends = watch(eve);
+  const std::string longest(512 - kCurveBytes, 'x');
+  send(eve, {"\1floor/"});
+  expect_renewal();
+  send(eve, {longest});
+  send(eve, {"\1chair/"});
+  expect_renewal();
+  const std::string body(std::size_t{1} << 20U, 'x');
+  send(daemon_, {"floor/longest", body});
+  EXPECT_EQ(next(eve), (Frames{"floor/longest", body}));
+  EXPECT_TRUE(receive_now(ends).empty());
+
+  send(eve, {longest + "x"});
+  EXPECT_FALSE(next(ends).empty());
+  EXPECT_TRUE(eventually([&] {  // libzmq connects again only when its socket is used
+    static_cast<void>(receive_now(eve));
+    return receive_now(daemon_) == Frames{kEnded};
+  }));
+  EXPECT_EQ(next(daemon_), (Frames{kRenewed}));
+  send(daemon_, {"floor/longer", body + "x"});
+  EXPECT_FALSE(next(ends).empty()) << "dts-relay ended its own connection, and then those of its subscribers: they know of the loss";
+}
+
+/// libzmq's and the kernel's own buffers hold some messages more than the queue.
+TEST_F(DataRelayTest, QueueOfASubscriberThatDoesNotRead_EndsAt2000) {
+  zmq::socket_t eve = unconnected_client(zmq::socket_type::sub, eve_);
+  eve.set(zmq::sockopt::rcvhwm, 100);
+  eve.set(zmq::sockopt::subscribe, "floor/");
+  eve.connect(remote_);
+  expect_renewal();
+  zmq::socket_t ina = subscriber(ina_, "chair/");
+  expect_renewal();
+  const std::string body(4000, 'x');
+  for (int number = 0; number < 2700; ++number) send(daemon_, {"floor/raw", body});
+  send(daemon_, {"chair/passed", ""});
+  EXPECT_EQ(next(ina), (Frames{"chair/passed", ""}));
+  int accepted = 0;
+  EXPECT_TRUE(eventually([&] {
+    send(daemon_, {"floor/end", ""});  // is dropped, too, until there is room
+    while (true) {
+      const Frames frames = receive_now(eve);
+      if (frames.empty() || frames[0] == "floor/end") return !frames.empty();
+      ++accepted;
+    }
+  }));
+  EXPECT_GE(accepted, 1995);
+  EXPECT_LT(accepted, 2600);
 }
 
 TEST_F(DataRelayTest, DaemonIsAwayForAWhile_MessagesPassAgain) {

@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -44,6 +46,8 @@ inline Frames receive_now(zmq::socket_t& socket) {
   return frames;
 }
 
+inline constexpr std::size_t kCurveBytes = 33;  // that CURVE adds to a frame; libzmq's limit counts them
+
 /// Keys of two clients, an authenticator, and a port.
 class RelayFixture : public access::KeyFixture {
  protected:
@@ -61,14 +65,27 @@ class RelayFixture : public access::KeyFixture {
       if (auto part = bind(RemoteEndpoint{remote_, store_->server()})) return std::move(*part);
     }
   }
-  zmq::socket_t client(zmq::socket_type type, const access::KeyPair& key) {
+  zmq::socket_t unconnected_client(zmq::socket_type type, const access::KeyPair& key) {
     zmq::socket_t socket(clients_, type);
     socket.set(zmq::sockopt::linger, 0);
     socket.set(zmq::sockopt::curve_serverkey, store_->server().public_key);
     socket.set(zmq::sockopt::curve_publickey, key.public_key);
     socket.set(zmq::sockopt::curve_secretkey, key.secret_key);
+    return socket;
+  }
+  zmq::socket_t client(zmq::socket_type type, const access::KeyPair& key) {
+    zmq::socket_t socket = unconnected_client(type, key);
     socket.connect(remote_);
     return socket;
+  }
+  /// Returns a socket that gets a message whenever a connection of `socket` has reached the `event`.
+  zmq::socket_t watch(zmq::socket_t& socket, int event = ZMQ_EVENT_DISCONNECTED) {
+    const std::string address = "inproc://events-of-" + std::to_string(reinterpret_cast<std::uintptr_t>(socket.handle()));
+    EXPECT_EQ(zmq_socket_monitor(socket.handle(), address.c_str(), event), 0);
+    zmq::socket_t events(clients_, zmq::socket_type::pair);
+    events.set(zmq::sockopt::linger, 0);
+    events.connect(address);
+    return events;
   }
   [[nodiscard]] std::string local() const { return "ipc://" + folder_ + "/s"; }
 

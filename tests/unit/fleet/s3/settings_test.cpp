@@ -80,6 +80,9 @@ TEST_F(S3SettingsTest, Credentials_AreTwoLines) {
     EXPECT_EQ(read_credentials(credentials(wrong)).error().code, core::ErrorCode::InvalidArgument) << wrong;
   }
   EXPECT_FALSE(read_credentials(folder_.path() + "/none"));
+  const std::string longest = "AKIA1\n" + std::string(1024 - 6, 's');
+  EXPECT_TRUE(read_credentials(credentials(longest)));
+  EXPECT_FALSE(read_credentials(credentials(longest + "s")));
 }
 
 TEST_F(S3SettingsTest, Credentials_ThatOthersCanRead_AreRejected) {

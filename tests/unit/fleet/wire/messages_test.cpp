@@ -18,7 +18,7 @@ v1::FleetSession session() {
   v1::FleetSession session;
   session.set_session_id("20261121T144525Z-floor-1");
   session.set_revision(1);
-  session.set_rig("floor");
+  session.set_rig("AZaz09._-");  // the ends of what an ID may have
   session.set_protocol("romberg");
   session.set_state("complete");
   auto& part = *session.add_parts();

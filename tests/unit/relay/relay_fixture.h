@@ -78,10 +78,10 @@ class RelayFixture : public access::KeyFixture {
     socket.connect(remote_);
     return socket;
   }
-  /// Returns a socket that gets a message whenever a connection of `socket` has reached the `event`.
-  zmq::socket_t watch(zmq::socket_t& socket, int event = ZMQ_EVENT_DISCONNECTED) {
+  /// Returns a socket that gets a message whenever a connection of `socket` has ended.
+  zmq::socket_t watch(zmq::socket_t& socket) {
     const std::string address = "inproc://events-of-" + std::to_string(reinterpret_cast<std::uintptr_t>(socket.handle()));
-    EXPECT_EQ(zmq_socket_monitor(socket.handle(), address.c_str(), event), 0);
+    EXPECT_EQ(zmq_socket_monitor(socket.handle(), address.c_str(), ZMQ_EVENT_DISCONNECTED), 0);
     zmq::socket_t events(clients_, zmq::socket_type::pair);
     events.set(zmq::sockopt::linger, 0);
     events.connect(address);

@@ -122,17 +122,20 @@ TEST_F(BundleTest, AQuotientOfAStance_NamesOnlyTheTrialsOfThatStance) {
   report::MadeStanding made = made_session();
   made.events.resize(2);
   for (v1::Event& event : made.events) (*event.mutable_sway()->mutable_labels())["surface"] = "firm";
-  const auto sources = [&](const std::string& stance) {
-    report::MadeStanding one = made;
-    one.events.push_back(session::to_event(session::SessionFigure{.name = "romberg/" + stance + "/MVELO", .value = 1.5, .unit = "1"}));
-    one.events.back().set_scan(4900);
-    return observation_of(bundle_of(write(one, stance + ".xdf")), "romberg-quotient").value("derivedFrom", Json::array()).size();
-  };
+  const std::vector<std::pair<std::string, std::size_t>> sources_of_stances{
+      {"feet=two,surface=firm", 2}, {"feet=two,surface=foam", 0}, {"feet=two,shoes=none", 0}, {"feet", 0}};
+  for (const auto& [stance, sources] : sources_of_stances) {
+    made.events.push_back(session::to_event(session::SessionFigure{.name = "romberg/" + stance + "/MVELO", .value = 1.5, .unit = "1"}));
+    made.events.back().set_scan(4900);
+  }
 
-  EXPECT_EQ(sources("feet=two,surface=firm"), 2U);
-  EXPECT_EQ(sources("feet=two,surface=foam"), 0U);
-  EXPECT_EQ(sources("feet=two,shoes=none"), 0U);
-  EXPECT_EQ(sources("feet"), 0U);
+  const Json bundle = bundle_of(made);
+
+  for (const auto& [stance, sources] : sources_of_stances) {
+    const Json quotient = observation_of(bundle, "romberg-quotient", "condition", stance);
+    ASSERT_FALSE(quotient.is_null()) << stance;
+    EXPECT_EQ(quotient.value("derivedFrom", Json::array()).size(), sources) << stance;
+  }
 }
 
 TEST_F(BundleTest, ATimeThatCannotBe_IsNotThere) {

@@ -118,6 +118,35 @@ TEST_F(BundleTest, ResultsOfTheSession_NameTheirTrials) {
   EXPECT_EQ(quotient["derivedFrom"].size(), 2U);
 }
 
+TEST_F(BundleTest, AQuotientOfAStance_NamesOnlyTheTrialsOfThatStance) {
+  report::MadeStanding made = made_session();
+  made.events.resize(2);
+  for (v1::Event& event : made.events) (*event.mutable_sway()->mutable_labels())["surface"] = "firm";
+  const std::vector<std::pair<std::string, std::size_t>> sources_of_stances{
+      {"feet=two,surface=firm", 2}, {"feet=two,surface=foam", 0}, {"feet=two,shoes=none", 0}, {"feet", 0}};
+  for (const auto& [stance, sources] : sources_of_stances) {
+    made.events.push_back(session::to_event(session::SessionFigure{.name = "romberg/" + stance + "/MVELO", .value = 1.5, .unit = "1"}));
+    made.events.back().set_scan(4900);
+  }
+
+  const Json bundle = bundle_of(made);
+
+  for (const auto& [stance, sources] : sources_of_stances) {
+    const Json quotient = observation_of(bundle, "romberg-quotient", "condition", stance);
+    ASSERT_FALSE(quotient.is_null()) << stance;
+    EXPECT_EQ(quotient.value("derivedFrom", Json::array()).size(), sources) << stance;
+  }
+}
+
+TEST_F(BundleTest, ATimeThatCannotBe_IsNotThere) {
+  for (const std::int64_t offset_ns : {std::int64_t{-1'000'000'000'000'000}, std::int64_t{9'100'000'000'000'000'000}}) {
+    report::MadeStanding made = made_session();
+    made.facts.utc_minus_monotonic_ns = offset_ns;
+    EXPECT_FALSE(observation_of(bundle_of(write(made, std::to_string(offset_ns) + ".xdf")), "standing-trial").contains("effectivePeriod"))
+        << offset_ns;
+  }
+}
+
 TEST_F(BundleTest, AResultThatThisVersionDoesNotKnow_IsText) {
   report::MadeStanding made = made_session();
   made.events.push_back(session::to_event(session::SessionFigure{.name = "later/thing", .value = 1.5, .unit = "furlong"}));
@@ -185,21 +214,15 @@ TEST_F(BundleTest, ATrialThatACorrectionTakesIn_IsAmended) {
   EXPECT_EQ(observation_of(bundle, "standing-trial", "trial-number", 1)["id"], before) << "a corrected session keeps its UUIDs";
 }
 
-TEST_F(BundleTest, AReach_HasClassAngleAndInterval) {
-  const Json bundle = bundle_of(made_reaching(made_reach(core::TrunkClass::Moderate)));
+/// Every member of the resources, but for the measures of standing, which `codes_test` lists.
+TEST_F(BundleTest, OfAReach_IsTheCommittedText) {
+  report::MadeStanding made = made_reaching(made_reach(core::TrunkClass::Moderate));
+  made.facts.firmware = "7";
+  made.facts.calibration_id = "c-1";
+  made.facts.model_sha256 = "abc";
+  made.events[0].mutable_trial_result()->mutable_reach()->clear_smoothness();
 
-  const Json trial = observation_of(bundle, "reaching-trial", "trial-number", 3);
-  EXPECT_EQ(component(trial, "reach-found")["valueBoolean"], true);
-  EXPECT_EQ(code_of(component(trial, "trunk-class")["valueCodeableConcept"]), "trunk-moderate");
-  EXPECT_EQ(code_of(component(trial, "expected-trunk-class")["valueCodeableConcept"]), "trunk-moderate");
-  EXPECT_EQ(component(trial, "trunk_deg")["valueQuantity"]["value"], 30.5);
-  EXPECT_EQ(component(trial, "trunk_deg")["valueQuantity"]["code"], "deg");
-  EXPECT_EQ(component(trial, "trunk-interval90_deg")["valueRange"]["low"]["value"], 22.0);
-  EXPECT_EQ(component(trial, "trunk-interval90_deg")["valueRange"]["high"]["value"], 38.0);
-  EXPECT_EQ(component(trial, "target_cm")["valueQuantity"]["value"], 120.0);
-  EXPECT_EQ(component(trial, "d1_mm")["valueQuantity"]["value"], 0.75);
-  EXPECT_EQ(component(trial, "d2_mm")["valueQuantity"]["value"], 1.5);
-  EXPECT_THAT(resources_of(bundle, "Device").front()["type"]["text"].get<std::string>(), HasSubstr("chair"));
+  test::expect_committed("unit/fhir/reaching_bundle.json", bundle_of(made).dump(1) + "\n");
 }
 
 TEST_F(BundleTest, ARejectedReach_HasNeitherClassNorAngle) {
@@ -352,7 +375,12 @@ TEST_F(BundleTest, TwoParts_AreOneBundle) {
   EXPECT_EQ(resources_of(bundle, "Patient").size(), 1U);
   EXPECT_EQ(resources_of(bundle, "Device").size(), 1U) << "it is the same rig";
   EXPECT_EQ(resources_of(bundle, "Observation").size(), 4U) << "the trials: results of one part are not those of the session";
-  for (const Json& one : resources_of(bundle, "Observation")) EXPECT_EQ(one["status"], "final");
+  std::vector<int> parts;
+  for (const Json& one : resources_of(bundle, "Observation")) {
+    EXPECT_EQ(one["status"], "final");
+    parts.push_back(component(one, "part")["valueInteger"]);
+  }
+  EXPECT_THAT(parts, ElementsAre(1, 1, 2, 2));
   EXPECT_EQ(bundle.dump().find("null"), std::string::npos);
 }
 
@@ -413,6 +441,23 @@ TEST_F(BundleTest, AnInterruptedChairSession_HasTheTrialsOfItsReport) {
   }
   EXPECT_EQ(valid, 3U) << "trials 1, 3 and 4; nothing was found in trial 2";
   EXPECT_EQ(resources_of(bundle, "Observation").size(), 4U) << "neither the redone nor the aborted attempt";
+}
+
+/// Without rsvg-convert, the bundle has no PDF and the reason.
+TEST_F(BundleTest, OfASessionWithItsPdf_ReportsItsProgress) {
+  std::vector<double> done;
+  const auto bundle = make_session_bundle({write(made_session())}, "test 1", [&](double share) {
+    done.push_back(share);
+    return true;
+  });
+
+  ASSERT_TRUE(bundle) << core::to_string(bundle.error());
+  const Json report = resources_of(Json::parse(bundle->text), "DiagnosticReport").front();
+  EXPECT_EQ(report.contains("presentedForm"), bundle->without_pdf.empty());
+  EXPECT_THAT(bundle->without_pdf, Not(HasSubstr("interrupted")));
+  EXPECT_THAT(done, ::testing::Each(::testing::AllOf(::testing::Ge(0.0), ::testing::Le(1.0))));
+  EXPECT_LT(done.front(), 0.5);
+  EXPECT_GT(done.back(), 0.5);
 }
 
 TEST_F(BundleTest, PartsOfTwoSessions_Fail) {

@@ -13,6 +13,16 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
+TEST(DecisionWords, OnlyATrialThatCounts_HasADecision) {
+  v1::TrialRecord trial;
+  trial.set_outcome("done");
+  EXPECT_EQ(kept_decision(trial), nullptr);
+  *trial.mutable_sway()->mutable_decision() = made_decision();
+  EXPECT_EQ(kept_decision(trial), &trial.sway().decision());
+  trial.set_outcome("redone");
+  EXPECT_EQ(kept_decision(trial), nullptr);
+}
+
 TEST(DecisionWords, Decision_HasItsOwnProbability) { EXPECT_EQ(decision_text(made_decision()), "like under60, p 0.83"); }
 
 TEST(DecisionWords, WithoutADecision_NoGroupIsNamed) {

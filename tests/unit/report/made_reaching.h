@@ -31,6 +31,7 @@ struct MadeReach {
   std::uint16_t flags = 0;
   std::string outcome = "done";  ///< "done", "aborted"; "redone", "rejected" after it was done
   std::uint32_t attempt = 1;
+  std::uint32_t end_segment = 1;  ///< Segment of the steps that end the trial.
 };
 
 /// What a test wants of its recording: one segment of a stream "chair/transient" at 100 Hz, 6 s per trial, the cue 1 s after its begin.
@@ -91,8 +92,8 @@ inline std::string write_reaching(const std::string& name, const MadeReaching& m
        .value_type = record::ValueType::Float32,
        .rate = *core::Rate::create(100, 1),
        .channels = {{.label = "transient_mm", .unit = "mm"}, {.label = "ratio", .unit = "1"}, {.label = "twist", .unit = "1"}}});
-  const auto add_event = [&](v1::Event event, std::uint64_t scan) {
-    event.set_segment(1);
+  const auto add_event = [&](v1::Event event, std::uint64_t scan, std::uint32_t segment = 1) {
+    event.set_segment(segment);
     event.set_scan(scan);
     const std::vector<std::pair<double, std::string>> texts{{kOrigin_s + static_cast<double>(scan) / kRateHz, wire::to_json(event)}};
     EXPECT_TRUE(writer->write_texts(events, texts, {}).has_value());
@@ -112,7 +113,7 @@ inline std::string write_reaching(const std::string& name, const MadeReaching& m
     const auto step = [&](session::TrialEventKind kind, std::uint64_t scan) {
       const session::TrialEvent event{
           .kind = kind, .trial = reach.trial, .attempt = reach.attempt, .condition = reach.condition, .target_cm = reach.target_cm};
-      add_event(session::to_event(event, made.facts.session_id), first + scan);
+      add_event(session::to_event(event, made.facts.session_id), first + scan, kind == session::TrialEventKind::Go ? 1 : reach.end_segment);
     };
     step(session::TrialEventKind::Go, 100);
     session::ReachTrialResult result{.trial = reach.trial,

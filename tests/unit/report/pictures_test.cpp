@@ -152,18 +152,21 @@ TEST(Spectra, WithoutPower_SayWhy) {
   EXPECT_NE(text.find("no spectrum: needs 10 s"), std::string::npos);
 }
 
-TEST(Outline, Thinned_KeepsPeaksAndEnds) {
-  std::vector<double> values(100'000, 0.0);
-  values[54'321] = 7.0;
-  values[77'777] = -7.0;
+TEST(Outline, Thinned_KeepsPeaksOfBothAndEnds) {
+  std::vector<double> first(100'000, 0.0);
+  std::vector<double> second(100'000, 0.0);
+  // Within one stretch a smaller peak follows the largest.
+  const std::vector<std::size_t> peaks{54'321, 77'777, 54'400, 77'800};
+  first[peaks[0]] = second[peaks[2]] = 7.0;
+  first[peaks[1]] = second[peaks[3]] = -7.0;
+  for (const std::size_t peak : peaks) (first[peak] != 0.0 ? first : second)[peak + 1] = first[peak] + second[peak] > 0.0 ? 3.0 : -3.0;
 
-  const auto kept = thinned(values, values, 1000);
+  const auto kept = thinned(first, second, 1000);
 
   EXPECT_LE(kept.size(), 1500U);
   EXPECT_EQ(kept.front(), 0U);
-  EXPECT_EQ(kept.back(), values.size() - 1);
-  EXPECT_TRUE(std::ranges::binary_search(kept, std::size_t{54'321}));
-  EXPECT_TRUE(std::ranges::binary_search(kept, std::size_t{77'777}));
+  EXPECT_EQ(kept.back(), first.size() - 1);
+  for (const std::size_t peak : peaks) EXPECT_TRUE(std::ranges::binary_search(kept, peak)) << peak;
 }
 
 TEST(Outline, ShortSeries_IsKeptWhole) {

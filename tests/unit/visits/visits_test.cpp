@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "support/committed_text.h"
 #include "visits/document.h"
 #include "visits/plain_words.h"
 #include "visits/retest.h"
@@ -191,10 +192,49 @@ TEST(PlainWords, SayHowEyesClosedDiffers) {
   EXPECT_EQ(words, std::vector<std::string>{"With eyes closed the ellipse is 23 % larger than with eyes open (246 against 200 mm²)."});
   EXPECT_EQ(words_of_session(standing_on(0, 200, 4), german()),
             std::vector<std::string>{"Mit geschlossenen Augen ist die Ellipse 23 % größer als mit offenen (246 gegenüber 200 mm²)."});
-  EXPECT_EQ(english().ellipse_eyes_closed({.from = 200, .to = 100}),
-            "With eyes closed the ellipse is 50 % smaller than with eyes open (100 against 200 mm²).");
-  EXPECT_EQ(english().velocity_eyes_closed({.from = 8.0, .to = 8.02}),
-            "With eyes closed the mean velocity is the same as with eyes open (8.0 against 8.0 mm/s).");
+}
+
+/// Every sentence in this language: with a rise, a fall and no change, with one and with several.
+std::string every_sentence(const Sentences& words) {
+  std::string text = words.language() + "\n";
+  const auto add = [&text](const std::string& sentence) { text += sentence + "\n"; };
+  const std::string day = "2026-11-21";
+  for (const char* name : {"eyes-open", "eyes-closed", "on_foam", ""})
+    add(words.condition(name, "") + "; " + words.condition(name, "Title"));
+  for (const Change& change : {Change{.from = 8.0, .to = 9.84}, Change{.from = 8.0, .to = 4.0}, Change{.from = 8.0, .to = 8.02}}) {
+    add(words.ellipse_eyes_closed({.from = 25.0 * change.from, .to = 25.0 * change.to}));
+    add(words.velocity_eyes_closed(change));
+    add(words.ellipse_since("C", {.from = 25.0 * change.from, .to = 25.0 * change.to}, day));
+    add(words.velocity_since("C", change, day));
+    add(words.velocity_ml_since("C", change, day));
+    add(words.trunk_since("C", change.from, change.to, day));
+    add(words.trunk_spread_since("C", change.from, change.to, "today"));
+  }
+  for (const std::uint32_t count : {1U, 4U}) {
+    add(words.trunk_at_target("C", 12.34, count));
+    add(words.classes_as_expected(1, count));
+    add(words.reaches_without_class(1, count));
+  }
+  add(words.trunk_consistency(2.04));
+  add(words.within_retest(65.0));
+  add(words.beyond_retest(65.0));
+  add(words.no_retest_known());
+  return text;
+}
+
+TEST(Sentences, AreThoseOfTheCommittedText) {
+  RecordProperty("requirement", "UI-14");
+  test::expect_committed("unit/visits/sentences.txt", every_sentence(english()) + "\n" + every_sentence(german()));
+  EXPECT_EQ((Change{.from = 0.0, .to = 8.0}).percent(), 0) << "no share of nothing";
+}
+
+TEST(PlainWords, HalfAShareHasNoSentence) {
+  for (const char* details : {R"({"agreed":6,"rejected":6})", R"({"compared":8,"classified":8})"}) {
+    v1::SessionRecord session = session_on(0, "chair", "reaching-short");
+    add_result(session, "class_agreement_share", 0.75, "1", details);
+    add_result(session, "rejected_share", 0.75, "1", details);
+    EXPECT_TRUE(words_of_session(session, english()).empty()) << details;
+  }
 }
 
 TEST(PlainWords, SayWhatTheTrunkDid) {
@@ -259,8 +299,10 @@ TEST(Retest, IsKnownOnlyWithASource) {
   EXPECT_EQ(retest_of(series), nullptr) << "people on foam were not measured there";
   series = {.condition = "eyes-open", .measure = "MVELO", .points = points};
   EXPECT_EQ(retest_of(series), nullptr);
-  series = {.condition = "eyes-open", .measure = "MVELO_ML", .points = {{.duration_s = 20.0}}};
-  EXPECT_EQ(retest_of(series), nullptr) << "the study has 45 s";
+  for (const auto& [duration_s, is_known] : {std::pair(29.0, false), {30.0, true}, {60.0, true}, {61.0, false}}) {
+    series = {.condition = "eyes-closed", .measure = "MVELO_ML", .points = {{.duration_s = duration_s}}};
+    EXPECT_EQ(retest_of(series) != nullptr, is_known) << "the study has 45 s";
+  }
 }
 
 TEST(Sentences, TheLanguageIsTheFirstPartOfItsTag) {

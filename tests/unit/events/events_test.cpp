@@ -144,6 +144,7 @@ TEST(Events, Trigger_HasItsEdgeAndChannel) {
 }
 
 TEST(Events, PreliminarySway_HasTheMeasuresThatAreExact) {
+  RecordProperty("requirement", "SWAY-8");
   core::SwayEvent sway{.segment = 2, .scan = {899}, .host_time_ns = 5, .first_scan = {300}, .trial = 4};
   sway.values = {.samples = 200,
                  .rate_hz = 100.0,

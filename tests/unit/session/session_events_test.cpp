@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,7 +18,6 @@ namespace {
 
 using ipc::text;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const std::string kAt = "segment: 1 scan: 900 host_time_ns: 77 ";  // NOLINT(cert-err58-cpp)
 
 core::ReachEvent final_reach() {
@@ -167,51 +165,6 @@ TEST(SessionEvents, Sway_ReadsBack) {
   for (const char* bad : {"marker {}", "sway { trial: 1 }", "sway { is_preliminary: true trial: 1 problem: 'x' }"}) {
     EXPECT_FALSE(sway_of(test::event_of(bad))) << bad;
   }
-}
-
-TEST(SessionEvents, RunningSway_ArePreliminaryAndComplete) {
-  RecordProperty("requirement", "SWAY-8");
-  core::SwayEvent event{.segment = 1, .scan = {900}, .host_time_ns = 77, .first_scan = {100}, .trial = 3};
-  event.values = {.samples = 5,
-                  .rate_hz = 0.5,
-                  .rdist_mm = 1,
-                  .rdist_ap_mm = 2,
-                  .rdist_ml_mm = 3,
-                  .totex_mm = 40,
-                  .totex_ap_mm = 50,
-                  .totex_ml_mm = 60,
-                  .range_ap_mm = 7,
-                  .range_ml_mm = 8,
-                  .ellipse_sd1_mm = 9,
-                  .ellipse_sd2_mm = 10,
-                  .ellipse_angle_deg = -11,
-                  .pea95_f_mm2 = 12};
-  const auto measured = [&](std::uint64_t samples) {
-    event.values.samples = samples;
-    std::string all;
-    const v1::Event out = events::make(event, "");
-    for (const v1::SwayMeasure& measure : out.sway().measures()) all += text(measure).substr(8) + "; ";
-    return all;
-  };
-  const std::string two =
-      "\"RDIST\" value: 1 unit: \"mm\"; \"RDIST_AP\" value: 2 unit: \"mm\"; \"RDIST_ML\" value: 3 unit: \"mm\"; \"TOTEX\" value: 40 unit: "
-      "\"mm\"; "
-      "\"TOTEX_AP\" value: 50 unit: \"mm\"; \"TOTEX_ML\" value: 60 unit: \"mm\"; \"MVELO\" value: 10 unit: \"mm/s\"; "
-      "\"MVELO_AP\" value: 12.5 unit: \"mm/s\"; \"MVELO_ML\" value: 15 unit: \"mm/s\"; \"RANGE_AP\" value: 7 unit: \"mm\"; "
-      "\"RANGE_ML\" value: 8 unit: \"mm\"; ";
-  EXPECT_EQ(measured(1), "");
-  EXPECT_EQ(measured(2), two);
-  event.values.rate_hz = 0.75;
-  EXPECT_EQ(measured(3), two +
-                             "\"PEA95_F\" value: 12 unit: \"mm2\"; \"ELL_SD1\" value: 9 unit: \"mm\"; \"ELL_SD2\" value: 10 unit: \"mm\"; "
-                             "\"ELL_ANGLE\" value: -11 unit: \"deg\"; ");
-  event.values.rdist_mm = kNan;
-  EXPECT_EQ(measured(2).substr(0, 10), "\"RDIST_AP\"") << "what is not defined is not listed";
-  event.values = {.samples = 1, .rate_hz = 0.5};
-  EXPECT_EQ(text(events::make(event, "")),
-            kAt +
-                "sway { is_preliminary: true trial: 3 first_scan: 100 end_scan: 901 profile: \"lp10\" rate_hz: 0.5 "
-                "samples: 1 duration_s: 2 flags: 0 is_valid: true first_segment: 1 end_segment: 1 window: SWAY_WINDOW_TRIAL }");
 }
 
 TEST(SessionEvents, FinalSway_SaysWhereItIsFrom_AndAProblemHasNoValues) {

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kBadInput = 2;
 /// Bytes from which malloc(3) takes a block from the kernel and returns it there. 128 KiB is glibc's first value. glibc raises it when such
-/// a block is freed: the large matrices of the start then leave free pages between used ones, and commands fill them for days.
+/// a block is freed: the large matrices of the start then leave free pages between used ones, and commands fill them for hours.
 constexpr int kLargeBlock = 128 * 1024;
 
 int report(const dts::files::Problems& problems) {

@@ -208,7 +208,7 @@ std::string every_sentence(const Sentences& words) {
     add(words.velocity_since("C", change, day));
     add(words.velocity_ml_since("C", change, day));
     add(words.trunk_since("C", change.from, change.to, day));
-    add(words.trunk_spread_since("C", change.from, change.to, "today"));
+    add(words.trunk_spread_since("C", change.from, change.to, day));
   }
   for (const std::uint32_t count : {1U, 4U}) {
     add(words.trunk_at_target("C", 12.34, count));

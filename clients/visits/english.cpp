@@ -35,7 +35,8 @@ class English final : public Sentences {
            (compared == 1 ? " trial." : " trials.");
   }
   [[nodiscard]] std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const override {
-    return std::to_string(rejected) + " of " + std::to_string(classified) + " reaches have no trunk class.";
+    return "The trunk class is missing for " + std::to_string(rejected) + " of " + std::to_string(classified) +
+           (classified == 1 ? " reach." : " reaches.");
   }
   [[nodiscard]] std::string trunk_consistency(double sd_deg) const override {
     return "At the same target the trunk angle varied by " + en(sd_deg, 1) + "° from reach to reach (standard deviation).";

@@ -43,7 +43,8 @@ class German final : public Sentences {
            (compared == 1 ? " Durchgang" : " Durchgängen") + " dem Ziel.";
   }
   [[nodiscard]] std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const override {
-    return std::to_string(rejected) + " von " + std::to_string(classified) + " Reichbewegungen haben keine Rumpfklasse.";
+    return "Bei " + std::to_string(rejected) + " von " + std::to_string(classified) +
+           (classified == 1 ? " Reichbewegung" : " Reichbewegungen") + " fehlt die Rumpfklasse.";
   }
   [[nodiscard]] std::string trunk_consistency(double sd_deg) const override {
     return "Am selben Ziel schwankte der Rumpfwinkel von Mal zu Mal um " + de(sd_deg, 1) + "° (Standardabweichung).";

@@ -244,11 +244,11 @@ TEST(PlainWords, SayWhatTheTrunkDid) {
   auto& condition = *protocol.add_conditions();
   condition.set_name("120");
   condition.set_title("120 % of arm length");
-  EXPECT_EQ(
-      words_of_session(reaching_on(0, 12.14), english(), titles_of(protocols, english())),
-      (std::vector<std::string>{"120 % of arm length: the trunk bent 12.1° on average, in 3 reaches.",
-                                "The trunk class was as expected for the target in 6 of 8 trials.", "1 of 9 reaches have no trunk class.",
-                                "At the same target the trunk angle varied by 2.0° from reach to reach (standard deviation)."}));
+  EXPECT_EQ(words_of_session(reaching_on(0, 12.14), english(), titles_of(protocols, english())),
+            (std::vector<std::string>{"120 % of arm length: the trunk bent 12.1° on average, in 3 reaches.",
+                                      "The trunk class was as expected for the target in 6 of 8 trials.",
+                                      "The trunk class is missing for 1 of 9 reaches.",
+                                      "At the same target the trunk angle varied by 2.0° from reach to reach (standard deviation)."}));
   EXPECT_EQ(words_of_session(reaching_on(0, 12.14), german()).front(),
             "120: Der Rumpf beugte sich im Mittel um 12,1°, bei 3 Reichbewegungen.");
 }

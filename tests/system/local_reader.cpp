@@ -8,7 +8,9 @@
 int main(int count, char** arguments) {
   namespace client = dts::client;
   if (count != 4) return 2;
-  auto subscriber = client::Subscriber::open({.endpoint = arguments[1], .topics = {arguments[2]}, .mode = client::Mode::Latest});
+  // A slow machine may need more than the default for the way to fresh data: the daemon must get a core first.
+  auto subscriber = client::Subscriber::open(
+      {.endpoint = arguments[1], .topics = {arguments[2]}, .mode = client::Mode::Latest, .catch_up = std::chrono::seconds(5)});
   while (subscriber) {
     const auto message = subscriber->receive(std::chrono::seconds(1));
     if (!message) return 1;

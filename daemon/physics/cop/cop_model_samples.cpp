@@ -23,15 +23,16 @@ core::Status check_floor_sensors(const RigModel& rig) {
   }
   const auto centre = SensorRectangle::of(rig).centre();
   for (std::size_t k = 0; k < kFloorSensors; ++k) {
-    const auto& [label, position, curve, unloaded_gap] = rig.sensors[k];
+    const SensorModel& sensor = rig.sensors[k];
+    const Point& position = sensor.position;
     const bool is_right = k == 1 || k == 3;
     const bool is_front = k >= 2;
     const bool fits =
         (is_right ? position.x > centre.x : position.x < centre.x) && (is_front ? position.y > centre.y : position.y < centre.y);
     if (fits) continue;
     return core::fail(core::ErrorCode::InvalidArgument,
-                      "sensor " + std::to_string(k + 1) + " ('" + label + "') at (" + std::to_string(position.x.value) + ", " +
-                          std::to_string(position.y.value) + ") mm is not " + (is_right ? "correct" : "left") +
+                      "sensor " + std::to_string(k + 1) + " ('" + sensor.label + "') at (" + std::to_string(position.x.value) + ", " +
+                          std::to_string(position.y.value) + ") mm is not " + (is_right ? "right" : "left") +
                           (is_front ? " front" : " back") + " of the sensors' centre",
                       kHint);
   }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "physics/cop/cop_evaluation.h"
 #include "physics/cop/cop_fit.h"
@@ -88,6 +89,15 @@ TEST(CopCalibration, LoadError_IsThatOfPositionsLeftOutWhereThereAreSome) {
   const auto interpolated = calibrate_cop(CopMethod::Thesis, samples_of(CopMethod::Thesis), kOrigin).value();
   EXPECT_FALSE(interpolated.cross_validated);
   EXPECT_EQ(interpolated.load_error_percent(), interpolated.residuals.load_rms_percent);
+}
+
+TEST(CopCalibration, SensorsOfAModelInAnotherOrder_AreRefused) {
+  RecordProperty("requirement", "COP-9");
+  auto rig = test::floor_rig(0.0);
+  std::swap(rig.sensors[1], rig.sensors[3]);
+  const auto samples = model_samples(CopMethod::Poly3, rig, PlateBehaviour::Linear);
+  ASSERT_FALSE(samples);
+  EXPECT_EQ(samples.error().what, "sensor 2 ('w4') at (344.000000, 344.000000) mm is not right back of the sensors' centre");
 }
 
 TEST(CopCalibration, LeftOutEstimates_AreThoseOfFitsWithoutThePoint) {

@@ -208,6 +208,7 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
   for (const v1::RigStatus& rig : status->rigs()) {
     std::ranges::move(check_rig(rig), std::back_inserter(checks));
     if (auto calibration = check_calibration(*status, rig.rig())) checks.push_back(std::move(*calibration));
+    std::ranges::move(check_sensor_curves(*status, rig.rig()), std::back_inserter(checks));
   }
   if (status->rigs_size() == 0) checks.push_back(bad("rigs", "no rig is configured", "add a [[rig]] to the daemon's configuration"));
   std::ranges::move(check_disk(status->disk()), std::back_inserter(checks));
@@ -266,6 +267,18 @@ std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v
   }
   const std::string date = date_of_calibration(rig.calibration());
   return good(name, rig.calibration() + (date.empty() ? "" : ", of " + date));
+}
+
+std::vector<Check> check_sensor_curves(const v1::StatusSnapshot& status, const v1::RigInfo& rig) {
+  const std::string begin = "rig '" + rig.name() + "': " + std::string(words::kSensorCurvesAfterRig);
+  const std::string name = rig.name() + " sensor curves";
+  std::vector<Check> checks;
+  for (const std::string& notice : status.notices()) {
+    if (!notice.starts_with(begin)) continue;
+    const auto [finding, fix] = finding_and_fix(notice);
+    checks.push_back(finding.ends_with(words::kOtherUnit) ? note(name, finding, fix) : bad(name, finding, fix));
+  }
+  return checks;
 }
 
 Check check_network(const v1::StatusSnapshot& status) {

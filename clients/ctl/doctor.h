@@ -31,6 +31,8 @@ enum class Daemon : std::uint8_t { Here, Elsewhere };
 /// Names the rig's calibration of the centre of pressure, its date, and the daemon's warning about it. Without one, returns a note for a
 /// real floor rig, and nothing for others.
 [[nodiscard]] std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v1::RigInfo& rig);
+/// Returns a check for each of the daemon's warnings about the rig's sensor curves.
+[[nodiscard]] std::vector<Check> check_sensor_curves(const v1::StatusSnapshot& status, const v1::RigInfo& rig);
 /// Checks whether other machines can connect, and whether they have connected.
 [[nodiscard]] Check check_network(const v1::StatusSnapshot& status);
 /// Names the interrupted sessions.

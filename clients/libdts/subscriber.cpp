@@ -158,7 +158,7 @@ void Subscriber::Implementation::drain() {
 
 void Subscriber::Implementation::catch_up() {
   const auto deadline = Clock::now() + options_.catch_up;
-  // Old blocks may arrive faster than this thread can wait for one: the time alone ends it then.
+  // `wait` returns true after the deadline, too, if a message is there.
   while (inbox_.is_behind() && Clock::now() < deadline && wait(deadline)) drain();
   inbox_.accept_delays();
 }

@@ -43,24 +43,22 @@ class CurveShelf {
  public:
   CurveShelf(References references, Problems& problems) : references_(references), problems_(problems) {}
 
-  /// Returns the curve of a sensor; nothing if it cannot be read.
-  std::optional<physics::SensorCurve> get(TomlReader& sensor) {
+  /// Returns the curve of a sensor, and what is known of it; nothing if it cannot be read.
+  std::optional<SensorCurveFile> get(TomlReader& sensor) {
     const toml::node* given = sensor.node("curve");
     const std::string name = given != nullptr ? given->value_or(std::string()) : std::string();
     if (const auto known = curves_.find(name); known != curves_.end() && references_ == References::Files) return known->second;
     std::optional<toml::table> parsed;
-    std::optional<physics::SensorCurve> curve;
-    if (auto reader = sensor.table_or_file("curve", references_, parsed)) {
-      if (auto file = read_sensor_curve(*reader, problems_)) curve = std::move(file->curve);
-    }
-    if (!name.empty()) curves_.emplace(name, curve);
-    return curve;
+    std::optional<SensorCurveFile> file;
+    if (auto reader = sensor.table_or_file("curve", references_, parsed)) file = read_sensor_curve(*reader, problems_);
+    if (!name.empty()) curves_.emplace(name, file);
+    return file;
   }
 
  private:
   References references_;
   Problems& problems_;
-  std::map<std::string, std::optional<physics::SensorCurve>> curves_;
+  std::map<std::string, std::optional<SensorCurveFile>> curves_;
 };
 
 void read_sensors(TomlReader& top, RigModelFile& rig, References references, Problems& problems) {
@@ -78,7 +76,10 @@ void read_sensors(TomlReader& top, RigModelFile& rig, References references, Pro
                                 .curve = physics::SensorCurve::hoa1405_assumed()};
     const auto channel = static_cast<std::size_t>(
         reader.integer("channel", static_cast<std::int64_t>(rig.sensor_channels.size()), 0, core::kMaxChannels - 1));
-    if (auto curve = shelf.get(reader)) sensor.curve = std::move(*curve);
+    if (auto file = shelf.get(reader)) {
+      sensor.curve = std::move(file->curve);
+      if (file->calibration) sensor.curve_origin = std::move(file->calibration->origin);
+    }
     const double nearest_mm = sensor.curve.minimum_gap().value;
     const double farthest_mm = sensor.curve.maximum_gap().value;
     sensor.unloaded_gap = {reader.number("unloaded_gap_mm", kUnloadedGapMm, nearest_mm, farthest_mm)};

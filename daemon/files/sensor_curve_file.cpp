@@ -19,10 +19,12 @@ constexpr std::int64_t kMostSamples = 1'000'000'000;
 
 SensorCalibrationFacts read_facts(TomlReader reader) {
   SensorCalibrationFacts facts;
-  for (const auto& [key, target] : {std::pair{"id", &facts.id}, std::pair{"created_utc", &facts.created_utc}, std::pair{"rig", &facts.rig},
-                                    std::pair{"sensor", &facts.sensor}, std::pair{"daq_model", &facts.daq_model},
-                                    std::pair{"daq_serial", &facts.daq_serial}, std::pair{"channel", &facts.channel}}) {
-    *target = reader.text(key, "");
+  physics::SensorCurveOrigin& origin = facts.origin;
+  for (const auto& [key, target] :
+       {std::pair{"id", &facts.id}, std::pair{"created_utc", &origin.created_utc}, std::pair{"rig", &origin.rig},
+        std::pair{"sensor", &origin.sensor}, std::pair{"daq_model", &origin.daq_model}, std::pair{"daq_serial", &origin.daq_serial},
+        std::pair{"channel", &origin.channel}}) {
+    *target = reader.short_text(key);
   }
   if (reader.has("range_v")) facts.range_v = reader.number("range_v", 0.0, 0.001, 1000.0);
   facts.residual_mv = reader.number("residual_mv", 0.0, 0.0, 1e6);
@@ -74,7 +76,7 @@ SensorCalibrationFacts with_id(SensorCalibrationFacts facts, std::span<const phy
       checksum = (checksum ^ static_cast<unsigned char>(character)) * 16777619U;
     }
   }
-  std::string date = facts.created_utc;
+  std::string date = facts.origin.created_utc;
   std::erase_if(date, [](char character) { return character == '-' || character == ':'; });
   std::array<char, 16> digits{};
   std::snprintf(digits.data(), digits.size(), "%08x", checksum);
@@ -89,12 +91,12 @@ std::string sensor_curve_text(const std::string& name, std::span<const physics::
          "# residual_mv: rms of the points about a smooth curve; repeat_mv: rms of repeated readings about their mean.\n";
   out << "name = " << toml_quoted(name) << "\n\n[calibration]\n";
   put_text(out, "id", facts.id);
-  put_text(out, "created_utc", facts.created_utc);
-  put_text(out, "rig", facts.rig);
-  put_text(out, "sensor", facts.sensor);
-  put_text(out, "daq_model", facts.daq_model);
-  put_text(out, "daq_serial", facts.daq_serial);
-  put_text(out, "channel", facts.channel);
+  put_text(out, "created_utc", facts.origin.created_utc);
+  put_text(out, "rig", facts.origin.rig);
+  put_text(out, "sensor", facts.origin.sensor);
+  put_text(out, "daq_model", facts.origin.daq_model);
+  put_text(out, "daq_serial", facts.origin.daq_serial);
+  put_text(out, "channel", facts.origin.channel);
   if (facts.range_v) out << "range_v = " << toml_number(*facts.range_v) << "\n";
   out << "residual_mv = " << toml_number(facts.residual_mv) << '\n';
   if (facts.repeat_mv) out << "repeat_mv = " << toml_number(*facts.repeat_mv) << '\n';

@@ -13,15 +13,10 @@
 
 namespace dts::files {
 
-/// How a sensor's curve was measured. An empty text means "not known".
+/// How a sensor's curve was measured.
 struct SensorCalibrationFacts {
-  std::string id;           ///< "sensor-20260131T120000Z-1a2b3c4d": date and a checksum of the points.
-  std::string created_utc;  ///< ISO 8601: "2026-01-31T12:00:00Z"
-  std::string rig;
-  std::string sensor;  ///< Its label in the rig.
-  std::string daq_model;
-  std::string daq_serial;
-  std::string channel;                ///< Channel of the DAQ.
+  std::string id;  ///< "sensor-20260131T120000Z-1a2b3c4d": date and a checksum of the points.
+  physics::SensorCurveOrigin origin;
   std::optional<double> range_v;      ///< Range of the channel: +-range_v around 0 V.
   double residual_mv = 0.0;           ///< RMS distance of the points from a smooth curve.
   std::optional<double> repeat_mv;    ///< RMS distance of repeated readings from their mean.

@@ -19,6 +19,7 @@ struct SensorModel {
   Point position;     ///< Plate coordinates, corner origin.
   SensorCurve curve;  ///< Output voltage over the gap between sensor and plate.
   core::Millimetres unloaded_gap{12.0};
+  SensorCurveOrigin curve_origin{};  ///< Empty for a curve that was written by hand.
 };
 
 /// A force plate of another maker that is wired to the rig's DAQ.

@@ -14,6 +14,16 @@ struct CurvePoint {
   core::Volts volts;
 };
 
+/// With what a curve was measured. An empty text means "not known".
+struct SensorCurveOrigin {
+  std::string created_utc;  ///< ISO 8601: "2026-01-31T12:00:00Z"
+  std::string rig;
+  std::string sensor;  ///< Its label in the rig.
+  std::string daq_model;
+  std::string daq_serial;
+  std::string channel;  ///< Of the DAQ.
+};
+
 /// Output voltage of a reflective sensor as a function of its gap: strictly monotone, interpolated between calibration points by monotone
 /// cubic Hermite (Fritsch-Carlson), which cannot overshoot.
 ///

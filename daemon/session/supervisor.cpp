@@ -100,7 +100,7 @@ std::vector<std::string> Supervisor::warnings() const {
   std::vector<std::string> warnings;
   if (std::string warning = clock_warning(); !warning.empty()) warnings.push_back(std::move(warning));
   for (const auto& [rig_name, entry] : entries_) {
-    if (!entry.calibration_warning.empty()) warnings.push_back(entry.calibration_warning);
+    warnings.insert(warnings.end(), entry.calibration_warnings.begin(), entry.calibration_warnings.end());
   }
   return warnings;
 }
@@ -410,10 +410,10 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
 
 /// Another unit may have been plugged in while the device was away.
 void Supervisor::check_calibration(Entry& entry) {
-  std::string warning = calibration_warning(entry.rig->config(), entry.rig->device(), entry.rig->device_report());
-  if (warning == entry.calibration_warning) return;
-  if (!warning.empty()) log_.warning(warning);
-  entry.calibration_warning = std::move(warning);
+  auto warnings = calibration_warnings(entry.rig->config(), entry.rig->device(), entry.rig->device_report());
+  if (warnings == entry.calibration_warnings) return;
+  for (const std::string& warning : warnings) log_.warning(warning);
+  entry.calibration_warnings = std::move(warnings);
 }
 
 void Supervisor::measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns) {

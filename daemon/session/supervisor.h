@@ -144,7 +144,7 @@ class Supervisor {
     RigSession session;
     device::DeviceState reported_state = device::DeviceState::Closed;
     std::string reported_message{};
-    std::string calibration_warning{};  ///< See `session::calibration_warning`, of the unit that streamed last.
+    std::vector<std::string> calibration_warnings{};  ///< See `session::calibration_warnings`, of the unit that streamed last.
     std::uint64_t reported_gaps = 0;
     bool has_pulse_due = false;      ///< A sync pulse follows: at the first scan of a session, and at `next_pulse_ns` in a pulse train.
     bool has_pulse_failed = false;   ///< The newest sync pulse could not be sent, and this was reported.

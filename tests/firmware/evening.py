@@ -12,6 +12,7 @@ import argparse
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -114,7 +115,18 @@ def check_curves(evening: Evening):
     """dtsd accepts the rig file with the new curves, and the simulated plate with it."""
     assert "hoa1405-assumed" not in evening.rig.read_text(), evening.rig.read_text()
     evening.begin("sim:floor?seed=7&step_on_s=60")
-    print("dtsd runs with the curves that were measured")
+    assert not doubts(evening), doubts(evening)
+    text = evening.rig.read_text()
+    files = re.findall(r'curve = "(.*?)"', text)
+    evening.rig.write_text(text.replace(files[0], "w1 of another").replace(files[1], files[0]).replace("w1 of another", files[1]))
+    evening.begin("sim:floor?seed=7&step_on_s=60")
+    assert "sensor curves (w1, w2) were measured at other sensors (w2, w1)" in doubts(evening)[0], doubts(evening)
+    print("dtsd runs with the curves that were measured, and names two that are exchanged")
+
+
+def doubts(evening: Evening):
+    """Returns dtsd's notices about the sensor curves."""
+    return [notice for notice in json.loads(evening.ctl("status", "--json", is_quiet=True))["notices"] if "sensor curves" in notice]
 
 
 def main():

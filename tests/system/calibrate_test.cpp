@@ -185,7 +185,7 @@ TEST_F(CalibrateTest, Sensors_GiveBackTheirCurve) {
     const auto file = files::read_sensor_curve(sensor["file"].get<std::string>(), problems);
     ASSERT_TRUE(file) << files::to_string(problems.at(0));
     EXPECT_EQ(file->calibration->id, sensor["id"].get<std::string>());
-    EXPECT_EQ(file->calibration->channel, sensor["channel"].get<std::string>());
+    EXPECT_EQ(file->calibration->origin.channel, sensor["channel"].get<std::string>());
     EXPECT_EQ(file->calibration->samples_per_point, 200U);
     EXPECT_EQ(file->calibration->range_v, 10.0);
     EXPECT_GT(sensor["points"].back()["gap_mm"], 12.0) << "the curve must reach beyond the unloaded gap";

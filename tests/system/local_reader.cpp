@@ -8,7 +8,7 @@
 int main(int count, char** arguments) {
   namespace client = dts::client;
   if (count != 4) return 2;
-  // A slow machine may need more than the default for the way to fresh data: the daemon must get a core first.
+  // On a slow machine, catching up can take longer than the default of 100 ms: the daemon must get a core first.
   auto subscriber = client::Subscriber::open(
       {.endpoint = arguments[1], .topics = {arguments[2]}, .mode = client::Mode::Latest, .catch_up = std::chrono::seconds(5)});
   while (subscriber) {

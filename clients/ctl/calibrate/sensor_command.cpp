@@ -127,7 +127,8 @@ Result<bool> measure_jobs(const Arguments& arguments, const RigFacts& facts, std
   return true;
 }
 
-Result<Finished> finish(const SensorJob& job, const std::optional<RigFacts>& facts, const std::string& rig) {
+/// `facts`: of the rig that was measured; nothing for points from a file, which may be of another DAQ.
+Result<Finished> finish(const SensorJob& job, const RigFacts* facts, const std::string& rig) {
   const std::string label = job.sensor.label();
   auto calibration = physics::calibrate_sensor(job.readings);
   const auto refuse = [&](core::Error error) {
@@ -135,11 +136,11 @@ Result<Finished> finish(const SensorJob& job, const std::optional<RigFacts>& fac
     return as_client_error(error);
   };
   if (!calibration) return refuse(calibration.error());
-  files::SensorCalibrationFacts about{.created_utc = utc_now(), .rig = rig, .sensor = label};
-  if (facts) {
-    about.daq_model = facts->daq_model;
-    about.daq_serial = facts->daq_serial;
-    about.channel = job.sensor.channel();
+  files::SensorCalibrationFacts about{.origin = {.created_utc = utc_now(), .rig = rig, .sensor = label}};
+  if (facts != nullptr) {
+    about.origin.daq_model = facts->daq_model;
+    about.origin.daq_serial = facts->daq_serial;
+    about.origin.channel = job.sensor.channel();
     const double range_v = std::max(std::abs(job.sensor.range_low_v()), std::abs(job.sensor.range_high_v()));
     if (range_v > 0.0) about.range_v = range_v;  // 0: an older daemon does not report it
   }
@@ -156,11 +157,12 @@ Result<Finished> finish(const SensorJob& job, const std::optional<RigFacts>& fac
 
 Json to_json(const Finished& finished) {
   const files::SensorCalibrationFacts& facts = finished.facts;
+  const physics::SensorCurveOrigin& origin = facts.origin;
   Json json = Json::object();
   for (const auto& [key, text] :
-       {std::pair{"sensor", &facts.sensor}, std::pair{"rig", &facts.rig}, std::pair{"id", &facts.id},
-        std::pair{"created_utc", &facts.created_utc}, std::pair{"daq_model", &facts.daq_model}, std::pair{"daq_serial", &facts.daq_serial},
-        std::pair{"channel", &facts.channel}, std::pair{"file", &finished.file}}) {
+       {std::pair{"sensor", &origin.sensor}, std::pair{"rig", &origin.rig}, std::pair{"id", &facts.id},
+        std::pair{"created_utc", &origin.created_utc}, std::pair{"daq_model", &origin.daq_model},
+        std::pair{"daq_serial", &origin.daq_serial}, std::pair{"channel", &origin.channel}, std::pair{"file", &finished.file}}) {
     if (!text->empty()) json[key] = *text;
   }
   if (facts.range_v) cli::set_number(json, "range_v", *facts.range_v);
@@ -181,13 +183,14 @@ void warn_of_range(const SensorJob& job, const Finished& finished, cli::Console&
   const double unloaded_mm = job.sensor.unloaded_gap_mm();
   const double largest_mm = finished.calibration.points.back().gap.value;
   if (!(unloaded_mm + kMarginMm > largest_mm)) return;
-  console.talk << "warning: sensor " << cli::printable(finished.facts.sensor) << " has an unloaded gap of " << cli::decimal(unloaded_mm, 2)
-               << " mm, but its curve ends at " << cli::decimal(largest_mm, 2) << " mm: measure larger gaps, too" << std::endl;
+  console.talk << "warning: sensor " << cli::printable(finished.facts.origin.sensor) << " has an unloaded gap of "
+               << cli::decimal(unloaded_mm, 2) << " mm, but its curve ends at " << cli::decimal(largest_mm, 2)
+               << " mm: measure larger gaps, too" << std::endl;
 }
 
 void print(cli::Console& console, const std::vector<Finished>& all) {
   for (const Finished& finished : all) {
-    console.out << "Sensor " << cli::printable(finished.facts.sensor) << ", " << finished.facts.id << ":\n";
+    console.out << "Sensor " << cli::printable(finished.facts.origin.sensor) << ", " << finished.facts.id << ":\n";
     cli::Table table({">gap mm", ">volts"});
     for (const physics::CurvePoint& point : finished.calibration.points) {
       table.add({{cli::decimal(point.gap.value, 3)}, {cli::decimal(point.volts.value, 4)}});
@@ -197,7 +200,7 @@ void print(cli::Console& console, const std::vector<Finished>& all) {
     if (finished.facts.repeat_mv) console.out << "; between repeated gaps: " << cli::decimal(*finished.facts.repeat_mv, 2) << " mV rms";
     console.out << "\nwritten to " << cli::printable(finished.file)
                 << "\nto use it, replace the line `curve` in the rig file, under [[sensor]] with label = "
-                << cli::printable(files::toml_quoted(finished.facts.sensor))
+                << cli::printable(files::toml_quoted(finished.facts.origin.sensor))
                 << ", by:\n    curve = " << cli::printable(files::toml_quoted(std::filesystem::absolute(finished.file).string())) << "\n";
   }
   console.out.flush();
@@ -282,10 +285,11 @@ int run_calibrate_sensor(const Arguments& arguments, cli::Console& console) {
   const auto filled = fill_in(arguments, *facts, *jobs, console);
   if (!filled) return cli::fail_with(console, filled.error());
   if (!*filled) return cli::kInterrupted;
+  const RigFacts* const measured = arguments.calibrate.points_file.empty() ? &**facts : nullptr;
   std::vector<Finished> all;
   int status = cli::kOk;
   for (const SensorJob& job : *jobs) {
-    auto finished = finish(job, *facts, arguments.rig);
+    auto finished = finish(job, measured, arguments.rig);
     if (!finished) {
       status = refuse(arguments, job, finished.error(), console);
       continue;

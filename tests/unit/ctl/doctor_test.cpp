@@ -89,6 +89,22 @@ TEST(DoctorCalibration, NamesItsDate_AndWhatTheDaemonDoubts) {
   EXPECT_EQ(check_calibration(status, rig)->fix, "compare a known weight");
 }
 
+TEST(DoctorSensorCurves, WhatTheDaemonDoubtsIsNamed) {
+  RecordProperty("requirement", "SIG-8");
+  v1::StatusSnapshot status;
+  v1::RigInfo rig;
+  rig.set_name("floor");
+  status.add_notices("rig 'chair': sensor curves (s1) are of rig 'old'; calibrate again");
+  EXPECT_TRUE(check_sensor_curves(status, rig).empty()) << "another rig's";
+  status.add_notices("rig 'floor': sensor curves (w1, w2) were measured at other sensors (w2, w1); name the files");
+  status.add_notices(
+      "rig 'floor': sensor curves (w3) were measured with A 1, and the device is 2, another unit of the same model; compare");
+  EXPECT_EQ(text_of(check_sensor_curves(status, rig)),
+            "bad floor sensor curves: rig 'floor': sensor curves (w1, w2) were measured at other sensors (w2, w1); name the files\n"
+            "good floor sensor curves: rig 'floor': sensor curves (w3) were measured with A 1, and the device is 2, another unit of the "
+            "same model; compare\n");
+}
+
 TEST(DoctorRate, ThatIsNoNumber_IsNotKnown) {
   v1::RigStatus rig = testing::floor_status().rigs(0);
   for (const double rate_hz : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {

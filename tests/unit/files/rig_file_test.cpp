@@ -79,10 +79,11 @@ TEST_F(RigFile, EveryKey_ReachesItsField) {
   EXPECT_THAT(rig.published, ElementsAre("raw"));
   EXPECT_THAT(rig.recorded, ElementsAre("raw", "cop"));
   std::vector<std::tuple<std::string, double, double, double>> sensors;
-  for (const auto& [label, position, curve, gap] : rig.model.sensors) {
+  for (const auto& [label, position, curve, gap, origin] : rig.model.sensors) {
     sensors.emplace_back(label, position.x.value, position.y.value, gap.value);
     EXPECT_EQ(curve.name(), "c");
     EXPECT_EQ(curve.maximum_gap().value, 13.0);
+    EXPECT_EQ(origin.sensor, "");
   }
   EXPECT_THAT(sensors, ElementsAre(std::tuple("w1", 86, 87, 11.5), std::tuple("w2", 344, 88, 12), std::tuple("w3", 85, 343, 12),
                                    std::tuple("w4", 343, 344, 12)));
@@ -92,6 +93,20 @@ TEST_F(RigFile, EveryKey_ReachesItsField) {
   EXPECT_THAT(rig.stages[1].options, ElementsAre(testing::Pair("window_scans", pipeline::OptionValue(5.0))));
   EXPECT_EQ(rig.stages[2].id, "linearise");
   EXPECT_THAT(rig.stages[3].options, ElementsAre(testing::Pair("estimator", pipeline::OptionValue("thesis"))));
+}
+
+TEST_F(RigFile, OriginOfAMeasuredCurve_ReachesItsSensor) {
+  const std::string measured =
+      "curve = { name = \"c\", point = [{ gap_mm = 4, volts = 4 }, { gap_mm = 13, volts = 1 }], calibration = { rig = \"floor\", sensor = "
+      "\"w1\", daq_model = \"M\", daq_serial = \"7\", channel = \"CH0\" } }";
+  const std::string plate_and_support = kTop.substr(0, kTop.find("[acquire]")).substr(kTop.find("[plate]"));
+  Problems problems;
+  const auto rig = read(plate_and_support + edited(sensor("w1", "86", "86"), "curve", measured) + stage("guard"), problems);
+
+  ASSERT_EQ(text_of(problems), "");
+  ASSERT_EQ(rig.model.sensors.size(), 1U);
+  const auto& [created_utc, from, label, daq_model, daq_serial, channel] = rig.model.sensors[0].curve_origin;
+  EXPECT_EQ(std::tuple(created_utc, from, label, daq_model, daq_serial, channel), std::tuple("", "floor", "w1", "M", "7", "CH0"));
 }
 
 TEST_F(RigFile, WhatMayBeLeftOut_TakesItsDefault) {

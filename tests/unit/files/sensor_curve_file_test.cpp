@@ -23,12 +23,12 @@ const std::vector<physics::CurvePoint> kPoints{
     {.gap = {7.1}, .volts = {4.0 / 3.0}}, {.gap = {9.0}, .volts = {1.0}}, {.gap = {12.0}, .volts = {0.1}}};
 
 SensorCalibrationFacts facts() {
-  return {.created_utc = "2026-01-31T12:00:00Z",
-          .rig = "floor",
-          .sensor = "w1",
-          .daq_model = "USB-6008 \"lab\"",
-          .daq_serial = "01A2",
-          .channel = "ai0",
+  return {.origin = {.created_utc = "2026-01-31T12:00:00Z",
+                     .rig = "floor",
+                     .sensor = "w1",
+                     .daq_model = "USB-6008 \"lab\"",
+                     .daq_serial = "01A2",
+                     .channel = "ai0"},
           .range_v = 5.0,
           .residual_mv = 1.0 / 3.0,
           .repeat_mv = 0.25,
@@ -85,7 +85,7 @@ TEST_F(SensorCurveFiles, Written_ReadsBackExactly) {
 }
 
 TEST_F(SensorCurveFiles, UnknownFacts_AreAbsent) {
-  const std::string text = sensor_curve_text("bench", kPoints, {.created_utc = "2026-01-31T12:00:00Z"});
+  const std::string text = sensor_curve_text("bench", kPoints, {.origin = {.created_utc = "2026-01-31T12:00:00Z"}});
   EXPECT_EQ(text, std::string(kHead) +
                       "name = 'bench'\n\n[calibration]\ncreated_utc = '2026-01-31T12:00:00Z'\nresidual_mv = 0.0\n"
                       "readings_per_gap = 1\nsamples_per_point = 1\n" +

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// A calibration of the centre of pressure that was measured with another device than the rig's.
+// A calibration of the centre of pressure, or a sensor curve, that was measured with another device than the rig's.
 #include "session/calibration_check.h"
 
 #include <gmock/gmock.h>
+
+#include <utility>
 
 #include "core/notice_words.h"
 #include "supervisor_fixture.h"
@@ -21,13 +23,20 @@ physics::CopCalibration calibration_of(physics::CopCalibrationOrigin origin) {
   return physics::calibrate_cop(physics::CopMethod::Poly3, samples, std::move(origin)).value();
 }
 
+std::string only_warning(const pipeline::RigConfig& config, const device::DeviceDescription& described,
+                         const device::DeviceReport& report) {
+  const auto warnings = calibration_warnings(config, described, report);
+  EXPECT_LE(warnings.size(), 1U);
+  return warnings.empty() ? "" : warnings.front();
+}
+
 std::string warning_of(const physics::CopCalibrationOrigin& origin, const std::string& address = "mcc:usb-1408fs",
                        const std::string& model = "USB-1408FS", const std::string& serial = "11", const std::string& own_model = "") {
   pipeline::RigConfig config = floor_config(address);
   config.cop_calibration = calibration_of(origin);
   device::DeviceDescription device;
   device.model = model;
-  return calibration_warning(config, device, {.model = own_model, .serial = serial});
+  return only_warning(config, device, {.model = own_model, .serial = serial});
 }
 
 TEST(CalibrationCheck, AnotherDeviceIsNamed) {
@@ -58,7 +67,7 @@ TEST(CalibrationCheck, AnotherRigOrNoDaqIsNamed) {
   EXPECT_THAT(warning_of({.rig = "a-file"}), HasSubstr("names no DAQ: it was computed from a model or from a table of loads;"));
   EXPECT_EQ(warning_of({.rig = "a-file"}, "sim:floor", "Simulated floor platform"), "") << "the simulated plate is that model";
   EXPECT_EQ(warning_of({.rig = "left", .daq_model = "LabJack U6"}, "replay:x.xdf", "LabJack U6"), "");
-  EXPECT_EQ(calibration_warning(floor_config("mcc:usb-1408fs"), {}, {.serial = "11"}), "") << "no calibration";
+  EXPECT_THAT(calibration_warnings(floor_config("mcc:usb-1408fs"), {}, {.serial = "11"}), IsEmpty()) << "no calibration";
 }
 
 TEST(CalibrationCheck, AUnitThatSaysItsModelIsComparedByIt) {
@@ -81,6 +90,103 @@ TEST(CalibrationCheck, ASerialNumberCannotDivideTheNotice) {
   EXPECT_THAT(warning, HasSubstr("was measured with USB-1408FS 1, 2, and the device is 3, 4, another unit of the same model; compare"));
 }
 
+/// The sensors of a floor, each with the curve that was measured at it on channels ch0 to ch3 of unit 11.
+class CurveCheck : public ::testing::Test {
+ protected:
+  CurveCheck() {
+    device_.model = "USB-1408FS";
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::string channel = "ch" + std::to_string(k);
+      device_.channels.push_back({.name = channel});
+      origin(k) = {.created_utc = "2026-01-31T12:00:00Z",
+                   .rig = "floor",
+                   .sensor = config_.model.sensors[k].label,
+                   .daq_model = "USB-1408FS",
+                   .daq_serial = "11",
+                   .channel = channel};
+    }
+  }
+  physics::SensorCurveOrigin& origin(std::size_t k) { return config_.model.sensors[k].curve_origin; }
+  [[nodiscard]] std::vector<std::string> warnings() const { return calibration_warnings(config_, device_, {.serial = serial_}); }
+  [[nodiscard]] std::string warning() const { return only_warning(config_, device_, {.serial = serial_}); }
+
+  pipeline::RigConfig config_ = floor_config("mcc:usb-1408fs");
+  device::DeviceDescription device_;
+  std::string serial_ = "11";
+  const std::string again_ = "calibrate again: dtsctl calibrate sensor --rig floor --sensor all";
+};
+
+TEST_F(CurveCheck, CurvesOfTheirSensorsAreFine_SoAreThoseOfWhichLittleIsKnown) {
+  EXPECT_EQ(warning(), "");
+  origin(2) = {};
+  EXPECT_EQ(warning(), "");
+  origin(2) = {.created_utc = "2026-01-31T12:00:00Z", .sensor = "hoa1405"};
+  EXPECT_EQ(warning(), "") << "computed from a table of readings, perhaps for all sensors of a type";
+  config_.model.sensors.clear();
+  EXPECT_EQ(warning(), "") << "a force plate";
+}
+
+TEST_F(CurveCheck, ExchangedFilesAreNamed) {
+  RecordProperty("requirement", "SIG-8");
+  std::swap(origin(0), origin(1));
+  EXPECT_EQ(
+      warning(),
+      "rig 'floor': sensor curves (w1, w2) were measured at other sensors (w2, w1); name the file of each sensor in the rig file, or " +
+          again_);
+}
+
+TEST_F(CurveCheck, OtherChannelsAreNamed) {
+  RecordProperty("requirement", "SIG-8");
+  std::swap(config_.sensor_channels[2], config_.sensor_channels[3]);
+  EXPECT_EQ(warning(),
+            "rig 'floor': sensor curves (w3, w4) were measured on channels (ch2, ch3), not on (ch3, ch2); check the wiring and channel in "
+            "the rig file, or " +
+                again_);
+  device_.channels.clear();
+  EXPECT_EQ(warning(), "") << "a device that does not name its channels";
+}
+
+TEST_F(CurveCheck, EachDaqAndRigIsNamed_WithItsSensors) {
+  RecordProperty("requirement", "SIG-8");
+  origin(0).daq_model = "LabJack U6";
+  origin(1).rig = "left; old";
+  origin(2).daq_model = "LabJack U6";
+  origin(3).daq_model = "LabJack U3";
+  EXPECT_THAT(warnings(),
+              ElementsAre("rig 'floor': sensor curves (w4) were measured with LabJack U3 11, not with USB-1408FS 11; " + again_,
+                          "rig 'floor': sensor curves (w1, w3) were measured with LabJack U6 11, not with USB-1408FS 11; " + again_,
+                          "rig 'floor': sensor curves (w2) are of rig 'left, old'; " + again_));
+  std::swap(origin(0).sensor, origin(1).sensor);
+  EXPECT_THAT(warnings().front(), HasSubstr("sensor curves (w1, w2) were measured at other sensors (w2, w1);"));
+}
+
+TEST_F(CurveCheck, AnotherUnitOfTheSameModelNeedsAComparison) {
+  RecordProperty("requirement", "SIG-8");
+  serial_ = "12";
+  EXPECT_EQ(warning(),
+            "rig 'floor': sensor curves (w1, w2, w3, w4) were measured with USB-1408FS 11, and the device is 12, another unit of the same "
+            "model; compare a known distance, or " +
+                again_);
+  serial_ = "";
+  EXPECT_EQ(warning(), "") << "a device without a serial number";
+}
+
+TEST_F(CurveCheck, AReplayAndTheSimulatorHaveTheVoltsOfTheirCurves) {
+  std::swap(origin(0), origin(1));
+  origin(2).daq_model = "LabJack U6";
+  for (const char* address : {"replay:x.xdf", "sim:floor"}) {
+    config_.device_uri = address;
+    EXPECT_EQ(warning(), "") << address;
+  }
+}
+
+TEST_F(CurveCheck, StandsBehindTheWarningOfTheCop) {
+  config_.cop_calibration = calibration_of({.rig = "floor", .daq_model = "LabJack U6"});
+  origin(0).daq_model = "LabJack U6";
+  EXPECT_THAT(warnings(),
+              ElementsAre(HasSubstr("the calibration of 2026-01-31 was measured with LabJack U6"), HasSubstr("sensor curves (w1)")));
+}
+
 TEST(CalibrationCheck, HasTheWordsByWhichDoctorFindsIt) {
   RecordProperty("requirement", "COP-14");
   const std::string begin = "rig 'floor': " + std::string(core::notice_words::kCalibrationAfterRig);
@@ -92,6 +198,16 @@ TEST(CalibrationCheck, HasTheWordsByWhichDoctorFindsIt) {
   EXPECT_TRUE(has_words(warning_of({.rig = "a-file"}), core::notice_words::kNoDaq));
   EXPECT_TRUE(has_words(warning_of({.rig = "floor", .daq_model = "LabJack U6"}), ""));
   EXPECT_TRUE(has_words(warning_of({.rig = "left", .daq_model = "USB-1408FS"}), ""));
+}
+
+TEST_F(CurveCheck, HasTheWordsByWhichDoctorFindsIt) {
+  RecordProperty("requirement", "SIG-8");
+  const std::string begin = "rig 'floor': " + std::string(core::notice_words::kSensorCurvesAfterRig);
+  serial_ = "12";
+  EXPECT_TRUE(warning().starts_with(begin));
+  EXPECT_TRUE(warning().substr(0, warning().find("; ")).ends_with(core::notice_words::kOtherUnit));
+  std::swap(origin(0), origin(1));
+  for (const std::string& each : warnings()) EXPECT_TRUE(each.starts_with(begin)) << each;
 }
 
 class CalibrationWarningTest : public SupervisorTest {};

@@ -58,6 +58,26 @@ test.each([
     "rig 'chair': the calibration of 2026-11-02 names no DAQ: it was computed from a model or from a table of loads; calibrate again: dtsctl calibrate cop --rig chair",
     'Messplatz „chair“: Kalibrierung vom 2026-11-02 nennt kein Messgerät: aus einem Modell oder einer Tabelle von Lasten berechnet; neu kalibrieren: dtsctl calibrate cop --rig chair',
   ],
+  [
+    "rig 'floor': sensor curves (w1, w2) were measured at other sensors (w2, w1); name the file of each sensor in the rig file, or calibrate again: dtsctl calibrate sensor --rig floor --sensor all",
+    'Messplatz „floor“: Sensorkennlinien (w1, w2) an anderen Sensoren gemessen (w2, w1); in der Messplatzdatei die Datei jedes Sensors angeben oder neu kalibrieren: dtsctl calibrate sensor --rig floor --sensor all',
+  ],
+  [
+    "rig 'floor': sensor curves (w4) were measured with LabJack U6 11, not with USB-1408FS 11; calibrate again: dtsctl calibrate sensor --rig floor --sensor all",
+    'Messplatz „floor“: Sensorkennlinien (w4) mit LabJack U6 11 gemessen, nicht mit USB-1408FS 11; neu kalibrieren: dtsctl calibrate sensor --rig floor --sensor all',
+  ],
+  [
+    "rig 'floor': sensor curves (w2) are of rig 'left'; calibrate again: dtsctl calibrate sensor --rig floor --sensor all",
+    'Messplatz „floor“: Sensorkennlinien (w2) gehören zu Messplatz „left“; neu kalibrieren: dtsctl calibrate sensor --rig floor --sensor all',
+  ],
+  [
+    "rig 'floor': sensor curves (w3, w4) were measured on channels (ch2, ch3), not on (ch3, ch2); check the wiring and channel in the rig file, or calibrate again: dtsctl calibrate sensor --rig floor --sensor all",
+    'Messplatz „floor“: Sensorkennlinien (w3, w4) an den Kanälen (ch2, ch3) gemessen, nicht an (ch3, ch2); Verkabelung und channel in der Messplatzdatei prüfen oder neu kalibrieren: dtsctl calibrate sensor --rig floor --sensor all',
+  ],
+  [
+    "rig 'floor': sensor curves (w1) were measured with USB-1408FS 11, and the device is 12, another unit of the same model; compare a known distance, or calibrate again: dtsctl calibrate sensor --rig floor --sensor all",
+    'Messplatz „floor“: Sensorkennlinien (w1) mit USB-1408FS 11 gemessen, und das Gerät ist 12, ein anderes desselben Modells; einen bekannten Abstand vergleichen oder neu kalibrieren: dtsctl calibrate sensor --rig floor --sensor all',
+  ],
   ['session chair has no recording', 'Untersuchung chair hat keine Aufzeichnung'],
   ['a sentence that nobody has translated', 'a sentence that nobody has translated'],
 ])('messages.%s', (english, translated) => {

@@ -49,6 +49,26 @@ export const daemonMessages: readonly Message[] = [
     'Messplatz „{}“: Kalibrierung vom {} nennt kein Messgerät: aus einem Modell oder einer Tabelle von Lasten berechnet; neu kalibrieren: dtsctl calibrate cop --rig {}',
   ],
   [
+    "rig '{}': sensor curves ({!}) were measured at other sensors ({!}); name the file of each sensor in the rig file, or calibrate again: dtsctl calibrate sensor --rig {!} --sensor all",
+    'Messplatz „{}“: Sensorkennlinien ({}) an anderen Sensoren gemessen ({}); in der Messplatzdatei die Datei jedes Sensors angeben oder neu kalibrieren: dtsctl calibrate sensor --rig {} --sensor all',
+  ],
+  [
+    "rig '{}': sensor curves ({!}) were measured with {!}, not with {!}; calibrate again: dtsctl calibrate sensor --rig {!} --sensor all",
+    'Messplatz „{}“: Sensorkennlinien ({}) mit {} gemessen, nicht mit {}; neu kalibrieren: dtsctl calibrate sensor --rig {} --sensor all',
+  ],
+  [
+    "rig '{}': sensor curves ({!}) are of rig '{!}'; calibrate again: dtsctl calibrate sensor --rig {!} --sensor all",
+    'Messplatz „{}“: Sensorkennlinien ({}) gehören zu Messplatz „{}“; neu kalibrieren: dtsctl calibrate sensor --rig {} --sensor all',
+  ],
+  [
+    "rig '{}': sensor curves ({!}) were measured on channels ({!}), not on ({!}); check the wiring and channel in the rig file, or calibrate again: dtsctl calibrate sensor --rig {!} --sensor all",
+    'Messplatz „{}“: Sensorkennlinien ({}) an den Kanälen ({}) gemessen, nicht an ({}); Verkabelung und channel in der Messplatzdatei prüfen oder neu kalibrieren: dtsctl calibrate sensor --rig {} --sensor all',
+  ],
+  [
+    "rig '{}': sensor curves ({!}) were measured with {!}, and the device is {!}, another unit of the same model; compare a known distance, or calibrate again: dtsctl calibrate sensor --rig {!} --sensor all",
+    'Messplatz „{}“: Sensorkennlinien ({}) mit {} gemessen, und das Gerät ist {}, ein anderes desselben Modells; einen bekannten Abstand vergleichen oder neu kalibrieren: dtsctl calibrate sensor --rig {} --sensor all',
+  ],
+  [
     'the clock of this machine says {} UTC, and session {} began later, at {} UTC: visits would be in the wrong order; set the clock (timedatectl), or delete that session if its date is the wrong one',
     'die Uhr dieses Rechners zeigt {} UTC, und Untersuchung {} begann später, um {} UTC: Besuche stünden in falscher Reihenfolge; die Uhr stellen (timedatectl) oder jene Untersuchung löschen, wenn ihr Datum falsch ist',
   ],

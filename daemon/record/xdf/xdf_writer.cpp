@@ -33,7 +33,8 @@ class XdfWriter::Implementation {
   struct Stream {
     StreamInfo info;
     bool is_written = false;
-    StreamSummary summary{};
+    StreamSummary summary{};                                     ///< Without its clock offsets.
+    std::vector<std::pair<std::size_t, std::size_t>> offsets{};  ///< Ranges of `offsets_`.
   };
 
   Implementation(std::unique_ptr<DurableFile> file, std::string session_id) : file_(std::move(file)), session_id_(std::move(session_id)) {}
@@ -63,12 +64,15 @@ class XdfWriter::Implementation {
   void fail_with(core::Error error) {
     if (!error_) error_ = std::move(error);
   }
+  void keep_offset(Stream& stream, std::pair<double, double> offset);
   NotedChunk header_of(Stream& stream, std::uint32_t number, double created_at_s) const;
   core::Status write_footers(const std::string& incomplete);
 
   std::unique_ptr<DurableFile> file_;
   std::string session_id_;
   std::vector<Stream> streams_;
+  /// For the footers: (time, offset). One clock gives all streams the same ones, and a session of a day has 17,000: they are kept once.
+  std::vector<std::pair<double, double>> offsets_;
   std::optional<core::Error> error_;
   std::optional<DurableFile::Mark> before_footers_;
   bool is_over_ = false;
@@ -132,9 +136,18 @@ core::Status XdfWriter::Implementation::write_clock_offset(std::uint32_t number,
   put(content, stream_time_s);
   put(content, offset_s);
   auto status = write_chunk(make_chunk(ChunkTag::ClockOffset, content));
-  auto& offsets = stream->summary.clock_offsets;
-  if (status && offsets.size() < kMaxFooterOffsets) offsets.emplace_back(stream_time_s, offset_s);
+  if (status) keep_offset(*stream, {stream_time_s, offset_s});
   return status;
+}
+
+void XdfWriter::Implementation::keep_offset(Stream& stream, std::pair<double, double> offset) {
+  if (offsets_.empty() || offsets_.back() != offset) {
+    if (offsets_.size() == kMaxFooterOffsets) return;
+    offsets_.push_back(offset);
+  }
+  const std::size_t index = offsets_.size() - 1;
+  if (stream.offsets.empty() || stream.offsets.back().second != index) stream.offsets.emplace_back(index, index);
+  ++stream.offsets.back().second;
 }
 
 core::Status XdfWriter::Implementation::write_chunk(std::string chunk) {
@@ -158,6 +171,9 @@ core::Status XdfWriter::Implementation::write_footers(const std::string& incompl
     const Stream& stream = *find(number);
     if (!stream.is_written) continue;
     StreamSummary summary = stream.summary;
+    for (const auto& [first, end] : stream.offsets) {
+      for (std::size_t index = first; index < end; ++index) summary.clock_offsets.push_back(offsets_[index]);
+    }
     if (!incomplete.empty()) summary.facts.emplace_back("incomplete", incomplete);
     footers.push_back({.bytes = make_chunk(ChunkTag::StreamFooter, with_stream(number, stream_footer_xml(summary)))});
   }

@@ -11,6 +11,7 @@
 #include <csignal>
 #include <filesystem>
 #include <limits>
+#include <regex>
 
 #include "record/xdf/chunk_index.h"
 #include "record/xdf/header_xml.h"
@@ -196,6 +197,40 @@ TEST(XdfWriter, IndexLines_TellWhereSamplesStand) {
   EXPECT_EQ(raw.first_scan, 40U);
   EXPECT_EQ(raw.samples, 4U);
   EXPECT_EQ(raw.time_s, 1000.0);
+}
+
+/// Streams begin at different times, and need not have the same offsets.
+TEST(XdfWriter, EachFooter_HasTheClockOffsetsOfItsStream) {
+  const Folder folder;
+  auto writer = new_writer(folder / "a.xdf");
+  std::vector<std::uint32_t> streams;
+  const std::vector<double> value = {1};
+  const auto begin_stream = [&] {
+    streams.push_back(writer->add_stream(regular_stream("floor/" + std::to_string(streams.size()), {"a_v"}, rate_of(100))));
+    EXPECT_TRUE(writer->write_samples(streams.back(), 1.0, value, {}));
+  };
+  const auto note = [&](std::size_t stream, double time_s, double offset_s) {
+    EXPECT_TRUE(writer->write_clock_offset(streams[stream], time_s, offset_s));
+  };
+  begin_stream();
+  begin_stream();
+  note(0, 1, 0.5);
+  note(1, 1, 0.5);
+  begin_stream();
+  for (const std::size_t stream : {0, 1, 2}) note(stream, 2, 0.5);
+  note(2, 3, 0.25);
+  note(0, 4, 0.25);
+  note(2, 4, 0.25);
+  ASSERT_TRUE(writer->close());
+
+  const std::string bytes = bytes_of(folder / "a.xdf");
+  std::vector<std::string> listed;
+  for (std::size_t at = 0; (at = bytes.find("<clock_offsets>", at)) != std::string::npos;) {
+    const std::size_t end = bytes.find("</clock_offsets>", at);
+    listed.push_back(std::regex_replace(bytes.substr(at, end - at), std::regex("(<[^>]*>)+"), " "));
+    at = end;
+  }
+  EXPECT_EQ(listed, (std::vector<std::string>{" 1 0.5 2 0.5 4 0.25 ", " 1 0.5 2 0.5 ", " 2 0.5 3 0.25 4 0.25 "}));
 }
 
 TEST(XdfWriter, StreamWithoutSamples_IsNotInTheFile) {

@@ -11,8 +11,8 @@ from pathlib import Path
 # "[       OK ] Kinds/DeviceContract.Deadline_IsKept/sim (12 ms)": the case without the names of its parameters.
 GTEST = re.compile(r"^\[ *(RUN|OK|FAILED|SKIPPED) +\] (?:[^/\s]+/)?(\w+\.\w+)\S*(?: \(\d+ ms\)|, where .* \(\d+ ms\))?$", re.M)
 SKIPPED_SCRIPT = re.compile(r"^OK \(skipped=\d+\)$", re.M)  # unittest does not name the cases: all of the file count as skipped
-# node:test prints TAP if nobody watches: "    ok 2 - name", "not ok 1 - name", "ok 3 - name # SKIP".
-TAP = re.compile(r"^\s*((?:not )?ok) \d+ - (.*?)( # SKIP.*)?$", re.M)
+# node:test prints TAP if nobody watches: "    ok 2 - name", "not ok 1 - name", "ok 3 - name # SKIP". vitest: "    ok 1 - name # time=1.58ms".
+TAP = re.compile(r"^\s*((?:not )?ok) \d+ - (.*?)(?: # time=\S+)?( # SKIP.*)?(?: \{)?$", re.M)
 WORDS = {"RUN": "begun", "OK": "passed", "FAILED": "failed", "SKIPPED": "skipped", "ok": "passed", "not ok": "failed"}
 WORST_FIRST = ("failed", "not run", "skipped", "passed")
 
@@ -30,6 +30,11 @@ class Results:
             return self.cases[case]
         found = [self.tests[test] for test in self.files.get(Path(file).name, []) if test in self.tests]
         return worst(found)
+
+
+def over_parameters(words: list[str]) -> str:
+    """Of the parameters of a case: those that it cannot have, as a device that makes no gap, are skipped, and count only if all are."""
+    return worst([word for word in words if word != "skipped"] or words)
 
 
 def worst(words: list[str]) -> str:
@@ -64,12 +69,14 @@ def read(junit: Path, build: Path) -> Results:
             results.tests[name] = "skipped"
         for word, found, skipped in TAP.findall(output):
             words.setdefault(found, []).append("skipped" if skipped else WORDS[word])
-    results.cases = {name: worst(found) for name, found in words.items()}
+    results.cases = {name: over_parameters(found) for name, found in words.items()}
     listed = subprocess.run(
         ["ctest", "--test-dir", str(build), "--show-only=json-v1"], check=True, capture_output=True, text=True
     ).stdout
     for test in json.loads(listed)["tests"]:
-        for word in test.get("command", []):
+        command = test.get("command", [])
+        modules = [f"{word}.py" for word in command[command.index("unittest") + 1 :]] if "unittest" in command else []
+        for word in command + modules:
             if word.endswith((".py", ".mjs")):
                 results.files.setdefault(Path(word).name, []).append(test["name"])
     return results

@@ -23,10 +23,12 @@ core::StreamFormat format_of(double hz, const std::string& unit, std::size_t cha
   return make_signal(hz, unit, std::vector<std::vector<double>>(channels)).format;
 }
 
-/// What a calibration file of this rig would hold.
+/// What a calibration file of this rig would hold. Its ID does not depend on the processor, as the checksum of computed samples does.
 physics::CopCalibration calibration_of(physics::CopMethod method, const physics::RigModel& rig) {
   const auto samples = physics::model_samples(method, rig, physics::PlateBehaviour::Stiffening).value();
-  return physics::calibrate_cop(method, samples, {.created_utc = "2026-01-31T12:00:00Z", .rig = "floor"}).value();
+  auto calibration = physics::calibrate_cop(method, samples, {.created_utc = "2026-01-31T12:00:00Z", .rig = "floor"}).value();
+  calibration.id = "cop-20260131T120000Z-1a2b3c4d";
+  return calibration;
 }
 
 /// The chair with so many sensors, of which the transient's are chosen.

@@ -87,7 +87,8 @@ TEST_P(StageOutput, WithEveryOption_IsThatOfItsFile) {
     write_output(text, id, options, scans, Faults::Some);
     if (options.empty() || id == "steadiness") write_output(text, id, options, scans, Faults::None);
   }
-  dts::test::expect_committed("unit/pipeline/outputs/" + id + ".txt", text.str(), 1e-9);
+  // The least squares of an estimator make the last digits of another processor larger: arm64 differs by 6e-9.
+  dts::test::expect_committed("unit/pipeline/outputs/" + id + ".txt", text.str(), id == "cop" ? 1e-7 : 1e-9);
 }
 
 std::vector<std::string> ids_of_stages() {

@@ -11,8 +11,8 @@ namespace dts::session {
 
 /// Compares what a rig's calibration of the centre of pressure and its sensor curves say about their origin with the rig and its device.
 /// Returns warnings with what to do: of the calibration first, then one for all curves with the same difference. None if the device replays
-/// a recording; none of curves if it is simulated. `report`: on the unit that is open now; one without a serial number is compared by its
-/// model only.
+/// a recording; none of curves if it is simulated. `report`: on the unit that is open now. If a unit has no serial number, units are not
+/// compared.
 [[nodiscard]] std::vector<std::string> calibration_warnings(const pipeline::RigConfig& config, const device::DeviceDescription& described,
                                                             const device::DeviceReport& report);
 

@@ -256,7 +256,10 @@ bool Watch::Loop::take_status(const std::string& bytes) {
   v1::StatusSnapshot status;
   (void)status.ParseFromString(bytes);
   status_problem_ = problem_of_status(status);
-  if (!status_problem_.empty()) return false;
+  if (!status_problem_.empty()) {
+    report(false, status_problem_);  // at once: the next status of this turn may be sound
+    return false;
+  }
   status_ = std::move(status);
   has_new_status_ = true;
   report(true, {});

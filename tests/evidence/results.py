@@ -54,7 +54,8 @@ def status_of(case: ElementTree.Element) -> str:
 
 def read(junit: Path, build: Path) -> Results:
     results = Results()
-    words: dict[str, list[str]] = {}  # of each case
+    of_gtest: dict[str, list[str]] = {}  # all results of a case, with each parameter
+    of_tap: dict[str, list[str]] = {}  # cases of two files may have the same text
     for case in ElementTree.parse(junit).getroot().iter("testcase"):
         name = case.get("name", "")
         results.tests[name] = status_of(case)
@@ -64,12 +65,12 @@ def read(junit: Path, build: Path) -> Results:
         for word, found in GTEST.findall(output):
             of_program.setdefault(found, []).append(WORDS[word])
         for found, printed in of_program.items():
-            words.setdefault(found, []).extend(ended(printed))
+            of_gtest.setdefault(found, []).extend(ended(printed))
         if results.tests[name] == "passed" and SKIPPED_SCRIPT.search(output):
             results.tests[name] = "skipped"
         for word, found, skipped in TAP.findall(output):
-            words.setdefault(found, []).append("skipped" if skipped else WORDS[word])
-    results.cases = {name: over_parameters(found) for name, found in words.items()}
+            of_tap.setdefault(found, []).append("skipped" if skipped else WORDS[word])
+    results.cases = {name: worst(found) for name, found in of_tap.items()} | {name: over_parameters(found) for name, found in of_gtest.items()}
     listed = subprocess.run(
         ["ctest", "--test-dir", str(build), "--show-only=json-v1"], check=True, capture_output=True, text=True
     ).stdout

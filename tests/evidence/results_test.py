@@ -24,9 +24,11 @@ JUNIT = """<testsuite>
     ok 1 - shows a figure
     not ok 2 - shows another
     ok 3 - is left out # SKIP no screen
+    ok 4 - is in two files
 ok 1 - src/decisions.test.ts # time=8.24ms {
     ok 1 - one of vitest # time=1.58ms
     ok 2 - one that vitest leaves out # SKIP
+    ok 3 - is in two files # SKIP
 }
 </system-out></testcase>
 <testcase name="self_test" status="run" time="1"><system-out></system-out></testcase>
@@ -80,6 +82,9 @@ class RunOfTheSuite(unittest.TestCase):
         self.assertEqual(self.run_of.of("shows a figure", "live.test.mjs"), "passed")
         self.assertEqual(self.run_of.of("shows another", "live.test.mjs"), "failed")
         self.assertEqual(self.run_of.of("is left out", "live.test.mjs"), "skipped")
+
+    def test_OneOfTwoCasesOfNodeWithTheSameText_ThatIsSkipped_Counts(self) -> None:
+        self.assertEqual(self.run_of.of("is in two files", "live.test.mjs"), "skipped")
 
     def test_ScriptsWithoutCases_HaveTheResultOfTheirFile(self) -> None:
         self.assertEqual(self.run_of.of("test_Values", "tests/python/test_live.py"), "passed")

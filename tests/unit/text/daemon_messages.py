@@ -15,8 +15,10 @@ import sys
 
 # Rooms whose texts an operator can meet on a page: answers to commands, states of devices, recordings and sessions, notices.
 ROOMS = (
-    "clients/fhir/recorded_session.cpp", "clients/gateway", "clients/libdts/control_client.cpp", "clients/libdts/endpoints.cpp", "clients/report/pdf.cpp",
-    "clients/report/report.cpp", "clients/report/session_data.cpp", "clients/report/transient_trace.cpp", "clients/report/watched_recording.cpp",
+    "clients/fhir/recorded_session.cpp", "clients/fleet/desk/live.cpp", "clients/fleet/desk/pages.cpp", "clients/fleet/desk/query_pool.cpp",
+    "clients/fleet/desk/routes.cpp", "clients/fleet/desk/watch.cpp", "clients/fleet/forward/viewers.cpp", "clients/gateway",
+    "clients/libdts/control_client.cpp", "clients/libdts/endpoints.cpp", "clients/report/pdf.cpp", "clients/report/report.cpp",
+    "clients/report/session_data.cpp", "clients/report/transient_trace.cpp", "clients/report/watched_recording.cpp",
     "daemon/access/gate.cpp", "daemon/app/daemon.cpp", "daemon/app/plate_check.cpp", "daemon/core/loss_watch.cpp", "daemon/core/thread.cpp",
     "daemon/device", "daemon/ipc", "daemon/posturography/prepare.cpp", "daemon/record/catalogue", "daemon/record/overview.cpp",
     "daemon/record/recorder.cpp", "daemon/record/replace_file.cpp", "daemon/record/xdf", "daemon/session",
@@ -49,6 +51,7 @@ EXCEPTIONS = {
 # Texts of these rooms that stay as they are: those of the log, a string with quotes inside, which is
 # in the catalogue, and the protocol of dtsd itself, which has its own translations.
 OTHER_TEXTS = {
+    'as the owner of the database: CREATE ROLE "dts-fleet-gateway" LOGIN IN ROLE dashboard, and name this role in --database', "{} at the centre watches {}",
     "login: {} ({}) from {}", "serving {} rig(s)", "session {} part {}: ", "{}(a login is {{}: {}, {}: {}})", "login rejected: {} from {}", ", and {} more since the line before", "a name that no user has", " (and {} more gaps before it)",
     "Free recording", "Freie Aufzeichnung", "Records until it is stopped", "Zeichnet auf, bis die Untersuchung beendet wird",
 }
@@ -68,7 +71,7 @@ REPORT_CATALOGUE = "clients/report/german.cpp"
 LOGGED = re.compile(r"(?:\blog_?(?:\.|->)\w+|\bstatic_assert)\($")
 HEAD = re.compile(r"^(?:.*?(?:\breturn\b|(?<![=!<>])=(?!=)|\bcase [^\"]*?:(?!:)|\bdefault:|<<))", re.DOTALL)
 SENTENCE = re.compile(r"[A-Za-z]{2,}[,:;]? [a-z(]|[a-z][,:;]? [A-Za-z]{2}")
-NOT_FOR_PEOPLE = re.compile(r"\s*(?:SELECT|INSERT|UPDATE|DELETE|PRAGMA|WHERE|ORDER)\b|.*\bORDER BY\b|.*charset=|.*; SameSite=|default-src|attachment;|(?:dtsctl|dts-gateway|chmod) ",
+NOT_FOR_PEOPLE = re.compile(r"\s*(?:SELECT|SET LOCAL|INSERT|UPDATE|DELETE|PRAGMA|WHERE|ORDER)\b|.*\bORDER BY\b|.*charset=|.*; SameSite=|default-src|attachment;|(?:dtsctl|dts-gateway|chmod) ",
                             re.DOTALL)
 ESCAPES = {"n": "\n", "t": "\t"}
 PLACE = re.compile(r"\{!?\}")

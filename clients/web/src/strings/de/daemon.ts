@@ -4,6 +4,7 @@
 // in the C++ sources and fails if one has no German here.
 import type { Message } from '../messages';
 import { deviceMessages } from './daemon_devices';
+import { fleetMessages } from './daemon_fleet';
 import { recordMessages } from './daemon_records';
 
 export const daemonMessages: readonly Message[] = [
@@ -581,6 +582,7 @@ export const daemonMessages: readonly Message[] = [
   ['{} ({})', '{} ({})'],
   // Messages made of several ones
   ...deviceMessages,
+  ...fleetMessages,
   ...recordMessages,
   ['{}; {}', '{}; {}'],
   ['{}: {}', '{}: {}'],

@@ -110,7 +110,7 @@ class Watch::Loop {
   void ask_if_due();
   void read_answers();
   void read_letters();
-  void pass_on(link::Letter&& letter);
+  [[nodiscard]] bool pass_on(link::Letter&& letter);
   [[nodiscard]] bool take_status(const std::string& bytes);
   void judge();
   void report(bool is_up, const std::string& problem);
@@ -234,21 +234,23 @@ void Watch::Loop::read_answers() {
 void Watch::Loop::read_letters() {
   auto letter = live_->next(kTurn);
   for (int count = 0; letter && count < kMostLettersInATurn; ++count) {
-    pass_on(std::move(*letter));
+    if (!pass_on(std::move(*letter))) return;  // a sound status behind it must not hide its problem from `judge`
     letter = live_->next(milliseconds(0));
   }
-  if (letter) pass_on(std::move(*letter));
+  if (letter) (void)pass_on(std::move(*letter));
 }
 
-void Watch::Loop::pass_on(link::Letter&& letter) {
+/// Returns false for a status that must not be passed on. Other letters that are not for anybody are dropped.
+bool Watch::Loop::pass_on(link::Letter&& letter) {
   const auto subject = wire::parse_subject(letter.subject);
-  if (!subject || subject->matter != wire::Matter::Live || subject->clinic != clinic_) return;
-  if (std::ranges::find(asked_.topics, subject->topic) == asked_.topics.end()) return;  // nobody asked for it
+  if (!subject || subject->matter != wire::Matter::Live || subject->clinic != clinic_) return true;
+  if (std::ranges::find(asked_.topics, subject->topic) == asked_.topics.end()) return true;  // nobody asked for it
   auto message = carried_of(subject->topic, std::move(letter.data));
-  if (!message) return;
-  if (message->kind == gateway::Carried::Kind::Status && !take_status(message->bytes)) return;
+  if (!message) return true;
+  if (message->kind == gateway::Carried::Kind::Status && !take_status(message->bytes)) return false;
   received_at_ = Clock::now();
   if (is_up_) on_item_(std::move(message));
+  return true;
 }
 
 /// Returns false for a status that must not be passed on.
@@ -256,10 +258,7 @@ bool Watch::Loop::take_status(const std::string& bytes) {
   v1::StatusSnapshot status;
   (void)status.ParseFromString(bytes);
   status_problem_ = problem_of_status(status);
-  if (!status_problem_.empty()) {
-    report(false, status_problem_);  // at once: the next status of this turn may be sound
-    return false;
-  }
+  if (!status_problem_.empty()) return false;
   status_ = std::move(status);
   has_new_status_ = true;
   report(true, {});

@@ -53,7 +53,8 @@ v1::LiveAnswer Viewers::handle(const v1::LiveRequest& request, const v1::StatusS
   for (const std::string& topic : request.topics()) {
     if (!is_topic(topic, *status)) return refusal("the clinic has no topic " + topic);
   }
-  if (names_.size() >= kMostViewers && !names_.contains(request.who())) return refusal("64 others watch already");
+  if (names_.size() >= kMostViewers && !names_.contains(request.who()))
+    return refusal(std::to_string(kMostViewers) + " others watch already");
   const std::vector<std::string> wanted(request.topics().begin(), request.topics().end());
   if (!names_.contains(request.who())) log_.info(request.who() + " at the centre watches " + core::join(wanted, ", "));
   for (const std::string& topic : wanted) topics_[topic] = now + kLease;

@@ -198,6 +198,26 @@ TEST_F(WatchTest, StatusWithTooManyRigs_IsNotPassedOn_AndNamed) {
   }
 }
 
+TEST_F(WatchTest, EachStatusWithTooManyRigs_IsNamed_AlsoIfASoundOneIsReadWithIt) {
+  constexpr int kPairs = 20;
+  FakeClinic clinic(server_->port());
+  const auto watched = watch();
+  ASSERT_TRUE(becomes([](const auto& items) { return has_topic(items, "dtsd/status"); }));
+  v1::StatusSnapshot status;
+  for (int rig = 0; rig <= kMostRigs; ++rig) status.add_rigs();
+  for (int pair = 0; pair < kPairs; ++pair) {
+    clinic.publish("dtsd/status", status.SerializeAsString());
+    clinic.publish("dtsd/status", status_of_kent().SerializeAsString());
+  }
+
+  EXPECT_TRUE(becomes([](const auto& items) {
+    return std::ranges::count_if(items, [](const gateway::BusItem& item) {
+             const auto* link = std::get_if<v1::Link>(&item);
+             return link != nullptr && link->problem() == "the clinic reports more than 64 rigs";
+           }) == kPairs;
+  }));
+}
+
 TEST_F(WatchTest, Refusal_IsReportedInTheWordsOfTheClinic) {
   FakeClinic clinic(server_->port(), "the clinic does not allow it");
   const auto watched = watch();

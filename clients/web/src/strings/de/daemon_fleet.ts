@@ -34,5 +34,5 @@ export const fleetMessages: readonly Message[] = [
   ['the clinic does not allow it', 'die Klinik erlaubt es nicht'],
   ['dtsd of the clinic does not run', 'dtsd der Klinik läuft nicht'],
   ['the clinic has no topic {!}', 'die Klinik hat kein Thema {}'],
-  ['64 others watch already', '64 andere sehen schon zu'],
+  ['{!} others watch already', '{} andere sehen schon zu'],
 ];

@@ -39,7 +39,7 @@ class Inbox {
   /// In mode Latest, returns true if a waiting block is much older than blocks of its stream usually are on arrival. Newer blocks are then
   /// still on their way.
   [[nodiscard]] bool is_behind() const noexcept;
-  /// Makes the present delays the usual ones, because no newer blocks arrived.
+  /// Makes the present delays the usual ones: newer blocks did not arrive, or not in time.
   void accept_delays() noexcept;
 
   [[nodiscard]] const v1::StatusSnapshot* status() const noexcept { return has_status_ ? &status_ : nullptr; }

@@ -97,7 +97,10 @@ def requirement_rows(root: Path, run: results.Results) -> tuple[list[tuple[str, 
         word = results.worst([word for _, word in found])
         if word != "passed":
             open_ids.append(requirement.id)
-        tests = "<br>".join(f"<code>{html.escape(item.name)}</code> {outcome(word)}" for item, word in found)
+        tests = "<br>".join(
+            f"<code>{html.escape(item.name)}</code> {outcome(word)}" + (f", {run.left_out[item.name]}" if item.name in run.left_out else "")
+            for item, word in found
+        )
         rows.append((requirement.id, plain(requirement.text), plain(requirement.source), outcome(word), tests))
     return rows, open_ids
 

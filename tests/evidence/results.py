@@ -22,6 +22,7 @@ class Results:
     tests: dict[str, str] = field(default_factory=dict)  # name in ctest: passed, failed, skipped
     seconds: dict[str, float] = field(default_factory=dict)
     cases: dict[str, str] = field(default_factory=dict)  # "Suite.Name" or the text of a case: the same
+    left_out: dict[str, str] = field(default_factory=dict)  # of a case that passed: "3 of 14 parameters skipped"
     files: dict[str, list[str]] = field(default_factory=dict)  # a script's file name: the tests of ctest that run it
 
     def of(self, case: str, file: str) -> str:
@@ -33,7 +34,7 @@ class Results:
 
 
 def over_parameters(words: list[str]) -> str:
-    """Of the parameters of a case: those that it cannot have, as a device that makes no gap, are skipped, and count only if all are."""
+    """Of the parameters of a case: one that is skipped, as a device that makes no gap, counts only if all are. `left_out` has their number."""
     return worst([word for word in words if word != "skipped"] or words)
 
 
@@ -71,6 +72,9 @@ def read(junit: Path, build: Path) -> Results:
         for word, found, skipped in TAP.findall(output):
             of_tap.setdefault(found, []).append("skipped" if skipped else WORDS[word])
     results.cases = {name: worst(found) for name, found in of_tap.items()} | {name: over_parameters(found) for name, found in of_gtest.items()}
+    for name, found in of_gtest.items():
+        if results.cases[name] == "passed" and "skipped" in found:
+            results.left_out[name] = f"{found.count('skipped')} of {len(found)} parameters skipped"
     listed = subprocess.run(
         ["ctest", "--test-dir", str(build), "--show-only=json-v1"], check=True, capture_output=True, text=True
     ).stdout

@@ -72,6 +72,7 @@ class RunOfTheSuite(unittest.TestCase):
     def test_ParametersThatAreSkipped_CountIfAllAre(self) -> None:
         self.assertEqual(self.run_of.of("Device.Gap", "device_test.cpp"), "passed")
         self.assertEqual(self.run_of.of("Device.Rest", "device_test.cpp"), "skipped")
+        self.assertEqual(self.run_of.left_out, {"Device.Gap": "1 of 2 parameters skipped"})
 
     def test_CasesOfUnittest_AreThoseOfItsModule(self) -> None:
         self.assertEqual(self.run_of.of("test_word", "tests/unit/text/words_test.py"), "passed")

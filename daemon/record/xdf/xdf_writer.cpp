@@ -72,6 +72,7 @@ class XdfWriter::Implementation {
   std::string session_id_;
   std::vector<Stream> streams_;
   /// For the footers: (time, offset). One clock gives all streams the same ones, and a session of a day has 17,000: they are kept once.
+  /// `kMaxFooterOffsets` limits all of them together.
   std::vector<std::pair<double, double>> offsets_;
   std::optional<core::Error> error_;
   std::optional<DurableFile::Mark> before_footers_;

@@ -128,6 +128,20 @@ void warn_of_protocols(const std::vector<v1::SessionRecord>& sessions, std::set<
   warnings.insert("the sessions have different protocols: " + cli::join(texts, ", ") + "; trials and instructions may differ");
 }
 
+/// Adds a warning if the sessions have reaches of both arms.
+void warn_of_arms(const std::vector<v1::SessionRecord>& sessions, std::set<std::string>& warnings) {
+  std::map<std::string, std::vector<std::string>> ids;
+  for (const v1::SessionRecord& session : sessions) {
+    const bool has_reaches = std::ranges::any_of(session.results(), [](const auto& result) { return result.name() == "targets"; });
+    const auto side = session.fields().find("side");
+    if (has_reaches && side != session.fields().end()) ids[side->second].push_back(session.session_id());
+  }
+  if (ids.size() < 2) return;
+  std::vector<std::string> texts;
+  for (const auto& [side, of_side] : ids) texts.push_back(side + " in " + cli::join(of_side, " and "));
+  warnings.insert("the reaching arm differs: " + cli::join(texts, ", "));
+}
+
 /// Returns the name under which a result is compared. Each part of a resumed session has its own results: if only one part has this result,
 /// it is that of the session.
 std::string compared_name(const v1::SessionRecord& session, const v1::SessionResult& result) {
@@ -146,6 +160,7 @@ Comparison compare(std::vector<v1::SessionRecord> sessions) {
   Differences differences;
   std::vector<Source> firsts;
   warn_of_protocols(comparison.sessions, warnings);
+  warn_of_arms(comparison.sessions, warnings);
   for (std::size_t s = 0; s < comparison.sessions.size(); ++s) {
     const v1::SessionRecord& session = comparison.sessions[s];
     if (session.subject() != comparison.sessions[0].subject()) warnings.insert("the sessions are from different subjects");

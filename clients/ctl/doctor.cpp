@@ -262,7 +262,8 @@ std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v
   if (const auto doubt = notice_that_begins(status, "rig '" + rig.name() + "': " + std::string(words::kCalibrationAfterRig))) {
     const auto [finding, fix] = finding_and_fix(*doubt);
     // Units of one model differ little; a calibration by `dtslab` knows no DAQ.
-    const bool is_likely_good = finding.ends_with(words::kOtherUnit) || finding.find(words::kNoDaq) != std::string::npos;
+    const bool is_likely_good = finding.ends_with(words::kOtherUnit) || finding.ends_with(words::kOldCalibration) ||
+                                finding.find(words::kNoDaq) != std::string::npos;
     return is_likely_good ? note(name, finding, fix) : bad(name, finding, fix);
   }
   const std::string date = date_of_calibration(rig.calibration());

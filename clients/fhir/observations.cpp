@@ -182,6 +182,13 @@ void add_context(const RecordedTrial& trial, const v1::Event& result, Json& obse
   if (result.has_trial_result() && result.trial_result().has_target_cm()) components.number("target_cm", result.trial_result().target_cm());
 }
 
+void add_reaching_arm(const RecordedPart& part, Json& observation) {
+  const auto side = std::ranges::find(part.facts.fields, "side", &std::pair<std::string, std::string>::first);
+  if (part.facts.kind != "chair" || side == part.facts.fields.end()) return;
+  const bool is_an_arm = side->second == "left" || side->second == "right";  // another text may name a person
+  if (is_an_arm) Components(observation).text("reaching-arm", side->second);
+}
+
 /// Adds the values of a trial that counts.
 core::Status add_values(const v1::Event& result, Json& observation) {
   if (const v1::TrialFault fault = record::fault_of(result); fault != v1::TRIAL_FAULT_UNSPECIFIED) {
@@ -224,6 +231,7 @@ core::Result<Resource> trial_observation(const RecordedPart& part, const Recorde
   const std::string what = "trial/" + std::to_string(trial.row.trial) + "/" + std::to_string(trial.row.attempt);
   Resource resource = begin_observation(part, about, what, code, status, trial.period);
   add_context(trial, result, resource.json);
+  add_reaching_arm(part, resource.json);
   if (trial.is_withdrawn()) {
     // Without values: some receivers ignore the status.
     resource.json["dataAbsentReason"] =
@@ -253,6 +261,7 @@ Resource result_observation(const RecordedPart& part, const About& about, const 
   components.integer("part", record::leading_part(part.facts));
   if (!group.empty())
     components.text("condition", is_romberg(group) ? group.substr(std::min(group.size(), kRombergGroup.size() + 1)) : group);
+  add_reaching_arm(part, resource.json);
   for (const record::ResultRow& row : rows) {
     const std::string symbol = report::parts_of(row.name).symbol;
     components.number(is_romberg(group) ? std::string(kRombergPrefix) + symbol : symbol, row.value, row.unit);

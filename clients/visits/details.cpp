@@ -19,6 +19,11 @@ std::optional<double> number_in(const nlohmann::json& details, const char* key) 
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
+std::string text_in(const nlohmann::json& details, const char* key) {
+  const auto found = details.find(key);
+  return found != details.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
 std::optional<std::uint32_t> count_in(const nlohmann::json& details, const char* key) {
   const auto value = number_in(details, key);
   return value && *value >= 0.0 && *value <= 1e6 ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "dts/v1/sessions.pb.h"
 
@@ -14,6 +15,8 @@ namespace dts::visits {
 [[nodiscard]] nlohmann::json details_of(const v1::SessionResult& result);
 /// Returns a finite number; nothing if the member is missing or something else.
 [[nodiscard]] std::optional<double> number_in(const nlohmann::json& details, const char* key);
+/// Returns a text; empty if the member is missing or something else.
+[[nodiscard]] std::string text_in(const nlohmann::json& details, const char* key);
 /// Returns a number of trials or reaches, at most a million.
 [[nodiscard]] std::optional<std::uint32_t> count_in(const nlohmann::json& details, const char* key);
 

@@ -25,6 +25,7 @@ constexpr double kSameTargetCm = 1.0;
 /// How a result was computed, as far as its details say.
 struct Analysis {
   std::string profile;
+  std::string side;  ///< Of the reaching arm.
   std::optional<double> rate_hz{};
   std::optional<double> duration_s{};
   std::optional<double> target_cm{};
@@ -40,10 +41,16 @@ bool is_near(const std::optional<double>& one, const std::optional<double>& othe
   return one.has_value() == other.has_value() && (!one || std::abs(*one - *other) <= tolerance);
 }
 
+/// Returns which arm reached; empty: not known, or a session of standing.
+std::string side_of(const v1::SessionRecord& session) {
+  const auto found = session.fields().find("side");
+  return found == session.fields().end() ? std::string() : found->second;
+}
+
 /// Measures of standing depend on the duration, so that an unknown one is like no other.
 bool is_same(const Analysis& one, const Analysis& other) {
   if (!one.profile.empty() && (!one.duration_s || !other.duration_s)) return false;
-  return one.profile == other.profile && is_near(one.rate_hz, other.rate_hz, 1e-6) &&
+  return one.profile == other.profile && one.side == other.side && is_near(one.rate_hz, other.rate_hz, 1e-6) &&
          is_near(one.duration_s, other.duration_s, kSameDurationS) && is_near(one.target_cm, other.target_cm, kSameTargetCm);
 }
 
@@ -124,11 +131,11 @@ class Collector {
   /// `spread`: member of the details; empty: "sd".
   void add_point(const v1::SessionRecord& session, const std::string& condition, const std::string& measure, const std::string& unit,
                  double value, const Json& details, const std::string& spread) {
-    Analysis analysis{.rate_hz = number_in(details, "rate_hz"),
+    Analysis analysis{.profile = text_in(details, "profile"),
+                      .side = side_of(session),
+                      .rate_hz = number_in(details, "rate_hz"),
                       .duration_s = number_in(details, "duration_s"),
                       .target_cm = number_in(details, "target_cm")};
-    const auto profile = details.find("profile");
-    if (profile != details.end() && profile->is_string()) analysis.profile = profile->get<std::string>();
     const bool has_reaches = details.contains("reaches_detected");
     Point point{.session_id = session.session_id(),
                 .utc_ns = session.started_utc_ns(),

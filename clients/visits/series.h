@@ -18,7 +18,7 @@ struct Point {
   std::optional<double> spread{};      ///< Standard deviation over its trials; absent: one trial, or not known.
   std::uint32_t trials = 0;            ///< Trials in it; 0: not known.
   std::optional<double> duration_s{};  ///< Of its trials; absent: not known, or trials of different lengths.
-  bool is_comparable = true;           ///< Analysed like the newest point: same filter, rate, duration and target.
+  bool is_comparable = true;           ///< Like the newest point: same filter, rate, duration, target and reaching arm.
 };
 
 /// A measure over the visits of a subject, always of the same rig, protocol and condition.

@@ -11,6 +11,7 @@ inline constexpr std::string_view kClockBehindBegin = "the clock of this machine
 inline constexpr std::string_view kCalibrationAfterRig = "the calibration ";  ///< After "rig 'floor': ".
 inline constexpr std::string_view kSensorCurvesAfterRig = "sensor curves (";
 inline constexpr std::string_view kOtherUnit = "another unit of the same model";
+inline constexpr std::string_view kOldCalibration = "days old";
 inline constexpr std::string_view kNoDaq = "names no DAQ";
 inline constexpr std::string_view kNoFifo = "SCHED_FIFO";
 inline constexpr std::string_view kNotLocked = "memory is not locked";

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/encode_session.h"
 
+#include <algorithm>
 #include <set>
 
 #include "record/old_event.h"
+#include "record/recording.h"
 #include "record/utf8_text.h"
 
 namespace dts::ipc {
@@ -223,6 +225,10 @@ void fill(dts::v1::Correction& out, const record::Correction& correction) {
   out.set_reason(clean_text(correction.reason));
 }
 
+bool has_valid_trial(const record::SessionRow& row) {
+  return std::ranges::any_of(row.parts, [](const record::PartRow& part) { return part.valid_trials > 0; });
+}
+
 }  // namespace
 
 dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32_t planned_trials) {
@@ -255,6 +261,15 @@ dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32
   return out;
 }
 
+void add_fields(const record::SessionRow& row, dts::v1::SessionRecord& out) {
+  for (const record::PartRow& part : row.parts) {
+    const auto facts = record::read_session_facts(part.file);
+    if (!facts) continue;
+    for (const auto& [name, value] : facts->fields) (*out.mutable_fields())[record::clean_text(name)] = record::clean_text(value);
+    return;
+  }
+}
+
 dts::v1::SessionRecord listed_session(const record::SessionRow& row, std::uint32_t planned_trials) {
   constexpr int kListed = 5;
   dts::v1::SessionRecord out = session_record(row, planned_trials);
@@ -281,7 +296,8 @@ dts::v1::SubjectInfo subject_info(const record::SubjectRow& row) {
   return out;
 }
 
-void add_notes(const record::SubjectNotes& notes, const std::vector<record::SessionRow>& sessions, dts::v1::SubjectRecord& out) {
+void add_notes(const record::SubjectNotes& notes, const std::vector<record::SessionRow>& sessions,
+               const std::function<std::uint32_t(const record::SessionRow&)>& planned_trials, dts::v1::SubjectRecord& out) {
   for (const record::SubjectNote& note : notes.notes) {
     auto& added = *out.add_notes();
     added.set_number(note.number);
@@ -301,7 +317,8 @@ void add_notes(const record::SubjectNotes& notes, const std::vector<record::Sess
     for (const record::SessionRow& session : sessions) {
       const std::string state = record::state_of(session);
       const bool fits = session.protocol == planned.protocol && session.started_utc_ns >= planned.utc_ns && !session.is_deleted &&
-                        (state == "complete" || state == "recovered") && !taken.contains(session.id);
+                        (state == "complete" || state == "recovered") && !taken.contains(session.id) &&
+                        (has_valid_trial(session) || planned_trials(session) == 0);
       if (fits && (done == nullptr || session.started_utc_ns < done->started_utc_ns)) done = &session;
     }
     if (done == nullptr) continue;

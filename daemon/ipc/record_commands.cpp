@@ -88,7 +88,8 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
   *out.mutable_about() = subject_info(found->empty() ? record::SubjectRow{.subject = request.subject()} : found->front());
   std::vector<record::SessionRow> present;
   for (const record::SessionRow& row : *rows) present.push_back(recordings.corrected(row));
-  add_notes(*notes, present, out);
+  add_notes(
+      *notes, present, [&](const record::SessionRow& row) { return supervisor_.planned_trials(row); }, out);
   if (request.with_results() && present.size() > kMostWithResults) present.resize(kMostWithResults);
   for (const record::SessionRow& row : present) {
     auto& session = *out.add_sessions();
@@ -97,6 +98,8 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
     const auto results = recordings.catalogue().results(row.id);
     if (!results) return error_response(results.error());
     for (const record::ResultRow& result : *results) *session.add_results() = session_result(result);
+    // Which arm reached: visits with the other one are not compared.
+    if (std::ranges::find(*results, "targets", &record::ResultRow::name) != results->end()) add_fields(row, session);
   }
   for (const std::string& id : mentioning->sessions) out.add_mentioning_sessions(id);
   out.set_unsearched_sessions(static_cast<std::uint32_t>(mentioning->unsearched));

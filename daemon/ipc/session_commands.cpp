@@ -6,7 +6,6 @@
 #include "access/client_key.h"
 #include "ipc/command_handler.h"
 #include "ipc/encode_session.h"
-#include "record/recording.h"
 #include "record/utf8_text.h"
 
 namespace dts::ipc {
@@ -19,16 +18,6 @@ constexpr std::uint32_t kLargestLimit = 1000;  // keeps an answer below a few MB
 constexpr std::size_t kMostFields = 64;
 
 std::size_t limit_of(std::uint32_t asked) { return std::clamp(asked == 0 ? kDefaultLimit : asked, 1U, kLargestLimit); }
-
-/// Adds the protocol's fields about the subject. Reads them from the recordings, because the catalogue does not have them.
-void add_fields(const record::SessionRow& row, dts::v1::SessionRecord& out) {
-  for (const record::PartRow& part : row.parts) {
-    const auto facts = record::read_session_facts(part.file);
-    if (!facts) continue;
-    for (const auto& [name, value] : facts->fields) (*out.mutable_fields())[record::clean_text(name)] = record::clean_text(value);
-    return;
-  }
-}
 
 }  // namespace
 

@@ -2,16 +2,20 @@
 #include "session/calibration_check.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "core/utc_text.h"
+
 namespace dts::session {
 namespace {
 
 constexpr std::size_t kDateLength = 10;  // of "2026-01-31T12:00:00Z"
+constexpr std::chrono::days kCalibrationLife{180};
 
 /// A "; " divides a notice into what is wrong and what to do.
 std::string without_semicolons(std::string text) {
@@ -56,35 +60,39 @@ class Present {
   device::UnitName unit_;
 };
 
-std::string cop_warning(const Present& present) {
+std::string cop_warning(const Present& present, std::int64_t now_utc_ns) {
   if (!present.config().cop_calibration) return {};
   const physics::CopCalibrationOrigin& origin = present.config().cop_calibration->origin;
   const std::string which =
       present.rig_text() + "the calibration of " + without_semicolons(origin.created_utc.substr(0, kDateLength)) + " ";
   const std::string again = "; calibrate again: dtsctl calibrate cop --rig " + present.config().name;
+  const std::string compare =
+      "; compare a known weight on the middle and near each corner, or calibrate again: dtsctl calibrate cop --rig " +
+      present.config().name;
   if (origin.daq_model.empty()) {  // made with dtslab: it knows no DAQ, and its rig is the name of a file
     return present.is_simulated() ? std::string() : which + "names no DAQ: it was computed from a model or from a table of loads" + again;
   }
   const std::string unit = unit_text(origin.daq_model, origin.daq_serial);
   if (present.has_other_model(origin.daq_model)) return which + "was measured with " + unit + ", not with " + present.text() + again;
   if (present.has_other_name(origin.rig)) return which + "is of rig '" + without_semicolons(origin.rig) + "'" + again;
-  if (!present.is_other_unit(origin.daq_model, origin.daq_serial)) return {};
-  return which + "was measured with " + unit + ", and the device is " + present.serial() +
-         ", another unit of the same model; compare a known weight on the middle and near each corner, or calibrate again: dtsctl "
-         "calibrate cop --rig " +
-         present.config().name;
+  if (present.is_other_unit(origin.daq_model, origin.daq_serial)) {
+    return which + "was measured with " + unit + ", and the device is " + present.serial() + ", another unit of the same model" + compare;
+  }
+  const std::string oldest = core::utc_text(now_utc_ns - std::chrono::nanoseconds(kCalibrationLife).count());
+  const bool is_old = origin.created_utc < oldest && !present.is_simulated();
+  return is_old ? which + "is more than " + std::to_string(kCalibrationLife.count()) + " days old" + compare : "";
 }
 
 /// In the order in which a sensor is judged.
-enum class CurveDoubt : std::uint8_t { OtherSensor, OtherModel, OtherRig, OtherChannel, OtherUnit };
+enum class CurveDoubt : std::uint8_t { OtherRig, OtherSensor, OtherModel, OtherChannel, OtherUnit };
 
 /// A label without a rig is one that somebody chose for a table of readings.
 std::optional<CurveDoubt> doubt_of(const Present& present, std::size_t index) {
   const physics::SensorModel& sensor = present.config().model.sensors[index];
   const physics::SensorCurveOrigin& origin = sensor.curve_origin;
+  if (present.has_other_name(origin.rig)) return CurveDoubt::OtherRig;  // whose labels mean other sensors
   if (!origin.rig.empty() && !origin.sensor.empty() && origin.sensor != sensor.label) return CurveDoubt::OtherSensor;
   if (!origin.daq_model.empty() && present.has_other_model(origin.daq_model)) return CurveDoubt::OtherModel;
-  if (present.has_other_name(origin.rig)) return CurveDoubt::OtherRig;
   const std::string channel = present.channel_of(index);
   if (!origin.channel.empty() && !channel.empty() && origin.channel != channel) return CurveDoubt::OtherChannel;
   if (present.is_other_unit(origin.daq_model, origin.daq_serial)) return CurveDoubt::OtherUnit;
@@ -145,12 +153,12 @@ std::vector<std::string> curve_warnings(const Present& present) {
 }  // namespace
 
 std::vector<std::string> calibration_warnings(const pipeline::RigConfig& config, const device::DeviceDescription& described,
-                                              const device::DeviceReport& report) {
+                                              const device::DeviceReport& report, std::int64_t now_utc_ns) {
   const Present present(config, described, report);
   // A replayed recording has the volts of its own DAQ, and the calibration may be newer on purpose.
   if (present.is_replay()) return {};
   std::vector<std::string> warnings = curve_warnings(present);
-  if (std::string warning = cop_warning(present); !warning.empty()) warnings.insert(warnings.begin(), std::move(warning));
+  if (std::string warning = cop_warning(present, now_utc_ns); !warning.empty()) warnings.insert(warnings.begin(), std::move(warning));
   return warnings;
 }
 

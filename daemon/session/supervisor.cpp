@@ -25,6 +25,7 @@ constexpr std::int64_t kOldestMarkNs = 5 * core::kNanosecondsPerSecond;  // befo
 constexpr std::int64_t kNewestMarkNs = core::kNanosecondsPerSecond;      // after now: clocks of two machines differ
 constexpr std::chrono::seconds kCloseLimit{10};                          // if the disk hangs longer, the next start recovers the recordings
 
+constexpr std::int64_t kDayNs = 86'400 * core::kNanosecondsPerSecond;
 constexpr std::int64_t kClockToleranceNs = 60 * core::kNanosecondsPerSecond;  // NTP may set a clock back by seconds
 constexpr std::size_t kUtcMinutes = 16;                                       // "2026-11-21T14:45"
 
@@ -113,15 +114,14 @@ void Supervisor::find_newest_session() {
 }
 
 std::string Supervisor::clock_warning() const {
-  const std::int64_t now_utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();
-  if (newest_session_.empty() || newest_started_utc_ns_ <= now_utc_ns + kClockToleranceNs) return {};
-  return "the clock of this machine says " + core::utc_text(now_utc_ns).substr(0, kUtcMinutes) + " UTC, and session " + newest_session_ +
+  if (newest_session_.empty() || newest_started_utc_ns_ <= now_utc_ns() + kClockToleranceNs) return {};
+  return "the clock of this machine says " + core::utc_text(now_utc_ns()).substr(0, kUtcMinutes) + " UTC, and session " + newest_session_ +
          " began later, at " + core::utc_text(newest_started_utc_ns_).substr(0, kUtcMinutes) +
          " UTC: visits would be in the wrong order; set the clock (timedatectl), or delete that session if its date is the wrong one";
 }
 
 std::string Supervisor::new_session_id(const std::string& rig) {
-  const std::time_t now_s = (clock_.now_ns() + clock_.utc_minus_monotonic_ns()) / 1'000'000'000;
+  const std::time_t now_s = now_utc_ns() / 1'000'000'000;
   std::tm utc{};
   gmtime_r(&now_s, &utc);
   std::array<char, 32> stamp{};
@@ -358,6 +358,7 @@ void Supervisor::tick() {
   for (auto& [rig_name, entry] : entries_) {
     const AcquisitionReport report = entry.rig->acquisition();
     measure_rate(entry, report, now_ns);
+    check_calibration(entry, report);
     notice_device_change(entry, report);
     log_gaps(entry, report);
     end_sync_pulse(entry, now_ns);
@@ -393,7 +394,6 @@ void Supervisor::collect_session_changes(Entry& entry) {
 
 void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& report) {
   if (report.device == entry.reported_state && report.text() == entry.reported_message) return;
-  if (report.device == device::DeviceState::Streaming && entry.reported_state != report.device) check_calibration(entry);
   entry.reported_state = report.device;
   entry.reported_message = report.text();
   const std::string line = "rig '" + entry.rig->config().name + "': device " + std::string(name(report.device)) +
@@ -408,11 +408,17 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
   entry.session.note(event, position_of(*entry.rig));
 }
 
-/// Another unit may have been plugged in while the device was away.
-void Supervisor::check_calibration(Entry& entry) {
-  auto warnings = calibration_warnings(entry.rig->config(), entry.rig->device(), entry.rig->device_report());
-  if (warnings == entry.calibration_warnings) return;
-  for (const std::string& warning : warnings) log_.warning(warning);
+/// When the device begins to stream, because another unit may have been plugged in while it was away; and each day, because a calibration
+/// becomes old.
+void Supervisor::check_calibration(Entry& entry, const AcquisitionReport& report) {
+  if (report.device != device::DeviceState::Streaming) return;
+  const std::int64_t today = now_utc_ns() / kDayNs;
+  if (report.device == entry.reported_state && today == entry.calibration_checked_day) return;
+  entry.calibration_checked_day = today;
+  auto warnings = calibration_warnings(entry.rig->config(), entry.rig->device(), entry.rig->device_report(), now_utc_ns());
+  for (const std::string& warning : warnings) {
+    if (std::ranges::find(entry.calibration_warnings, warning) == entry.calibration_warnings.end()) log_.warning(warning);
+  }
   entry.calibration_warnings = std::move(warnings);
 }
 

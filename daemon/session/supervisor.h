@@ -145,6 +145,7 @@ class Supervisor {
     device::DeviceState reported_state = device::DeviceState::Closed;
     std::string reported_message{};
     std::vector<std::string> calibration_warnings{};  ///< See `session::calibration_warnings`, of the unit that streamed last.
+    std::int64_t calibration_checked_day = 0;         ///< UTC days since 1970.
     std::uint64_t reported_gaps = 0;
     bool has_pulse_due = false;      ///< A sync pulse follows: at the first scan of a session, and at `next_pulse_ns` in a pulse train.
     bool has_pulse_failed = false;   ///< The newest sync pulse could not be sent, and this was reported.
@@ -174,13 +175,14 @@ class Supervisor {
   void begin_sync_pulse(Entry& entry, std::int64_t now_ns);
   void end_sync_pulse(Entry& entry, std::int64_t now_ns);
   void notice_device_change(Entry& entry, const AcquisitionReport& report);
-  void check_calibration(Entry& entry);
+  void check_calibration(Entry& entry, const AcquisitionReport& report);
   /// Removes the notes of a subject that has neither entries nor sessions any more: a wrong subject ID must not stay in the list.
   void forget_empty_notes(const std::string& subject);
   /// Reads the newest session of the catalogue, for `clock_warning`.
   void find_newest_session();
   /// Returns a warning if the wall clock is earlier than the begin of the newest session; else nothing.
   [[nodiscard]] std::string clock_warning() const;
+  [[nodiscard]] std::int64_t now_utc_ns() const { return clock_.now_ns() + clock_.utc_minus_monotonic_ns(); }
   void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
   [[nodiscard]] std::string new_session_id(const std::string& rig);
   [[nodiscard]] static core::Status check_startable(Entry& entry);

@@ -43,6 +43,20 @@ const dotOf = (page) =>
   });
 const hasDot = async (page) => (await dotOf(page)) !== undefined;
 
+/** The dot is to the right of the middle if the centre of pressure is, and above it if that is in front. */
+const assertFollowsTheCop = async (page, watch, middle) => {
+  const agreement = [0, 0];
+  for (let count = 0; count < 40; ++count) {
+    const dot = await dotOf(page);
+    const cop = watch.seen.findLast(({ values }) => values !== undefined)?.values.at(-1);
+    if (dot !== undefined && Number.isFinite(cop?.[0]) && Number.isFinite(cop?.[1])) {
+      for (const [column, shown] of [dot.x, dot.y].entries()) agreement[column] += shown * (cop[column] - Number(middle[column]));
+    }
+    await page.waitForTimeout(100);
+  }
+  assert.ok(agreement[0] > 0 && agreement[1] > 0, `neither axis is mirrored: ${agreement}`);
+};
+
 const isState = (page, state) => by(page, 'patient').and(page.locator(`[data-state="${state}"]`));
 
 describe('the patient screen', () => {
@@ -155,6 +169,7 @@ describe('the patient screen', () => {
     await daemon.ctl('session', 'stop', '--rig', 'floor');
   });
 
+  // requirement: COP-1
   test('the middle of the feedback is where the person stands, and no gap moves it', { timeout: 600_000 }, async () => {
     const watch = daemon.watch('floor/cop', 'floor/trial');
     await page.bringToFront();
@@ -172,6 +187,7 @@ describe('the patient screen', () => {
     };
     await isState(page, 'measure').waitFor();
     await assertInTheMiddle();
+    await assertFollowsTheCop(page, watch, await middleOf());
     const labels = (await rememberedOf(page, 'patient-target')).map(({ value }) => value);
     assert.deepEqual(labels.slice(-2), ['A point to look at', 'Target, and a dot that moves as you sway'], 'no target before its middle is known');
 

@@ -273,6 +273,8 @@ describe('a subject with five visits of each rig', () => {
     await by(page, 'plate').waitFor(); // the live page of the rig
     const [session] = (await daemon.json('session', 'list')).sessions;
     assert.deepEqual([session.subject, session.protocol, session.rig], ['P017', 'romberg', 'floor']);
+    await daemon.ctl('session', 'trial', 'next', '--rig', 'floor');
+    await waitFor(async () => (await daemon.session(session.session_id)).trials.some(({ outcome }) => outcome === 'done'), 'a trial is done', minutesMs);
     await daemon.ctl('session', 'stop', '--rig', 'floor');
     await daemon.endedSession(session.session_id);
     await waitFor(async () => (await daemon.json('subject', 'show', 'P017')).plan[0].session_id === session.session_id, 'the plan names the session');

@@ -35,7 +35,7 @@ Result<RecordedFile> file_of(const v1::SessionRecord& session, const v1::Session
                         "join the group dtsd: usermod -aG dtsd $USER, then log in again");
   }
   return client::fail(ErrorCode::Failed, "'" + part.file() + "' cannot be read here: it is on the daemon's machine",
-                      "run dtsctl there, or copy the file here and give its name");
+                      "run dtsctl there, or copy the file here together with its .corrections.json, if there is one, and give its name");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "lab/base/csv.h"
 #include "lab/base/position_columns.h"
+#include "record/catalogue/corrections.h"
 #include "record/recording.h"
 #include "session/recorded_sway.h"
 
@@ -75,12 +76,10 @@ MeasuredFile measure_one(const SwayInput& input, const SwayArguments& arguments,
 }
 
 /// The recording's facts about a trial have priority over those of the command line.
-MeasuredTrial named(const session::StandingTrial& standing, const record::Recording& recording, const SwayInput& input) {
+MeasuredTrial named(const session::StandingTrial& standing, const record::SessionFacts& facts, const SwayInput& input) {
   MeasuredTrial trial{.file = input.file, .session = input.session, .subject = input.subject};
-  if (const auto& facts = recording.session()) {
-    if (!facts->session_id.empty()) trial.session = facts->session_id;
-    if (!facts->subject.empty()) trial.subject = facts->subject;
-  }
+  if (!facts.session_id.empty()) trial.session = facts.session_id;
+  if (!facts.subject.empty()) trial.subject = facts.subject;
   trial.trial = standing.trial;
   trial.attempt = standing.attempt;
   trial.condition = standing.condition.empty() ? input.condition : standing.condition;
@@ -117,17 +116,25 @@ MeasuredFile measure_recording(const SwayInput& input, const SwayArguments& argu
     measured.error = recording.error();
     return measured;
   }
-  const auto standing = session::read_recorded_standing(**recording, [&](double part) { progress(0.5 * part); });
+  const record::SessionFacts recorded = (*recording)->session().value_or(record::SessionFacts{});
+  const auto corrections = record::corrections_beside(input.file, recorded);
+  if (!corrections) {
+    measured.error = corrections.error();
+    return measured;
+  }
+  const record::SessionFacts facts = record::corrected(recorded, *corrections);
+  auto standing = session::read_recorded_standing(**recording, [&](double part) { progress(0.5 * part); });
   if (!standing) {
     measured.error = standing.error();
     return measured;
   }
   measured.damage = (*recording)->damage();
   std::size_t done = 0;
-  for (const session::StandingTrial& one : standing->trials) {
+  for (session::StandingTrial& one : standing->trials) {
+    if (const std::string* outcome = corrections->outcome(record::leading_part(facts), one.trial, one.attempt)) one.outcome = *outcome;
     progress(0.5 + 0.5 * static_cast<double>(done++) / static_cast<double>(standing->trials.size()));
     if (!is_asked_for(one, arguments)) continue;
-    MeasuredTrial trial = named(one, **recording, input);
+    MeasuredTrial trial = named(one, facts, input);
     if (one.trial == 0 && standing->trials.size() > 1) trial.stretch = static_cast<std::uint32_t>(done);
     trial.problem = one.problem;
     if (one.problem.empty()) {

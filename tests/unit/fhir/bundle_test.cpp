@@ -217,6 +217,7 @@ TEST_F(BundleTest, ATrialThatACorrectionTakesIn_IsAmended) {
 /// Every member of the resources, but for the measures of standing, which `codes_test` lists.
 TEST_F(BundleTest, OfAReach_IsTheCommittedText) {
   report::MadeStanding made = made_reaching(made_reach(core::TrunkClass::Moderate));
+  made.facts.fields = {{"side", "right"}};
   made.facts.firmware = "7";
   made.facts.calibration_id = "c-1";
   made.facts.model_sha256 = "abc";
@@ -272,7 +273,7 @@ TEST_F(BundleTest, ThePatient_IsTheSubjectIdAndNothingElse) {
   RecordProperty("requirement", "REP-10");
   report::MadeStanding made = made_session();
   made.facts.label = "Mrs Example";
-  made.facts.fields = {{"weight_kg", "61"}};
+  made.facts.fields = {{"weight_kg", "61"}, {"side", "Mrs Example's left"}};
 
   const std::string text = text_of({write(made)});
 

@@ -238,6 +238,14 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"stop_session { rig: 'floor' }", "session { session_id: \"ID\"", "local stop_session [ID] ok"},
   });
   EXPECT_NE(ask("show_session { session_id: 'ID' }").find("fields { key: \"age\" value: \"7\" }"), std::string::npos);
+  const auto fields_in_subject = [this] {
+    return message_of<v1::Response>(ask("show_subject { subject: 'P7' with_results: true }")).subject().sessions(0).fields();
+  };
+  EXPECT_TRUE(fields_in_subject().empty());
+  const auto set = supervisor_->recordings().catalogue().set_results(
+      session_id_, {{.session_id = session_id_, .name = "targets", .value = 1, .unit = "1", .details = "{}"}});
+  ASSERT_TRUE(set) << set.error().what;
+  EXPECT_EQ(fields_in_subject()["age"], "7") << "trends need to know which arm reached";
   static_cast<void>(record(10));
   expect({{"stop_session {}", "session { session_id: \"ID\" rig: \"floor\" state: SESSION_STATE_IDLE protocol: \"free\"",
            "local stop_session [ID] ok"}});

@@ -190,5 +190,29 @@ TEST(EncodeSession, ProtocolOfASession_IsNamedOnlyOnceThereWasOne) {
   EXPECT_EQ(text(session_info("floor", {})), "rig: \"floor\" state: SESSION_STATE_IDLE");
 }
 
+TEST(EncodeSession, Plan_IsDoneByACompleteSessionWithAValidTrial) {
+  RecordProperty("requirement", "SES-13");
+  const auto session = [](const std::string& id, const std::string& protocol, std::uint32_t valid_trials) {
+    record::SessionRow row{.id = id, .protocol = protocol, .state = "complete", .started_utc_ns = 20};
+    row.parts = {{.state = record::PartState::Complete}, {.part = 2, .state = record::PartState::Complete, .valid_trials = valid_trials}};
+    return row;
+  };
+  const auto planned_trials = [](const record::SessionRow& row) { return row.protocol == "free" ? 0U : 4U; };
+  const auto done_by = [&](const std::string& protocol, const std::vector<record::SessionRow>& sessions) {
+    v1::SubjectRecord subject;
+    add_notes({.plan = {{.utc_ns = 10, .protocol = protocol}}}, sessions, planned_trials, subject);
+    return subject.plan(0).session_id();
+  };
+
+  EXPECT_EQ(done_by("romberg", {session("stopped-at-once", "romberg", 0)}), "");
+  EXPECT_EQ(done_by("romberg", {session("stopped-at-once", "romberg", 0), session("measured", "romberg", 1)}), "measured");
+  EXPECT_EQ(done_by("free", {session("without-trials", "free", 0)}), "without-trials");
+  auto early = session("early", "romberg", 1);
+  early.started_utc_ns = 9;
+  auto aborted = session("aborted", "romberg", 1);
+  aborted.state = "aborted";
+  EXPECT_EQ(done_by("romberg", {early, aborted, session("other", "quiet-standing", 1)}), "");
+}
+
 }  // namespace
 }  // namespace dts::ipc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A calibration of the centre of pressure, or a sensor curve, that was measured with another device than the rig's.
+// A calibration of the centre of pressure, or a sensor curve, that was measured with another device than the rig's; and one that is old.
 #include "session/calibration_check.h"
 
 #include <gmock/gmock.h>
@@ -12,9 +12,14 @@
 namespace dts::session {
 namespace {
 
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
+
+constexpr std::int64_t kDayNs = 86'400 * core::kNanosecondsPerSecond;
+constexpr std::int64_t kMeasuredNs = 1'769'860'800 * core::kNanosecondsPerSecond;  // 2026-01-31T12:00:00Z, as below
 
 physics::CopCalibration calibration_of(physics::CopCalibrationOrigin origin) {
   static const auto samples =
@@ -23,20 +28,21 @@ physics::CopCalibration calibration_of(physics::CopCalibrationOrigin origin) {
   return physics::calibrate_cop(physics::CopMethod::Poly3, samples, std::move(origin)).value();
 }
 
-std::string only_warning(const pipeline::RigConfig& config, const device::DeviceDescription& described,
-                         const device::DeviceReport& report) {
-  const auto warnings = calibration_warnings(config, described, report);
+std::string only_warning(const pipeline::RigConfig& config, const device::DeviceDescription& described, const device::DeviceReport& report,
+                         std::int64_t now_utc_ns = kMeasuredNs) {
+  const auto warnings = calibration_warnings(config, described, report, now_utc_ns);
   EXPECT_LE(warnings.size(), 1U);
   return warnings.empty() ? "" : warnings.front();
 }
 
 std::string warning_of(const physics::CopCalibrationOrigin& origin, const std::string& address = "mcc:usb-1408fs",
-                       const std::string& model = "USB-1408FS", const std::string& serial = "11", const std::string& own_model = "") {
+                       const std::string& model = "USB-1408FS", const std::string& serial = "11", const std::string& own_model = "",
+                       std::int64_t now_utc_ns = kMeasuredNs) {
   pipeline::RigConfig config = floor_config(address);
   config.cop_calibration = calibration_of(origin);
   device::DeviceDescription device;
   device.model = model;
-  return only_warning(config, device, {.model = own_model, .serial = serial});
+  return only_warning(config, device, {.model = own_model, .serial = serial}, now_utc_ns);
 }
 
 TEST(CalibrationCheck, AnotherDeviceIsNamed) {
@@ -67,7 +73,7 @@ TEST(CalibrationCheck, AnotherRigOrNoDaqIsNamed) {
   EXPECT_THAT(warning_of({.rig = "a-file"}), HasSubstr("names no DAQ: it was computed from a model or from a table of loads;"));
   EXPECT_EQ(warning_of({.rig = "a-file"}, "sim:floor", "Simulated floor platform"), "") << "the simulated plate is that model";
   EXPECT_EQ(warning_of({.rig = "left", .daq_model = "LabJack U6"}, "replay:x.xdf", "LabJack U6"), "");
-  EXPECT_THAT(calibration_warnings(floor_config("mcc:usb-1408fs"), {}, {.serial = "11"}), IsEmpty()) << "no calibration";
+  EXPECT_THAT(calibration_warnings(floor_config("mcc:usb-1408fs"), {}, {.serial = "11"}, kMeasuredNs), IsEmpty()) << "no calibration";
 }
 
 TEST(CalibrationCheck, AUnitThatSaysItsModelIsComparedByIt) {
@@ -90,6 +96,21 @@ TEST(CalibrationCheck, ASerialNumberCannotDivideTheNotice) {
   EXPECT_THAT(warning, HasSubstr("was measured with USB-1408FS 1, 2, and the device is 3, 4, another unit of the same model; compare"));
 }
 
+TEST(CalibrationCheck, AnOldOneIsNamed_UnlessThereIsAGraverDoubt) {
+  RecordProperty("requirement", "COP-15");
+  const auto after_days = [](std::int64_t days, const physics::CopCalibrationOrigin& origin, const std::string& address) {
+    return warning_of(origin, address, "USB-1408FS", "11", "", kMeasuredNs + days * kDayNs);
+  };
+  const physics::CopCalibrationOrigin own{.rig = "floor", .daq_model = "USB-1408FS", .daq_serial = "11"};
+  EXPECT_EQ(after_days(180, own, "mcc:usb-1408fs"), "");
+  EXPECT_EQ(after_days(181, own, "mcc:usb-1408fs"),
+            "rig 'floor': the calibration of 2026-01-31 is more than 180 days old; compare a known weight on the middle and near each "
+            "corner, or calibrate again: dtsctl calibrate cop --rig floor");
+  EXPECT_EQ(after_days(181, own, "sim:floor"), "") << "a simulated plate does not change";
+  EXPECT_EQ(after_days(181, own, "replay:x.xdf"), "");
+  EXPECT_THAT(after_days(181, {.rig = "floor", .daq_model = "LabJack U6"}, "mcc:usb-1408fs"), HasSubstr("was measured with LabJack U6"));
+}
+
 /// The sensors of a floor, each with the curve that was measured at it on channels ch0 to ch3 of unit 11.
 class CurveCheck : public ::testing::Test {
  protected:
@@ -107,7 +128,9 @@ class CurveCheck : public ::testing::Test {
     }
   }
   physics::SensorCurveOrigin& origin(std::size_t k) { return config_.model.sensors[k].curve_origin; }
-  [[nodiscard]] std::vector<std::string> warnings() const { return calibration_warnings(config_, device_, {.serial = serial_}); }
+  [[nodiscard]] std::vector<std::string> warnings() const {
+    return calibration_warnings(config_, device_, {.serial = serial_}, kMeasuredNs);
+  }
   [[nodiscard]] std::string warning() const { return only_warning(config_, device_, {.serial = serial_}); }
 
   pipeline::RigConfig config_ = floor_config("mcc:usb-1408fs");
@@ -153,11 +176,11 @@ TEST_F(CurveCheck, EachDaqAndRigIsNamed_WithItsSensors) {
   origin(2).daq_model = "LabJack U6";
   origin(3).daq_model = "LabJack U3";
   EXPECT_THAT(warnings(),
-              ElementsAre("rig 'floor': sensor curves (w4) were measured with LabJack U3 11, not with USB-1408FS 11; " + again_,
-                          "rig 'floor': sensor curves (w1, w3) were measured with LabJack U6 11, not with USB-1408FS 11; " + again_,
-                          "rig 'floor': sensor curves (w2) are of rig 'left, old'; " + again_));
+              ElementsAre("rig 'floor': sensor curves (w2) are of rig 'left, old'; " + again_,
+                          "rig 'floor': sensor curves (w4) were measured with LabJack U3 11, not with USB-1408FS 11; " + again_,
+                          "rig 'floor': sensor curves (w1, w3) were measured with LabJack U6 11, not with USB-1408FS 11; " + again_));
   std::swap(origin(0).sensor, origin(1).sensor);
-  EXPECT_THAT(warnings().front(), HasSubstr("sensor curves (w1, w2) were measured at other sensors (w2, w1);"));
+  EXPECT_THAT(warnings(), Contains(HasSubstr("sensor curves (w1) were measured at other sensors (w2);"))) << "also with another DAQ";
 }
 
 TEST_F(CurveCheck, AnotherUnitOfTheSameModelNeedsAComparison) {
@@ -196,6 +219,9 @@ TEST(CalibrationCheck, HasTheWordsByWhichDoctorFindsIt) {
   const std::string other_unit = warning_of({.rig = "floor", .daq_model = "USB-1408FS", .daq_serial = "12"});
   EXPECT_TRUE(has_words(other_unit, core::notice_words::kOtherUnit)) << other_unit;
   EXPECT_TRUE(has_words(warning_of({.rig = "a-file"}), core::notice_words::kNoDaq));
+  const std::string old =
+      warning_of({.rig = "floor", .daq_model = "USB-1408FS"}, "mcc:usb-1408fs", "USB-1408FS", "11", "", kMeasuredNs + 181 * kDayNs);
+  EXPECT_TRUE(has_words(old, core::notice_words::kOldCalibration)) << old;
   EXPECT_TRUE(has_words(warning_of({.rig = "floor", .daq_model = "LabJack U6"}), ""));
   EXPECT_TRUE(has_words(warning_of({.rig = "left", .daq_model = "USB-1408FS"}), ""));
 }
@@ -225,8 +251,10 @@ TEST_F(CalibrationWarningTest, StandsInTheStatusAndInTheLogWhileTheUnitIsThere) 
   ASSERT_TRUE(supervisor_->start_session("floor", {})) << "it stops nothing";
 }
 
-TEST_F(CalibrationWarningTest, IsAbsentForTheUnitOfTheCalibration) {
+TEST_F(CalibrationWarningTest, IsAbsentForTheUnitOfTheCalibration_UntilItIsOld) {
+  RecordProperty("requirement", "COP-15");
   config_.cop_calibration = calibration_of({.rig = "floor", .daq_model = "Hand-fed device", .daq_serial = "H7"});
+  clock_.set_by_ns = kMeasuredNs - clock_.now_ns() - clock_.utc_minus_monotonic_ns();
   open();
   device_->found.serial = "H7";
   run();
@@ -234,13 +262,18 @@ TEST_F(CalibrationWarningTest, IsAbsentForTheUnitOfTheCalibration) {
   ASSERT_TRUE(eventually([&] { return rig().acquisition().device == device::DeviceState::Streaming; }));
   supervisor_->tick();
   EXPECT_THAT(supervisor_->warnings(), IsEmpty());
+  clock_.set_by_ns += 181 * kDayNs;
+  supervisor_->tick();
+  EXPECT_THAT(supervisor_->warnings(), ElementsAre(HasSubstr("the calibration of 2026-01-31 is more than 180 days old")));
+  EXPECT_THAT(log(), HasSubstr("more than 180 days old"));
+  supervisor_->tick();
+  EXPECT_THAT(log(), Not(HasSubstr("days old"))) << "once";
 }
 
 class WallClockTest : public SupervisorTest {};
 
 TEST_F(WallClockTest, BehindTheNewestSession_IsReportedUntilItIsSet) {
   RecordProperty("requirement", "REC-14");
-  constexpr std::int64_t kDayNs = 86'400 * core::kNanosecondsPerSecond;
   start();
   const std::string id = record(kBlock);
   ASSERT_TRUE(stop());

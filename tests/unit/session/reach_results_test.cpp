@@ -202,6 +202,7 @@ TEST(ReachResults, ThreeMaximumReaches_BringTheSubjectsOwnScale) {
 }
 
 TEST(ReachResults, AfterAStroke_ThereIsNoOwnScale) {
+  RecordProperty("requirement", "REACH-7");
   EXPECT_THAT(classes_after({reach(1, 1050, 2.0), reach(2, 2050, 2.1), reach(3, 3050, 1.9)}, true), testing::Each(TrunkClass::Maximum));
 }
 

@@ -156,6 +156,20 @@ TEST(Series, PointsOfAnotherAnalysisAreNotCompared) {
   EXPECT_EQ(find(all, "eyes-open", "PEA95_F")->points.size(), 3U) << "it is shown nevertheless";
 }
 
+TEST(Series, ReachesOfTheOtherArmAreNotCompared) {
+  RecordProperty("requirement", "UI-13");
+  const auto reaching_with = [](int day, double deg, const std::string& side) {
+    auto session = reaching_on(day, deg);
+    (*session.mutable_fields())["side"] = side;
+    return session;
+  };
+  const auto all = series_of(subject_with({reaching_with(0, 26, "left"), reaching_with(1, 6, "right"), reaching_with(2, 24, "left")}));
+  const auto points = comparable_points(*find(all, "120", "trunk_mean_deg"));
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points.front().value, 26);
+  EXPECT_EQ(comparable_points(series_of(subject_with({reaching_on(0, 26), reaching_with(1, 6, "right")}))[0]).size(), 1U) << "unknown arm";
+}
+
 TEST(Series, TargetsOfTheChairHaveAngleSpreadAndMedianClass) {
   const auto all = series_of(subject_with({reaching_on(0, 12.1)}));
   ASSERT_NE(find(all, "120", "trunk_mean_deg"), nullptr);

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fstream>
+
 #include "dts/wire/event_json.h"
+#include "record/catalogue/corrections.h"
 #include "session/session_events.h"
 #include "support/event_text.h"
 #include "unit/lab/sway/sway_files.h"
@@ -121,6 +124,25 @@ TEST_F(RecordedTrialsTest, OneRecording_HasTheResultsOfTheSession_OfTheTrialsTha
 
   ASSERT_EQ(run_with({"sway", file, file, "--json"}), cli::kOk) << talk();
   EXPECT_FALSE(json().contains("summary")) << "of several recordings";
+}
+
+TEST_F(RecordedTrialsTest, CorrectionsBesideTheRecording_Count) {
+  RecordProperty("requirement", "SWAY-3");
+  const std::string file = recording(0.0);
+  const std::string session = record::xdf_test::floor_session().session_id;
+  record::Corrections corrections{.session_id = session};
+  corrections.add({.field = record::CorrectedField::Subject, .old_value = "P017", .new_value = "P018"});
+  corrections.add(
+      {.field = record::CorrectedField::Outcome, .part = 1, .trial = 2, .attempt = 1, .old_value = "done", .new_value = "rejected"});
+  ASSERT_TRUE(record::write_corrections(record::corrections_file(file, session), corrections));
+
+  ASSERT_EQ(run_with({"sway", file, "--json"}), cli::kOk) << talk();
+  ASSERT_EQ(json().at("trials").size(), 1U);
+  EXPECT_EQ(json().at("trials").at(0).at("subject"), "P018");
+  EXPECT_EQ(json().at("trials").at(0).at("trial"), 1);
+
+  std::ofstream(record::corrections_file(file, session)) << "{";
+  EXPECT_EQ(run_with({"sway", file}), cli::exit_status(core::ErrorCode::DataDamaged)) << talk();
 }
 
 TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {

@@ -2,7 +2,7 @@
 // The patient screen, for a second monitor: nothing but the task. It gives no commands, so every role may open it.
 import { useComputed, useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
-import { useEffect, useMemo } from 'preact/hooks';
+import { useEffect, useMemo, useRef } from 'preact/hooks';
 
 import type { RigStatus } from '../../generated/dts/v1/control_pb';
 import { Quality } from '../../generated/dts/v1/stream_pb';
@@ -21,7 +21,7 @@ import { FeedbackMiddle } from './feedback_middle';
 import './patient.css';
 import { ReachPicture } from './reach_picture';
 import type { ScreenState } from './screen_state';
-import { patientRig, sittingState, standingState } from './screen_state';
+import { patientRigs, sittingState, standingState } from './screen_state';
 import { TargetPicture } from './target_picture';
 import { ToneRule, Tones } from './tones';
 
@@ -188,16 +188,20 @@ const ChairScreen = ({ link, status, tones }: TaskProps): JSX.Element => {
   );
 };
 
-/** `rigName`: of the address "#/patient/NAME"; without it, the screen follows the rig with a session. */
+/** `rigName`: of the address "#/patient/NAME"; without it, the screen follows the rig with a session, if there is one only. */
 export const PatientPage = ({ link, rigName }: { link: Link; rigName: string | undefined }): JSX.Element => {
   useProtocols(link);
   useEffect(() => void (document.title = words.title), []);
   const tones = useMemo(() => new Tones(), []); // the press for sound holds also for another rig
   useEffect(() => () => tones.close(), [tones]);
-  const shown = patientRig(link.status.value, rigName);
+  const followed = useRef<string>();
+  const rigs = patientRigs(link.status.value, rigName, followed.current);
+  const shown = rigs.length === 1 ? rigs[0] : undefined;
+  if (isActive(shown?.session)) followed.current = shown!.rig!.name; // also after a crash of dtsd, when both sessions resume
   if (shown === undefined) {
     const isUnknown = link.status.value !== undefined && rigName !== undefined;
-    return <Screen tones={tones} kind="floor" state="wait" what="" hint={isUnknown ? words.noRig(rigName) : ''} />;
+    const hint = rigs.length > 1 ? words.severalRigs(rigs.map(({ rig }) => rig!.name).join(', ')) : isUnknown ? words.noRig(rigName) : '';
+    return <Screen tones={tones} kind="floor" state="wait" what="" hint={hint} />;
   }
   const Task = shown.rig!.kind === 'chair' ? ChairScreen : FloorScreen;
   return <Task key={shown.rig!.name} link={link} status={shown} tones={tones} />;

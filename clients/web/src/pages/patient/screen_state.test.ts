@@ -9,7 +9,7 @@ import type { TrialStatusSchema } from '../../generated/dts/v1/sessions_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Sitting, Standing } from './screen_state';
-import { patientRig, sittingState, standingState } from './screen_state';
+import { patientRigs, sittingState, standingState } from './screen_state';
 
 const session = (trial?: MessageInitShape<typeof TrialStatusSchema>) =>
   create(SessionInfoSchema, { state: SessionState.RUNNING, ...(trial === undefined ? {} : { trial }) });
@@ -53,17 +53,35 @@ test.each<[string, Partial<Sitting>, string]>([
   expect(sittingState({ ...sitting, ...given })).toBe(expected);
 });
 
-test('patientRig follows the rig with trials, unless the address names one', () => {
-  const rig = (name: string, kind: string, session?: NonNullable<MessageInitShape<typeof RigStatusSchema>['session']>) =>
-    create(RigStatusSchema, { rig: { name, kind }, ...(session === undefined ? {} : { session }) });
-  const running = { state: SessionState.RUNNING };
-  const withTrials = { state: SessionState.RUNNING, trial: { phase: TrialPhase.READY } };
-  const nameIn = (rigs: RigStatus[], name?: string) => patientRig(create(StatusSnapshotSchema, { rigs }), name)?.rig?.name;
+const rigStatus = (name: string, kind: string, session?: NonNullable<MessageInitShape<typeof RigStatusSchema>['session']>) =>
+  create(RigStatusSchema, { rig: { name, kind }, ...(session === undefined ? {} : { session }) });
+const running = { state: SessionState.RUNNING };
+const withTrials = { state: SessionState.RUNNING, trial: { phase: TrialPhase.READY } };
+const namesIn = (rigs: RigStatus[], named?: string, shown?: string) =>
+  patientRigs(create(StatusSnapshotSchema, { rigs }), named, shown).map(({ rig }) => rig!.name);
 
-  expect(nameIn([rig('floor', 'floor'), rig('chair', 'chair')])).toBe('floor');
-  expect(nameIn([rig('floor', 'floor'), rig('chair', 'chair', running)])).toBe('chair');
-  expect(nameIn([rig('plate', 'floor', running), rig('floor', 'floor', withTrials)])).toBe('floor');
-  expect(nameIn([rig('floor', 'floor', withTrials), rig('chair', 'chair')], 'chair')).toBe('chair');
-  expect(nameIn([rig('floor', 'floor')], 'other')).toBeUndefined();
-  expect(patientRig(undefined, undefined)).toBeUndefined();
+test('patientRigs is the rig with trials, unless the address names one', () => {
+  expect(namesIn([rigStatus('floor', 'floor'), rigStatus('chair', 'chair')])).toEqual(['floor']);
+  expect(namesIn([rigStatus('floor', 'floor'), rigStatus('chair', 'chair', running)])).toEqual(['chair']);
+  expect(namesIn([rigStatus('plate', 'floor', running), rigStatus('floor', 'floor', withTrials)])).toEqual(['floor']);
+  expect(namesIn([rigStatus('floor', 'floor', withTrials), rigStatus('chair', 'chair')], 'chair')).toEqual(['chair']);
+  expect(namesIn([rigStatus('floor', 'floor')], 'other')).toEqual([]);
+  expect(patientRigs(undefined, undefined)).toEqual([]);
+});
+
+// requirement: UI-15
+test('patientRigs stays with the person who is shown, and chooses nobody of two', () => {
+  const both = [rigStatus('floor', 'floor', withTrials), rigStatus('floor2', 'floor', withTrials)];
+
+  expect(namesIn(both, undefined, 'floor2')).toEqual(['floor2']);
+  expect(namesIn(both)).toEqual(['floor', 'floor2']);
+  expect(namesIn(both, 'floor')).toEqual(['floor']);
+  expect(namesIn([rigStatus('floor', 'floor', withTrials), rigStatus('floor2', 'floor')], undefined, 'floor2')).toEqual(['floor']);
+  expect(namesIn([rigStatus('floor', 'floor', withTrials), rigStatus('floor2', 'floor', running)], undefined, 'floor2')).toEqual(['floor2']);
+});
+
+test('patientRigs is the leading rig of a session of two', () => {
+  const both = { state: SessionState.RUNNING, rigs: ['chair', 'floor'] };
+
+  expect(namesIn([rigStatus('floor', 'floor', both), rigStatus('chair', 'chair', both)])).toEqual(['chair']);
 });

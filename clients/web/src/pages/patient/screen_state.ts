@@ -71,10 +71,16 @@ export const sittingState = ({ isOld, isRunning, isSomebody, step, trial }: Sitt
   }
 };
 
-/** Returns the rig of the patient screen: the named one, else the one with trials or a session, else the first. A companion has no trials. */
-export const patientRig = (status: StatusSnapshot | undefined, name: string | undefined): RigStatus | undefined => {
+/**
+ * Returns the rigs that the patient screen may show: the one that its address names, else those with trials, else those that lead a session, else the
+ * first. `shown`: the rig with a session that it showed last. It stays while it leads one: nobody must follow the task of another person.
+ */
+export const patientRigs = (status: StatusSnapshot | undefined, named: string | undefined, shown?: string): readonly RigStatus[] => {
   const rigs = status?.rigs.filter(({ rig }) => rig?.kind === 'floor' || rig?.kind === 'chair') ?? [];
-  if (name !== undefined) return rigs.find(({ rig }) => rig!.name === name);
-  const active = rigs.filter(({ session }) => isActive(session));
-  return active.find(({ session }) => session!.trial !== undefined) ?? active[0] ?? rigs[0];
+  if (named !== undefined) return rigs.filter(({ rig }) => rig!.name === named);
+  const leading = rigs.filter(({ rig, session }) => isActive(session) && (session!.rigs.length === 0 || session!.rigs[0] === rig!.name));
+  const stays = leading.filter(({ rig }) => rig!.name === shown);
+  if (stays.length > 0) return stays;
+  const withTrials = leading.filter(({ session }) => session!.trial !== undefined);
+  return withTrials.length > 0 ? withTrials : leading.length > 0 ? leading : rigs.slice(0, 1);
 };

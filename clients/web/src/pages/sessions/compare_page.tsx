@@ -33,6 +33,8 @@ const cautionText = (caution: Caution): string => {
   switch (caution.kind) {
     case 'subjects':
       return cautions.subjects;
+    case 'arms':
+      return cautions.arms;
     case 'unit':
       return cautions.unit(resultName(caution.result));
     case 'uneven':

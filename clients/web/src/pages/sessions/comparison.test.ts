@@ -13,7 +13,7 @@ interface Result {
   details?: string;
 }
 
-const session = (id: string, started: number, results: readonly Result[], more: { rig?: string; subject?: string } = {}): SessionRecord =>
+const session = (id: string, started: number, results: readonly Result[], more: { rig?: string; subject?: string; fields?: Record<string, string> } = {}): SessionRecord =>
   create(SessionRecordSchema, { sessionId: id, startedUtcNs: BigInt(started), rig: 'floor', subject: 'P017', results: [...results], ...more });
 
 const length = (seconds: number): Result => ({ name: 'eyes-open/MVELO', value: 9, unit: 'mm/s', details: JSON.stringify({ duration_s: seconds }) });
@@ -57,4 +57,13 @@ test('comparable.SessionsOfOtherRigs and without results are left out', () => {
   const sessions = [session('empty', 4, []), session('newest', 3, [mvelo(1)], chair), session('floor', 2, [mvelo(1)]), session('oldest', 1, [mvelo(1)], chair)];
 
   expect(comparable(sessions).map(({ sessionId }) => sessionId)).toEqual(['newest', 'oldest']);
+});
+
+test('compare.Warns once of reaches of both arms', () => {
+  const reaching = (id: string, at: number, side: string, name = 'targets') => session(id, at, [{ name, value: 3, unit: '1' }], { fields: { side } });
+  const [left, right] = [reaching('a', 1, 'left'), reaching('b', 2, 'right')];
+
+  expect(compare([left, right, reaching('c', 3, 'left')]).cautions).toMatchObject([{ kind: 'arms' }]);
+  expect(compare([left, reaching('c', 3, 'left')]).cautions).toEqual([]);
+  expect(compare([reaching('a', 1, 'left', 'trials'), reaching('b', 2, 'right', 'trials')]).cautions).toEqual([]);
 });

@@ -15,6 +15,7 @@ export interface ComparedResult {
 /** A reason why values of two sessions cannot be compared. */
 export type Caution =
   | { readonly kind: 'subjects' }
+  | { readonly kind: 'arms' }
   | { readonly kind: 'unit'; readonly result: string }
   | { readonly kind: 'uneven'; readonly condition: string }
   | { readonly kind: 'analysis'; readonly condition: string; readonly of: string; readonly one: string; readonly other: string };
@@ -80,14 +81,19 @@ const cautionsOf = (first: SessionResult, other: SessionResult): Caution[] => {
   return cautions;
 };
 
+/** Returns which arm reached; undefined: not known, or a session of standing. */
+const arm = ({ fields, results }: SessionRecord): string | undefined => (results.some(({ name }) => name === 'targets') ? fields['side'] : undefined);
+
 export const compare = (unsorted: readonly SessionRecord[]): Comparison => {
   const sessions = [...unsorted].sort((one, other) => (one.startedUtcNs < other.startedUtcNs ? -1 : 1));
   const firsts = new Map<string, SessionResult>();
   const values = new Map<string, (number | undefined)[]>();
+  const arms = new Set<string>();
   const cautions = new Map<string, Caution>(); // by content, so that each appears once
   const caution = (one: Caution): void => void cautions.set(JSON.stringify(one), one);
   sessions.forEach((session, index) => {
     if (session.subject !== sessions[0]?.subject) caution({ kind: 'subjects' });
+    if (arm(session) !== undefined && arms.add(arm(session)!).size > 1) caution({ kind: 'arms' });
     for (const result of session.results) {
       const first = firsts.get(result.name);
       if (first === undefined) {

@@ -42,6 +42,10 @@ export const daemonMessages: readonly Message[] = [
     'Messplatz „{}“: Kalibrierung vom {} mit {} gemessen, und das Gerät ist {}, ein anderes desselben Modells; ein bekanntes Gewicht in der Mitte und nahe jeder Ecke vergleichen oder neu kalibrieren: dtsctl calibrate cop --rig {}',
   ],
   [
+    "rig '{}': the calibration of {!} is more than {!} days old; compare a known weight on the middle and near each corner, or calibrate again: dtsctl calibrate cop --rig {!}",
+    'Messplatz „{}“: Kalibrierung vom {} ist mehr als {} Tage alt; ein bekanntes Gewicht in der Mitte und nahe jeder Ecke vergleichen oder neu kalibrieren: dtsctl calibrate cop --rig {}',
+  ],
+  [
     "rig '{}': the calibration of {!} is of rig '{!}'; calibrate again: dtsctl calibrate cop --rig {!}",
     'Messplatz „{}“: Kalibrierung vom {} gehört zu Messplatz „{}“; neu kalibrieren: dtsctl calibrate cop --rig {}',
   ],

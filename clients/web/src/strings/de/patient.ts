@@ -7,6 +7,7 @@ export const patient: typeof english = {
   open: 'Patientenbildschirm',
   feedbackNote: 'Durchgang mit Rückmeldung',
   noRig: (name) => `Kein Messplatz namens ${name}. Den Patientenbildschirm von der Seite des Messplatzes aus öffnen.`,
+  severalRigs: (names) => `Untersuchungen an mehreren Messplätzen: ${names}. Den Patientenbildschirm von der Seite des Messplatzes aus öffnen.`,
   states: {
     noData: 'Einen Moment bitte',
     idle: 'Willkommen',

@@ -265,6 +265,7 @@ export const sessions: typeof english = {
     heads: { result: 'Ergebnis', unit: 'Einheit', change: 'B − A', share: 'Änderung' },
     cautions: {
       subjects: 'Verschiedene Personen: Die Änderung ist kein Fortschritt.',
+      arms: 'Linker Arm in einer Untersuchung, rechter Arm in einer anderen: Die Änderung ist kein Fortschritt.',
       unit: (result) => `${result}: verschiedene Einheiten in diesen Untersuchungen. Die Werte nicht vergleichen.`,
       uneven: (condition) => `${condition}: Die Durchgänge einer Untersuchung sind verschieden lang. Diese Werte nicht vergleichen.`,
       analysis: (condition, of, one, other) =>

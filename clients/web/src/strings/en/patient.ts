@@ -5,6 +5,7 @@ export const patient = {
   open: 'Patient screen',
   feedbackNote: 'Feedback trial',
   noRig: (name: string) => `No rig named ${name}. Open the patient screen from the page of the rig.`,
+  severalRigs: (names: string) => `Sessions at several rigs: ${names}. Open the patient screen from the page of the rig.`,
   states: {
     noData: 'One moment, please',
     idle: 'Welcome',

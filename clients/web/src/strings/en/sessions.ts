@@ -236,6 +236,7 @@ export const sessions = {
     heads: { result: 'Result', unit: 'Unit', change: 'B − A', share: 'Change' },
     cautions: {
       subjects: 'Different subjects: do not read the change as progress.',
+      arms: 'Left arm in one session and right arm in another: do not read the change as progress.',
       unit: (result: string) => `${result}: different units in these sessions. Do not compare its values.`,
       uneven: (condition: string) => `${condition}: trials of one session differ in duration. Do not compare these values.`,
       analysis: (condition: string, of: string, one: string, other: string) =>

@@ -132,7 +132,8 @@ void warn_of_protocols(const std::vector<v1::SessionRecord>& sessions, std::set<
 void warn_of_arms(const std::vector<v1::SessionRecord>& sessions, std::set<std::string>& warnings) {
   std::map<std::string, std::vector<std::string>> ids;
   for (const v1::SessionRecord& session : sessions) {
-    const bool has_reaches = std::ranges::any_of(session.results(), [](const auto& result) { return result.name() == "targets"; });
+    const auto is_of_reaches = [](const auto& result) { return report::parts_of(result.name()).symbol == "targets"; };
+    const bool has_reaches = std::ranges::any_of(session.results(), is_of_reaches);
     const auto side = session.fields().find("side");
     if (has_reaches && side != session.fields().end()) ids[side->second].push_back(session.session_id());
   }

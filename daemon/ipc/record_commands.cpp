@@ -5,6 +5,7 @@
 #include "ipc/command_handler.h"
 #include "ipc/encode_session.h"
 #include "record/utf8_text.h"
+#include "session/figure.h"
 
 namespace dts::ipc {
 namespace {
@@ -99,7 +100,8 @@ dts::v1::Response CommandHandler::show_subject(const dts::v1::ShowSubjectRequest
     if (!results) return error_response(results.error());
     for (const record::ResultRow& result : *results) *session.add_results() = session_result(result);
     // Which arm reached: visits with the other one are not compared.
-    if (std::ranges::find(*results, "targets", &record::ResultRow::name) != results->end()) add_fields(row, session);
+    const auto is_of_reaches = [](const record::ResultRow& result) { return session::without_part_suffix(result.name).first == "targets"; };
+    if (std::ranges::any_of(*results, is_of_reaches)) add_fields(row, session);
   }
   for (const std::string& id : mentioning->sessions) out.add_mentioning_sessions(id);
   out.set_unsearched_sessions(static_cast<std::uint32_t>(mentioning->unsearched));

@@ -243,7 +243,7 @@ TEST_F(CommandsTest, OnARigThatStreams) {
   };
   EXPECT_TRUE(fields_in_subject().empty());
   const auto set = supervisor_->recordings().catalogue().set_results(
-      session_id_, {{.session_id = session_id_, .name = "targets", .value = 1, .unit = "1", .details = "{}"}});
+      session_id_, {{.session_id = session_id_, .name = "targets_part_2", .value = 1, .unit = "1", .details = "{}"}});
   ASSERT_TRUE(set) << set.error().what;
   EXPECT_EQ(fields_in_subject()["age"], "7") << "trends need to know which arm reached";
   static_cast<void>(record(10));

@@ -64,6 +64,7 @@ test('compare.Warns once of reaches of both arms', () => {
   const [left, right] = [reaching('a', 1, 'left'), reaching('b', 2, 'right')];
 
   expect(compare([left, right, reaching('c', 3, 'left')]).cautions).toMatchObject([{ kind: 'arms' }]);
+  expect(compare([left, reaching('b', 2, 'right', 'targets_part_2')]).cautions).toMatchObject([{ kind: 'arms' }]);
   expect(compare([left, reaching('c', 3, 'left')]).cautions).toEqual([]);
   expect(compare([reaching('a', 1, 'left', 'trials'), reaching('b', 2, 'right', 'trials')]).cautions).toEqual([]);
 });

@@ -82,7 +82,7 @@ const cautionsOf = (first: SessionResult, other: SessionResult): Caution[] => {
 };
 
 /** Returns which arm reached; undefined: not known, or a session of standing. */
-const arm = ({ fields, results }: SessionRecord): string | undefined => (results.some(({ name }) => name === 'targets') ? fields['side'] : undefined);
+const arm = ({ fields, results }: SessionRecord): string | undefined => (results.some(({ name }) => /^targets(_part_\d+)?$/.test(name)) ? fields['side'] : undefined);
 
 export const compare = (unsorted: readonly SessionRecord[]): Comparison => {
   const sessions = [...unsorted].sort((one, other) => (one.startedUtcNs < other.startedUtcNs ? -1 : 1));

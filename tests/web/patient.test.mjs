@@ -219,6 +219,7 @@ describe('the patient screen', () => {
     await isState(page, 'idle').waitFor();
     await remember(page, 'patient', 'data-state');
     await remember(page, 'patient-reach', 'data-class');
+    const watch = daemon.watch('chair/class');
     const id = (await daemon.ctl('session', 'start', '--rig', 'chair', '--protocol', 'reaching-short', '--subject', 'P32', ...fields)).trim();
     await isState(page, 'wait').waitFor();
     assert.match(await textOf(page, 'patient-what'), /^Next: /);
@@ -231,8 +232,9 @@ describe('the patient screen', () => {
     assert.match(states, /^idle wait (ready go (back )?(rest|done) ?){6}( ?idle)?$/);
     assert.equal(trials.length, 6);
     const classes = ['Your trunk stayed upright', 'Your trunk helped a little', 'Your trunk helped', 'Your trunk helped a lot'];
+    /** What the screen said after the trial: with the class of that moment. The catalogue has it again on the subject's own scale. */
     const wordOf = ({ result }) => {
-      const { movement } = result;
+      const movement = watch.seen.find(({ event }) => event.kind === 'class' && event.number === result.reach?.number)?.event;
       if (movement === undefined) return 'No reach seen';
       if (movement.trunk_class < 0) return 'Not certain this time';
       const isMinor = movement.trunk_class === 1 && movement.reasons.includes('minor');
@@ -240,6 +242,7 @@ describe('the patient screen', () => {
     };
     const seen = (await rememberedOf(page, 'patient-reach')).filter(({ value }) => value !== '').map(({ text }) => text);
     assert.deepEqual(seen, trials.map(wordOf));
+    await watch.close();
   });
 
   // requirement: UI-10

@@ -4,6 +4,7 @@
 #include "cli/validators.h"
 #include "ctl/calibrate/cop_command.h"
 #include "ctl/calibrate/sensor_command.h"
+#include "files/toml_reader.h"
 
 namespace dts::ctl {
 namespace {
@@ -29,7 +30,10 @@ void add_sensor(CommandTree& tree, CLI::App& parent) {
                        "dtsctl calibrate sensor --sensor w1 --points w1.csv --out w1.toml | from a file, without measuring\n",
                        [&tree](cli::Console& console) { return run_calibrate_sensor(tree.arguments, console); });
   sensor->add_option("--rig", arguments.rig, "Rig of the sensors; not needed with --points")->option_text("RIG");
-  sensor->add_option("--sensor", wishes.sensor, "Label of the sensor; all: every sensor of the rig")->option_text("LABEL")->required();
+  sensor->add_option("--sensor", wishes.sensor, "Label of the sensor; all: every sensor of the rig")
+      ->option_text("LABEL")
+      ->required()
+      ->check(cli::text_of(1, files::kLongestText));
   wishes.gaps_mm = {12.5, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.5};  // thesis 3.4, extended at both ends: unloaded and 600 N
   sensor
       ->add_option("--gaps", wishes.gaps_mm,

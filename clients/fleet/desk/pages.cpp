@@ -15,16 +15,18 @@ using database::Rows;
 /// shown, but nothing is wrong with it. Numbers of a version have at most six digits, so that they fit an integer.
 constexpr char kClinics[] = R"sql(
 WITH known AS (
-  SELECT r.*, r.at = b.at AS is_present FROM rig r LEFT JOIN beat b USING (clinic) WHERE $2 = '' OR r.clinic = $2
+  SELECT r.*, r.at = b.at AS is_present, calibration <> '' AND calibration_since < now() - interval '180 days' AS has_old_calibration
+  FROM rig r LEFT JOIN beat b USING (clinic) WHERE $2 = '' OR r.clinic = $2
 ), rigs AS (
   SELECT clinic,
     json_agg(json_build_object('rig', id, 'kind', kind, 'device', device, 'session_state', session_state, 'session', session,
       'nominal_rate_hz', nominal_rate_hz, 'measured_rate_hz', measured_rate_hz, 'scans', scans_total, 'lost_scans', lost_scans_total,
       'gaps', gaps_total, 'sensors', sensors, 'calibration', calibration, 'streams', streams, 'is_present', coalesce(is_present, false),
+      'has_old_calibration', has_old_calibration,
       'calibration_age_d', CASE WHEN calibration <> '' THEN extract(epoch FROM now() - calibration_since) / 86400 END) ORDER BY id) AS list,
     bool_or(is_present AND device NOT IN ('streaming', 'waiting')) AS has_no_device,
     bool_or(is_present AND lost_scans_total > 0) AS has_losses,
-    bool_or(is_present AND calibration <> '' AND calibration_since < now() - interval '180 days') AS has_old_calibration
+    bool_or(is_present AND has_old_calibration) AS has_old_calibration
   FROM known GROUP BY clinic
 ), facts AS (
   SELECT c.id AS name, c.title, c.state = 'revoked' AS is_revoked, extract(epoch FROM now() - b.at) AS beat_age_s, b.clock_offset_s,

@@ -69,9 +69,9 @@ class PagesTest : public ::testing::Test {
     return document ? json::parse(*document) : json();
   }
   json clinics() { return read(clinics_page(*database_, "1.2.0-dev"))["clinics"]; }
-  json wrong_of_kent() {
+  json kent() {
     for (const json& clinic : clinics()) {
-      if (clinic["name"] == "kent") return clinic["wrong"];
+      if (clinic["name"] == "kent") return clinic;
     }
     return nullptr;
   }
@@ -165,7 +165,8 @@ TEST_P(WrongTest, IsNamed) {
   sql(GetParam().statement);
 
   const json expected = GetParam().wrong.empty() ? json::array() : json::array({GetParam().wrong});
-  EXPECT_EQ(wrong_of_kent(), expected);
+  EXPECT_EQ(kent()["wrong"], expected);
+  EXPECT_EQ(kent()["rigs"][0]["has_old_calibration"], GetParam().wrong == "calibration");
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -21,6 +21,7 @@ export interface Rig {
   readonly lost_scans: number;
   readonly calibration: string;
   readonly calibration_age_d: number | null;
+  readonly has_old_calibration: boolean;
   readonly is_present: boolean;
 }
 

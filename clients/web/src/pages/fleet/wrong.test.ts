@@ -6,7 +6,7 @@ import { agoText, backlogText, timeText, versionText, wrongTexts } from './wrong
 
 const rig = (name: string, change: Partial<Rig> = {}): Rig => ({
   rig: name, kind: name, device: 'streaming', session_state: 'idle', nominal_rate_hz: 100, measured_rate_hz: 100, lost_scans: 0, calibration: 'c1',
-  calibration_age_d: 20, is_present: true, ...change,
+  calibration_age_d: 20, has_old_calibration: false, is_present: true, ...change,
 });
 const clinic = (wrong: readonly string[], change: Partial<Clinic> = {}): Clinic => ({
   name: 'kent', title: 'Kent', is_revoked: false, wrong, beat_age_s: 4, clock_offset_s: 0.01, forwarder_version: '0.2.0', has_daemon: true,
@@ -24,7 +24,7 @@ test.each<[string, Clinic, string[]]>([
   ['losses of two rigs', clinic(['losses'], { rigs: [rig('floor', { lost_scans: 3 }), rig('chair', { lost_scans: 4 })] }), ['7 scans lost: floor, chair']],
   ['held', clinic(['held'], { held_files: 1 }), ['1 recording damaged, not sent']],
   ['backlog', clinic(['backlog'], { backlog_age_s: 3.5 * 86_400 }), ['Oldest recording waits for 3 days']],
-  ['calibration: names the old one', clinic(['calibration'], { rigs: [rig('floor', { calibration_age_d: 200.9 }), rig('chair')] }), ['Calibration 200 days old: floor']],
+  ['calibration: names the old one', clinic(['calibration'], { rigs: [rig('floor', { calibration_age_d: 200.9, has_old_calibration: true }), rig('chair')] }), ['Calibration 200 days old: floor']],
   ['clock', clinic(['clock'], { clock_offset_s: -3.21 }), ['Clock off by 3.2 s']],
   ['version', clinic(['version'], { forwarder_version: '0.1.0', daemon_version: '0.1.0' }), ['Old version 0.1.0']],
   ['two versions', clinic(['version'], { forwarder_version: '0.1.0' }), ['Old version 0.1.0, 0.2.0']],

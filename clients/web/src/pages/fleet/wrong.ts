@@ -33,8 +33,8 @@ const textOf = (wrong: string, clinic: Clinic): string => {
     case 'backlog':
       return words.backlog(timeText(clinic.backlog_age_s));
     case 'calibration': {
-      const oldest = Math.max(...present.map((rig) => rig.calibration_age_d ?? 0));
-      return words.calibration(whole(Math.floor(oldest)), namesOf(present.filter((rig) => (rig.calibration_age_d ?? 0) >= calibrationLifeDays)));
+      const old = present.filter((rig) => rig.has_old_calibration);
+      return words.calibration(whole(Math.floor(Math.max(...old.map((rig) => rig.calibration_age_d ?? 0)))), namesOf(old));
     }
     case 'clock':
       return words.clock(fixed(Math.abs(clinic.clock_offset_s ?? NaN), 1));
@@ -44,8 +44,6 @@ const textOf = (wrong: string, clinic: Clinic): string => {
       return wrong; // of a newer centre
   }
 };
-
-const calibrationLifeDays = 180;
 
 /** Returns a text for each thing that is wrong, the worst first. */
 export const wrongTexts = (clinic: Clinic): readonly string[] => clinic.wrong.map((wrong) => textOf(wrong, clinic));

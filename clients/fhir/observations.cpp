@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <set>
 #include <utility>
 
 #include "core/join.h"
@@ -251,6 +252,13 @@ std::string_view group_code(const std::string& group, bool has_trials) {
   return has_trials ? std::string_view("condition-mean") : std::string_view(group);
 }
 
+/// Returns what limits a result: "about 64 kg, corrected for two feet without a stance width". Empty: nothing.
+std::string note_of(const record::ResultRow& row) {
+  const Json details = Json::parse(row.details, nullptr, false);
+  const auto note = details.is_object() ? details.find("note") : details.end();
+  return note != details.end() && note->is_string() ? note->get<std::string>() : std::string();
+}
+
 /// Results of the session that belong together: of one condition, of one stance, or of the whole session.
 Resource result_observation(const RecordedPart& part, const About& about, const std::string& group,
                             const std::vector<record::ResultRow>& rows, const std::vector<std::string>& trial_ids) {
@@ -265,6 +273,7 @@ Resource result_observation(const RecordedPart& part, const About& about, const 
   for (const record::ResultRow& row : rows) {
     const std::string symbol = report::parts_of(row.name).symbol;
     components.number(is_romberg(group) ? std::string(kRombergPrefix) + symbol : symbol, row.value, row.unit);
+    if (const std::string note = note_of(row); !note.empty()) add_note(resource.json, symbol + ": " + note);
   }
   for (const std::string& id : trial_ids) resource.json["derivedFrom"].push_back(reference_to(id));
   return resource;
@@ -282,14 +291,28 @@ bool has_stance(const v1::Event& result, const std::string& group) {
   return true;
 }
 
-/// Returns the ids of the valid trials from which the results of a group were computed.
+/// Returns the ids of the valid trials from which the results of a group were computed. A trial that a gap cut short is in the results of
+/// its condition only if the condition has no whole one.
 std::vector<std::string> sources_of(const std::vector<std::pair<const RecordedTrial*, std::string>>& trials, const std::string& group) {
-  std::vector<std::string> ids;
+  struct Source {
+    std::string condition;
+    std::string id;
+    bool is_cut = false;
+  };
+  std::vector<Source> sources;
+  std::set<std::string> has_whole;  // conditions
   for (const auto& [trial, id] : trials) {
     if (!record::is_valid(trial->row)) continue;
     const auto result = record::event_of_text(trial->row.result);
     const bool belongs = group.empty() || trial->row.condition == group || (is_romberg(group) && result && has_stance(*result, group));
-    if (belongs) ids.push_back(id);
+    if (!belongs) continue;
+    const bool is_cut = !group.empty() && result && (result->sway().flags() & v1::SWAY_FLAG_CUT_AT_GAP) != 0;
+    sources.push_back({trial->row.condition, id, is_cut});
+    if (!is_cut) has_whole.insert(trial->row.condition);
+  }
+  std::vector<std::string> ids;
+  for (const Source& source : sources) {
+    if (!source.is_cut || !has_whole.contains(source.condition)) ids.push_back(source.id);
   }
   return ids;
 }

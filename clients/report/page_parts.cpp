@@ -73,7 +73,7 @@ namespace {
 std::string invalid_text(const TrialData& trial) {
   const std::string fault = fault_words(record::fault_of(session::to_event(session::SwayTrialResult{.analysis = trial.analysis}, "", "")));
   if (!fault.empty()) return ", not valid: " + fault;
-  return (trial.analysis->flags & posturography::sway_flag::kCutAtGap) != 0 ? ", cut short by a gap" : "";
+  return trial.analysis->is_cut() ? ", cut short by a gap" : "";
 }
 
 }  // namespace

@@ -35,7 +35,9 @@ MatchedReferences matched_references(const TrialData& trial) {
   const std::string feet = trial.label("feet");
   const std::string surface = trial.label("surface");
   MatchedReferences matched{.protocols = {}, .is_surface_assumed = surface.empty()};
-  if (eyes.empty() || feet != "two" || !trial.label(session::kFeedbackLabel).empty()) return matched;  // feedback changes sway
+  // Whatever else a label names changes sway: feedback, a second task, the head, a stance in tandem.
+  const auto is_of_ranges = [](const auto& label) { return label.first == "eyes" || label.first == "feet" || label.first == "surface"; };
+  if (eyes.empty() || feet != "two" || !std::ranges::all_of(trial.recorded.labels, is_of_ranges)) return matched;
   for (const posturography::ReferenceProtocol& protocol : posturography::reference_protocols()) {
     if (protocol.eyes != eyes || protocol.surface != (surface.empty() ? "firm" : surface)) continue;
     if (matched.protocols.size() < kMostColumns) matched.protocols.push_back(protocol);

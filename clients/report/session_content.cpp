@@ -86,7 +86,7 @@ Notes left_out(const SessionData& session) {
     notes.items.push_back("Trial " + trial.number() + ": " + why + ".");
   }
   for (const TrialData& trial : session.trials) {
-    if (!trial.counts() || (trial.analysis->flags & posturography::sway_flag::kCutAtGap) == 0 || notes.items.size() >= 40) continue;
+    if (!trial.counts() || !trial.analysis->is_cut() || notes.items.size() >= 40) continue;
     notes.items.push_back("Trial " + trial.number() + ": samples are missing; only the longest part without a gap was analysed: " +
                           fixed(trial.analysis->duration_s, 1) +
                           " s. The trial is in a mean only if every trial of its condition has missing samples.");

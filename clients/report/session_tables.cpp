@@ -48,12 +48,8 @@ constexpr std::array kPublished = {PublishedQuotient{Measure::Mvelo, "1.11 (0.80
                                    PublishedQuotient{Measure::Pea95F, "1.24 (0.62-1.73)", "0.98 (0.57-1.77)"},
                                    PublishedQuotient{Measure::AreaSw, "1.21 (0.73-1.86)", "1.03 (0.64-1.96)"}};
 
-/// The published quotients are for two feet on a firm surface; a stance without a surface counts as firm.
-bool is_of_references(const std::string& stance) {
-  const bool is_firm = stance.find("surface=") == std::string::npos || stance.find("surface=firm") != std::string::npos;
-  const bool has_feedback = stance.find(session::kFeedbackLabel) != std::string::npos;
-  return is_firm && !has_feedback && stance.find("feet=two") != std::string::npos;
-}
+/// The published quotients are for two feet on a firm surface and nothing else; a stance without a surface counts as firm.
+bool is_of_references(const std::string& stance) { return stance == "feet=two" || stance == "feet=two,surface=firm"; }
 
 /// Returns a warning for trials with another duration than the published quotients; empty if there are none.
 std::string other_duration(const SessionData& session) {
@@ -97,8 +93,11 @@ std::vector<Measure> measures_of(const Groups& groups) {
 }
 
 std::string head_of(const SessionData& session, const std::string& condition) {
-  const auto count = std::ranges::count_if(session.trials,
-                                           [&](const TrialData& trial) { return trial.counts() && trial.recorded.condition == condition; });
+  const auto is_of_it = [&](const TrialData& trial) { return trial.counts() && trial.recorded.condition == condition; };
+  const auto whole =
+      std::ranges::count_if(session.trials, [&](const TrialData& trial) { return is_of_it(trial) && !trial.analysis->is_cut(); });
+  // As in session::sway_summary: trials that a gap cut short are in the mean only if there is no other.
+  const auto count = whole > 0 ? whole : std::ranges::count_if(session.trials, is_of_it);
   return (condition.empty() ? "no condition" : condition_text(session, condition)) + " (n = " + std::to_string(count) + ")";
 }
 

@@ -13,26 +13,37 @@ class English final : public Sentences {
     return title.empty() ? spoken_condition(name) : title;
   }
 
-  [[nodiscard]] std::string ellipse_eyes_closed(const Change& mm2) const override {
+  [[nodiscard]] std::string label(const std::string& name, const std::string& value) const override {
+    if (name == "feet" && value == "one") return "one foot";
+    if (name == "feet" && value == "two") return "two feet";
+    if (name == "surface" && value == "firm") return "firm surface";
+    if (name == "surface" && value == "foam") return "foam";
+    return {};
+  }
+
+  [[nodiscard]] std::string ellipse_eyes_closed(const std::string& stance, const Change& mm2) const override {
+    const std::string begin = stance.empty() ? "With" : stance + ": with";
     const std::string values = " (" + en(mm2.to, 0) + " against " + en(mm2.from, 0) + " mm²).";
-    if (mm2.is_same()) return "With eyes closed the ellipse is as large as with eyes open" + values;
-    return "With eyes closed the ellipse is " + std::to_string(mm2.percent()) + " % " + (mm2.is_rise() ? "larger" : "smaller") +
+    if (mm2.is_same()) return begin + " eyes closed the ellipse is as large as with eyes open" + values;
+    return begin + " eyes closed the ellipse is " + std::to_string(mm2.percent()) + " % " + (mm2.is_rise() ? "larger" : "smaller") +
            " than with eyes open" + values;
   }
-  [[nodiscard]] std::string velocity_eyes_closed(const Change& mm_s) const override {
+  [[nodiscard]] std::string velocity_eyes_closed(const std::string& stance, const Change& mm_s) const override {
+    const std::string begin = stance.empty() ? "With" : stance + ": with";
     const std::string values = " (" + en(mm_s.to, 1) + " against " + en(mm_s.from, 1) + " mm/s).";
-    if (mm_s.is_same()) return "With eyes closed the mean velocity is the same as with eyes open" + values;
-    return "With eyes closed the mean velocity is " + std::to_string(mm_s.percent()) + " % " + (mm_s.is_rise() ? "higher" : "lower") +
+    if (mm_s.is_same()) return begin + " eyes closed the mean velocity is the same as with eyes open" + values;
+    return begin + " eyes closed the mean velocity is " + std::to_string(mm_s.percent()) + " % " + (mm_s.is_rise() ? "higher" : "lower") +
            " than with eyes open" + values;
   }
 
-  [[nodiscard]] std::string trunk_at_target(const std::string& condition, double mean_deg, std::uint32_t reaches) const override {
-    return condition + ": the trunk bent " + en(mean_deg, 1) + "° on average, in " + std::to_string(reaches) +
-           (reaches == 1 ? " reach." : " reaches.");
+  [[nodiscard]] std::string trunk_at_target(const std::string& condition, double mean_deg, std::uint32_t angles) const override {
+    const std::string mean = condition + ": the trunk bent " + en(mean_deg, 1) + "° on average";
+    if (angles == 0) return mean + ".";
+    return mean + ", in " + std::to_string(angles) + (angles == 1 ? " reach." : " reaches.");
   }
   [[nodiscard]] std::string classes_as_expected(std::uint32_t agreed, std::uint32_t compared) const override {
     return "The trunk class was as expected for the target in " + std::to_string(agreed) + " of " + std::to_string(compared) +
-           (compared == 1 ? " trial." : " trials.");
+           (compared == 1 ? " trial" : " trials") + " (without a reach, if the target needs no trunk movement, counts as expected).";
   }
   [[nodiscard]] std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const override {
     return "The trunk class is missing for " + std::to_string(rejected) + " of " + std::to_string(classified) +
@@ -74,10 +85,12 @@ class English final : public Sentences {
     return condition + ": the trunk angle varied " + (to_deg > from_deg ? "more" : "less") + " than" + values;
   }
   [[nodiscard]] std::string within_retest(double percent) const override {
-    return "This is within the variation between two days that is known of people above 65 (" + en(percent, 0) + " %).";
+    return "This is within the variation between two days that is known of people above 65 and trials of 45 s (" + en(percent, 0) +
+           " % of the mean of both).";
   }
   [[nodiscard]] std::string beyond_retest(double percent) const override {
-    return "This is more than the variation between two days that is known of people above 65 (" + en(percent, 0) + " %).";
+    return "This is more than the variation between two days that is known of people above 65 and trials of 45 s (" + en(percent, 0) +
+           " % of the mean of both).";
   }
   [[nodiscard]] std::string no_retest_known() const override {
     return "For measures without this remark no published variation is known here: the difference may be chance.";

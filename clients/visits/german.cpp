@@ -21,26 +21,38 @@ class German final : public Sentences {
     return title.empty() ? spoken_condition(name) : title;
   }
 
-  [[nodiscard]] std::string ellipse_eyes_closed(const Change& mm2) const override {
-    const std::string values = " (" + de(mm2.to, 0) + " gegenüber " + de(mm2.from, 0) + " mm²).";
-    if (mm2.is_same()) return "Mit geschlossenen Augen ist die Ellipse so groß wie mit offenen" + values;
-    return "Mit geschlossenen Augen ist die Ellipse " + std::to_string(mm2.percent()) + " % " + (mm2.is_rise() ? "größer" : "kleiner") +
-           " als mit offenen" + values;
+  [[nodiscard]] std::string label(const std::string& name, const std::string& value) const override {
+    if (name == "feet" && value == "one") return "ein Fuß";
+    if (name == "feet" && value == "two") return "zwei Füße";
+    if (name == "surface" && value == "firm") return "fester Boden";
+    if (name == "surface" && value == "foam") return "Schaumstoff";
+    return {};
   }
-  [[nodiscard]] std::string velocity_eyes_closed(const Change& mm_s) const override {
+
+  [[nodiscard]] std::string ellipse_eyes_closed(const std::string& stance, const Change& mm2) const override {
+    const std::string begin = stance.empty() ? "Mit" : stance + ": Mit";
+    const std::string values = " (" + de(mm2.to, 0) + " gegenüber " + de(mm2.from, 0) + " mm²).";
+    if (mm2.is_same()) return begin + " geschlossenen Augen ist die Ellipse so groß wie mit offenen" + values;
+    return begin + " geschlossenen Augen ist die Ellipse " + std::to_string(mm2.percent()) + " % " +
+           (mm2.is_rise() ? "größer" : "kleiner") + " als mit offenen" + values;
+  }
+  [[nodiscard]] std::string velocity_eyes_closed(const std::string& stance, const Change& mm_s) const override {
+    const std::string begin = stance.empty() ? "Mit" : stance + ": Mit";
     const std::string values = " (" + de(mm_s.to, 1) + " gegenüber " + de(mm_s.from, 1) + " mm/s).";
-    if (mm_s.is_same()) return "Mit geschlossenen Augen ist die mittlere Geschwindigkeit so hoch wie mit offenen" + values;
-    return "Mit geschlossenen Augen ist die mittlere Geschwindigkeit " + std::to_string(mm_s.percent()) + " % " +
+    if (mm_s.is_same()) return begin + " geschlossenen Augen ist die mittlere Geschwindigkeit so hoch wie mit offenen" + values;
+    return begin + " geschlossenen Augen ist die mittlere Geschwindigkeit " + std::to_string(mm_s.percent()) + " % " +
            (mm_s.is_rise() ? "höher" : "niedriger") + " als mit offenen" + values;
   }
 
-  [[nodiscard]] std::string trunk_at_target(const std::string& condition, double mean_deg, std::uint32_t reaches) const override {
-    return condition + ": Der Rumpf beugte sich im Mittel um " + de(mean_deg, 1) + "°, bei " + std::to_string(reaches) +
-           (reaches == 1 ? " Reichbewegung." : " Reichbewegungen.");
+  [[nodiscard]] std::string trunk_at_target(const std::string& condition, double mean_deg, std::uint32_t angles) const override {
+    const std::string mean = condition + ": Der Rumpf beugte sich im Mittel um " + de(mean_deg, 1) + "°";
+    if (angles == 0) return mean + ".";
+    return mean + ", bei " + std::to_string(angles) + (angles == 1 ? " Reichbewegung." : " Reichbewegungen.");
   }
   [[nodiscard]] std::string classes_as_expected(std::uint32_t agreed, std::uint32_t compared) const override {
     return "Die Rumpfklasse entsprach in " + std::to_string(agreed) + " von " + std::to_string(compared) +
-           (compared == 1 ? " Durchgang" : " Durchgängen") + " dem Ziel.";
+           (compared == 1 ? " Durchgang" : " Durchgängen") +
+           " dem Ziel (ohne Reichbewegung, wenn das Ziel keine Rumpfbewegung braucht, zählt als erwartet).";
   }
   [[nodiscard]] std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const override {
     return "Bei " + std::to_string(rejected) + " von " + std::to_string(classified) +
@@ -82,10 +94,12 @@ class German final : public Sentences {
     return condition + ": Der Rumpfwinkel schwankte " + (to_deg > from_deg ? "mehr" : "weniger") + " als" + values;
   }
   [[nodiscard]] std::string within_retest(double percent) const override {
-    return "Das liegt innerhalb der Schwankung zwischen zwei Tagen, die von Menschen über 65 bekannt ist (" + de(percent, 0) + " %).";
+    return "Das liegt innerhalb der Schwankung zwischen zwei Tagen, die von Menschen über 65 und Durchgängen von 45 s bekannt ist (" +
+           de(percent, 0) + " % des Mittels beider).";
   }
   [[nodiscard]] std::string beyond_retest(double percent) const override {
-    return "Das ist mehr als die Schwankung zwischen zwei Tagen, die von Menschen über 65 bekannt ist (" + de(percent, 0) + " %).";
+    return "Das ist mehr als die Schwankung zwischen zwei Tagen, die von Menschen über 65 und Durchgängen von 45 s bekannt ist (" +
+           de(percent, 0) + " % des Mittels beider).";
   }
   [[nodiscard]] std::string no_retest_known() const override {
     return "Für Kenngrößen ohne diesen Hinweis ist hier keine veröffentlichte Schwankung bekannt: Der Unterschied kann Zufall sein.";

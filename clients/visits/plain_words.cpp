@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <string_view>
 
 #include "visits/details.h"
 #include "visits/retest.h"
@@ -43,22 +44,34 @@ std::string name_of(const std::string& protocol, const std::string& condition, c
   return sentences.condition(condition, title == titles.end() ? "" : title->second);
 }
 
-/// Returns the values of a Romberg quotient; nothing without one. With several stances, the first by name.
-std::optional<Change> quotient_of(const v1::SessionRecord& session, const std::string& measure) {
+constexpr std::string_view kRomberg = "romberg/";
+
+/// Returns the stance of a Romberg quotient of `measure`, "feet=two,surface=firm"; nothing for another result.
+std::optional<std::string> stance_of(const std::string& name, std::string_view measure) {
+  if (!name.starts_with(kRomberg)) return std::nullopt;
+  const std::size_t slash = name.rfind('/');
+  if (name.compare(slash + 1, std::string::npos, measure) != 0) return std::nullopt;
+  return slash < kRomberg.size() ? std::string() : name.substr(kRomberg.size(), slash - kRomberg.size());
+}
+
+/// Calls `say(stance, change)` for the Romberg quotient of each stance.
+template <class Say>
+void add_quotients(const v1::SessionRecord& session, std::string_view measure, const Sentences& sentences, Say say) {
   for (const v1::SessionResult& result : session.results()) {
-    const std::string& name = result.name();
-    if (!name.starts_with("romberg/") || !name.ends_with("/" + measure)) continue;
+    const auto stance = stance_of(result.name(), measure);
+    if (!stance) continue;
     const Json details = details_of(result);
     const auto open = number_in(details, "open");
     const auto closed = number_in(details, "closed");
-    if (open && closed && *open > 0.0 && *closed > 0.0) return Change{.from = *open, .to = *closed};
+    if (open && closed && *open > 0.0 && *closed > 0.0) say(stance_words(*stance, sentences), Change{.from = *open, .to = *closed});
   }
-  return std::nullopt;
 }
 
 void add_standing(const v1::SessionRecord& session, const Sentences& sentences, std::vector<std::string>& words) {
-  if (const auto ellipse = quotient_of(session, "PEA95_F")) words.push_back(sentences.ellipse_eyes_closed(*ellipse));
-  if (const auto velocity = quotient_of(session, "MVELO")) words.push_back(sentences.velocity_eyes_closed(*velocity));
+  add_quotients(session, "PEA95_F", sentences,
+                [&](const std::string& stance, const Change& mm2) { words.push_back(sentences.ellipse_eyes_closed(stance, mm2)); });
+  add_quotients(session, "MVELO", sentences,
+                [&](const std::string& stance, const Change& mm_s) { words.push_back(sentences.velocity_eyes_closed(stance, mm_s)); });
 }
 
 void add_reaching(const v1::SessionRecord& session, const Sentences& sentences, const Titles& titles, std::vector<std::string>& words) {
@@ -134,8 +147,8 @@ std::vector<std::string> words_of_changes(std::span<const Series> series, const 
       const Retest* const retest = retest_of(one);
       is_retest_missing = is_retest_missing || retest == nullptr;
       if (retest != nullptr) {
-        const double percent = 100.0 * std::abs(points.back().value / from.value - 1.0);
-        *said += " " + (percent <= retest->percent ? sentences.within_retest(retest->percent) : sentences.beyond_retest(retest->percent));
+        const bool is_within = retest->is_within(from.value, points.back().value);
+        *said += " " + (is_within ? sentences.within_retest(retest->percent) : sentences.beyond_retest(retest->percent));
       }
       words.push_back(std::move(*said));
     };

@@ -11,9 +11,11 @@ constexpr Retest kVelocityMl{
     .percent = 65.0,
     .source =
         "Riemann & Piersol 2016, doi:10.1007/s40520-016-0687-2: 30 people above 65 years, 45 s, eyes open and closed, two days; "
-        "standard error of measurement at most 23.6 %, so 95 % of differences are below 65 %"};
+        "standard error of measurement at most 23.6 % of the mean, so 95 % of differences are below 65 % of it"};
 
 }  // namespace
+
+bool Retest::is_within(double one, double other) const noexcept { return std::abs(other - one) <= percent / 100.0 * (one + other) / 2.0; }
 
 const Retest* retest_of(const Series& series) noexcept {
   constexpr double kStudiedS = 45.0;

@@ -30,12 +30,15 @@ class Sentences {
   /// Returns the name of a condition for the start of a sentence. `title`: from the protocol; empty: not known.
   [[nodiscard]] virtual std::string condition(const std::string& name, const std::string& title) const = 0;
 
-  // One session: eyes closed (`to`) against eyes open (`from`), same stance and duration.
-  [[nodiscard]] virtual std::string ellipse_eyes_closed(const Change& mm2) const = 0;
-  [[nodiscard]] virtual std::string velocity_eyes_closed(const Change& mm_s) const = 0;
+  /// Returns the words of one label of a condition ("feet", "one"); empty: not known.
+  [[nodiscard]] virtual std::string label(const std::string& name, const std::string& value) const = 0;
 
-  // One session of reaches.
-  [[nodiscard]] virtual std::string trunk_at_target(const std::string& condition, double mean_deg, std::uint32_t reaches) const = 0;
+  // One session: eyes closed (`to`) against eyes open (`from`), same stance and duration. `stance`: see stance_words; empty: not known.
+  [[nodiscard]] virtual std::string ellipse_eyes_closed(const std::string& stance, const Change& mm2) const = 0;
+  [[nodiscard]] virtual std::string velocity_eyes_closed(const std::string& stance, const Change& mm_s) const = 0;
+
+  // One session of reaches. `angles`: how many are averaged; 0: not known.
+  [[nodiscard]] virtual std::string trunk_at_target(const std::string& condition, double mean_deg, std::uint32_t angles) const = 0;
   [[nodiscard]] virtual std::string classes_as_expected(std::uint32_t agreed, std::uint32_t compared) const = 0;
   [[nodiscard]] virtual std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const = 0;
   [[nodiscard]] virtual std::string trunk_consistency(double sd_deg) const = 0;
@@ -48,8 +51,7 @@ class Sentences {
                                                 const std::string& day) const = 0;
   [[nodiscard]] virtual std::string trunk_spread_since(const std::string& condition, double from_deg, double to_deg,
                                                        const std::string& day) const = 0;
-  // Behind a sentence of a change.
-  // Two days: the study is that of retest.cpp.
+  // Behind a sentence of a change. Two days, 45 s: the study is that of retest.cpp.
   [[nodiscard]] virtual std::string within_retest(double percent) const = 0;
   [[nodiscard]] virtual std::string beyond_retest(double percent) const = 0;
   /// Stands once below changes without a known variation.
@@ -68,5 +70,7 @@ class Sentences {
 [[nodiscard]] std::string figure(double value, int decimals, char decimal_sign);
 /// Returns a condition's name as words: "eyes-open" becomes "Eyes open".
 [[nodiscard]] std::string spoken_condition(const std::string& name);
+/// Returns labels as words: "feet=one,surface=firm" becomes "One foot, firm surface".
+[[nodiscard]] std::string stance_words(const std::string& labels, const Sentences& sentences);
 
 }  // namespace dts::visits

@@ -25,7 +25,8 @@ constexpr double kSameTargetCm = 1.0;
 /// How a result was computed, as far as its details say.
 struct Analysis {
   std::string profile;
-  std::string side;  ///< Of the reaching arm.
+  std::string side;   ///< Of the reaching arm.
+  std::string scale;  ///< Of trunk angles: general, or the subject's own; empty: not known, or another measure.
   std::optional<double> rate_hz{};
   std::optional<double> duration_s{};
   std::optional<double> target_cm{};
@@ -50,12 +51,27 @@ std::string side_of(const v1::SessionRecord& session) {
 /// Measures of standing depend on the duration, so that an unknown one is like no other.
 bool is_same(const Analysis& one, const Analysis& other) {
   if (!one.profile.empty() && (!one.duration_s || !other.duration_s)) return false;
-  return one.profile == other.profile && one.side == other.side && is_near(one.rate_hz, other.rate_hz, 1e-6) &&
+  return one.profile == other.profile && one.side == other.side && one.scale == other.scale && is_near(one.rate_hz, other.rate_hz, 1e-6) &&
          is_near(one.duration_s, other.duration_s, kSameDurationS) && is_near(one.target_cm, other.target_cm, kSameTargetCm);
 }
 
+/// A value with what its details say about it.
+struct Value {
+  double value = 0.0;
+  std::optional<double> spread{};
+  std::optional<std::uint32_t> count{};  ///< Trials or reaches that it is computed from.
+  std::string scale{};                   ///< As in Analysis.
+};
+
+/// Returns the scale of the trunk angles and classes of a target: daemon/classifier.
+std::string scale_of(const Json& target) {
+  const auto own = count_in(target, "angles_on_own_scale");
+  if (!own) return {};
+  return *own == 0 ? "general" : own == count_in(target, "angles") ? "own" : "mixed";
+}
+
 /// Returns the median class of the classified reaches; nothing without one.
-std::optional<double> median_class(const Json& target) {
+std::optional<Value> median_class(const Json& target) {
   const auto classes = target.find("classes");
   if (classes == target.end() || !classes->is_object()) return std::nullopt;
   constexpr std::array kNames{"none", "minor", "moderate", "maximum"};
@@ -68,7 +84,20 @@ std::optional<double> median_class(const Json& target) {
     for (std::uint32_t sum = counts[0]; sum <= rank; sum += counts[found]) ++found;
     return static_cast<double>(found);
   };
-  return (class_at((all - 1) / 2) + class_at(all / 2)) / 2.0;
+  return Value{.value = (class_at((all - 1) / 2) + class_at(all / 2)) / 2.0, .count = all, .scale = scale_of(target)};
+}
+
+/// Returns the member `name` of a target; nothing without it.
+std::optional<Value> value_in(const Json& target, const char* name, const char* spread, const char* count) {
+  const auto value = number_in(target, name);
+  return value ? std::optional(Value{.value = *value, .spread = number_in(target, spread), .count = count_in(target, count)})
+               : std::nullopt;
+}
+
+std::optional<Value> angle_in(const Json& target, const char* name, const char* spread) {
+  auto angle = value_in(target, name, spread, "angles");
+  if (angle) angle->scale = scale_of(target);
+  return angle;
 }
 
 class Collector {
@@ -85,8 +114,8 @@ class Collector {
       }
       const std::size_t slash = name.rfind('/');
       const bool has_condition = slash != std::string::npos;
-      add_point(session, has_condition ? name.substr(0, slash) : "", has_condition ? name.substr(slash + 1) : name, result.unit(),
-                result.value(), details, {});
+      add_point(session, has_condition ? name.substr(0, slash) : "", has_condition ? name.substr(slash + 1) : name, result.unit(), details,
+                {.value = result.value(), .spread = number_in(details, "sd"), .count = count_in(details, "trials")});
     }
   }
 
@@ -118,30 +147,29 @@ class Collector {
       const auto condition = target.is_object() ? target.find("condition") : target.end();
       if (!target.is_object() || condition == target.end() || !condition->is_string()) continue;
       const auto name = condition->get<std::string>();
-      const auto add = [&](const char* measure, const char* unit, std::optional<double> value, const char* spread) {
-        if (value) add_point(session, name, measure, unit, *value, target, spread);
+      const auto add = [&](const char* measure, const char* unit, const std::optional<Value>& value) {
+        if (value) add_point(session, name, measure, unit, target, *value);
       };
-      add("trunk_mean_deg", "deg", number_in(target, "trunk_mean_deg"), "trunk_sd_deg");
-      add("trunk_sd_deg", "deg", number_in(target, "trunk_sd_deg"), "");
-      add("d2_mean_mm", "mm", number_in(target, "d2_mean_mm"), "d2_sd_mm");
-      add("trunk_class", "1", median_class(target), "");
+      add("trunk_mean_deg", "deg", angle_in(target, "trunk_mean_deg", "trunk_sd_deg"));
+      add("trunk_sd_deg", "deg", angle_in(target, "trunk_sd_deg", ""));
+      add("d2_mean_mm", "mm", value_in(target, "d2_mean_mm", "d2_sd_mm", "reaches_detected"));
+      add("trunk_class", "1", median_class(target));
     }
   }
 
-  /// `spread`: member of the details; empty: "sd".
   void add_point(const v1::SessionRecord& session, const std::string& condition, const std::string& measure, const std::string& unit,
-                 double value, const Json& details, const std::string& spread) {
+                 const Json& details, const Value& value) {
     Analysis analysis{.profile = text_in(details, "profile"),
                       .side = side_of(session),
+                      .scale = value.scale,
                       .rate_hz = number_in(details, "rate_hz"),
                       .duration_s = number_in(details, "duration_s"),
                       .target_cm = number_in(details, "target_cm")};
-    const bool has_reaches = details.contains("reaches_detected");
     Point point{.session_id = session.session_id(),
                 .utc_ns = session.started_utc_ns(),
-                .value = value,
-                .spread = number_in(details, spread.empty() ? "sd" : spread.c_str()),
-                .trials = count_in(details, has_reaches ? "reaches_detected" : "trials").value_or(0),
+                .value = value.value,
+                .spread = value.spread,
+                .trials = value.count.value_or(0),
                 .duration_s = analysis.duration_s};
     found_[{session.rig(), session.protocol(), condition, measure}].push_back(
         {.point = std::move(point), .unit = unit, .analysis = std::move(analysis)});

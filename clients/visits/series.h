@@ -16,9 +16,9 @@ struct Point {
   std::int64_t utc_ns = 0;  ///< Start of the session.
   double value = 0.0;
   std::optional<double> spread{};      ///< Standard deviation over its trials; absent: one trial, or not known.
-  std::uint32_t trials = 0;            ///< Trials in it; 0: not known.
+  std::uint32_t trials = 0;            ///< Trials or reaches that the value is computed from; 0: not known.
   std::optional<double> duration_s{};  ///< Of its trials; absent: not known, or trials of different lengths.
-  bool is_comparable = true;           ///< Like the newest point: same filter, rate, duration, target and reaching arm.
+  bool is_comparable = true;           ///< Like the newest point: same filter, rate, duration, target, reaching arm and scale of angles.
 };
 
 /// A measure over the visits of a subject, always of the same rig, protocol and condition.

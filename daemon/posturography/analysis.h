@@ -24,6 +24,8 @@ struct Analysis {
 
   /// false: the subject stepped off or moved the feet, so the values do not describe steadiness.
   [[nodiscard]] bool is_valid() const noexcept { return (flags & sway_flag::kInvalid) == 0; }
+  /// true: a gap made it shorter than its trial.
+  [[nodiscard]] bool is_cut() const noexcept { return (flags & sway_flag::kCutAtGap) != 0; }
 };
 
 struct AnalysisOptions {

@@ -17,11 +17,19 @@ bool is_present(const CopSeries& series, std::size_t i) noexcept {
   return is_position && (series.load_n.empty() || !(series.load_n[i] <= 0.0));
 }
 
+bool is_long_gap(const CopSeries& series, std::size_t samples) noexcept {
+  return static_cast<double>(samples) / series.rate_hz > kLongestShortGapS + kTimeSlackS;
+}
+
 }  // namespace
 
 Stretch CleanStretches::longest() const noexcept {
   const auto found = std::ranges::max_element(all, {}, &Stretch::size);
   return found == all.end() ? Stretch() : *found;
+}
+
+bool CleanStretches::is_cut(const CopSeries& series) const noexcept {
+  return all.size() != 1 || is_long_gap(series, all.front().begin) || is_long_gap(series, series.ml_mm.size() - all.back().end);
 }
 
 CleanStretches clean_stretches(const CopSeries& series) {
@@ -31,9 +39,7 @@ CleanStretches clean_stretches(const CopSeries& series) {
       ++clean.missing;
       continue;
     }
-    const bool is_cut =
-        clean.all.empty() || static_cast<double>(i - clean.all.back().end) / series.rate_hz > kLongestShortGapS + kTimeSlackS;
-    if (is_cut) clean.all.push_back({.begin = i, .end = i});
+    if (clean.all.empty() || is_long_gap(series, i - clean.all.back().end)) clean.all.push_back({.begin = i, .end = i});
     clean.all.back().end = i + 1;
   }
   return clean;

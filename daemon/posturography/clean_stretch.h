@@ -24,6 +24,8 @@ struct CleanStretches {
 
   /// Returns the first of the longest; empty if there is none.
   [[nodiscard]] Stretch longest() const noexcept;
+  /// Returns true if a longer gap divides the series, or takes its beginning or its end.
+  [[nodiscard]] bool is_cut(const CopSeries& series) const noexcept;
 };
 [[nodiscard]] CleanStretches clean_stretches(const CopSeries& series);
 

@@ -84,7 +84,7 @@ std::size_t samples_to_trim(const CopSeries& series, const CleanStretches& clean
 std::uint32_t flags_of(const CopSeries& series, const CleanStretches& clean, const Preparation& preparation) {
   std::uint32_t flags = series.flags;
   if (static_cast<double>(clean.missing) > kManyLost * static_cast<double>(series.ml_mm.size())) flags |= sway_flag::kMissingSamples;
-  if (clean.all.size() > 1) flags |= sway_flag::kCutAtGap;
+  if (clean.is_cut(series)) flags |= sway_flag::kCutAtGap;
   if (series.rate_hz < kLowRateHz) flags |= sway_flag::kLowRate;
   const auto settled = static_cast<double>(clean.all.front().begin) + preparation.trim_s * series.rate_hz;
   if (settled < static_cast<double>(series.load_n.size()) && load_goes_away(series, static_cast<std::size_t>(settled))) {

@@ -12,17 +12,13 @@
 #include "session/reach_summary.h"
 #include "session/recorded_reaches.h"
 #include "session/session_events.h"
+#include "session/standing_load.h"
 #include "session/sway_results.h"
 
 namespace dts::session {
 namespace {
 
 constexpr int kTrunkClasses = 3;  // minor, moderate, maximum
-
-core::Result<std::optional<physics::Person>> person_in(const record::PartRow& part) {
-  DTS_TRY_ASSIGN(const auto facts, record::read_session_facts(part.file));
-  return person_of(facts.fields);
-}
 
 /// dtsd 0.1 recorded of a trial's reach only its number and flags, and of a class no probabilities.
 bool is_of_dtsd_0_1(const v1::TrialResult& result) { return result.has_reach() && result.reach().step() == v1::REACH_STEP_UNSPECIFIED; }
@@ -73,10 +69,14 @@ core::Result<std::vector<SessionFigure>> figures_of(const record::SessionRow& se
     std::ranges::stable_sort(reaches, {}, [](const auto& reach) { return std::pair(std::get<0>(reach), std::get<1>(reach)); });
     std::vector<ReachTrialResult> results;
     for (auto& reach : reaches) results.push_back(std::move(std::get<2>(reach)));
-    DTS_TRY_ASSIGN(const auto person, person_in(part));
-    figures = summarize(results, person);
+    DTS_TRY_ASSIGN(const auto facts, record::read_session_facts(part.file));
+    figures = summarize(results, person_of(facts.fields));
   }
   std::ranges::move(sway_summary(standing), std::back_inserter(figures));
+  if (std::ranges::any_of(standing, [](const SwayTrialResult& trial) { return trial.mean_load_n.has_value(); })) {
+    DTS_TRY_ASSIGN(const auto facts, record::read_session_facts(part.file));
+    if (const auto load = standing_load(standing, facts.fields)) figures.push_back(to_figure(*load));
+  }
   return figures;
 }
 

@@ -33,6 +33,7 @@ std::vector<TrialResultEvent> SwayJudge::take_results() {
   std::vector<TrialResultEvent> events;
   for (SwayTrialResult& result : results_.take_decided()) {
     result.decision = decider_.decide(result);
+    if (!corrects_two_feet_) result.mean_load_n.reset();  // the sensors weigh a stance wrongly
     events.push_back({.trial = result.trial, .attempt = result.attempt, .event = to_event(result, session_id_, software_)});
   }
   return events;

@@ -61,6 +61,7 @@ struct Target {
   Counts counts;
   Sample d2_mm;
   Sample trunk_deg;
+  std::size_t on_own_scale = 0;  ///< Of the angles.
   Sample sparc;
 };
 
@@ -94,7 +95,9 @@ void add(Target& target, const ReachTrialResult& result) {
   ++target.counts.found;
   target.d2_mm.add(result.reach->features.d2_mm());
   target.sparc.add(result.reach->features.smoothness);
-  if (result.movement && has_sound_angle(*result.movement)) target.trunk_deg.add(result.movement->trunk_deg);
+  if (!result.movement || !has_sound_angle(*result.movement) || !std::isfinite(result.movement->trunk_deg)) return;
+  target.trunk_deg.add(result.movement->trunk_deg);
+  if ((result.movement->reasons & core::class_reason::kCalibrated) != 0) ++target.on_own_scale;
 }
 
 /// Groups the results by target, in the order in which the targets first occur, so that the result is reproducible.
@@ -169,6 +172,8 @@ std::string json_of(const Target& target) {
   json.add("compared", target.counts.compared);
   json.add("d2_mean_mm", target.d2_mm.mean());
   json.add("d2_sd_mm", target.d2_mm.deviation());
+  json.add("angles", target.trunk_deg.count());
+  json.add("angles_on_own_scale", target.on_own_scale);
   json.add("trunk_mean_deg", target.trunk_deg.mean());
   json.add("trunk_sd_deg", target.trunk_deg.deviation());
   json.add("sparc_mean", target.sparc.mean());

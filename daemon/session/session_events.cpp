@@ -113,6 +113,7 @@ v1::Event to_event(const SwayTrialResult& result, const std::string& session_id,
   out.set_problem(clean_text(result.problem));
   if (result.analysis) events::add(*result.analysis, out);
   if (result.decision) *out.mutable_decision() = *result.decision;
+  if (result.mean_load_n) out.set_mean_load_n(*result.mean_load_n);
   return event;
 }
 
@@ -200,6 +201,10 @@ core::Result<SwayTrialResult> sway_of(const v1::Event& event) {
   }
   result.analysis = *analysis;
   if (message.has_decision()) result.decision = message.decision();
+  if (message.has_mean_load_n()) {
+    if (!std::isfinite(message.mean_load_n())) return tl::make_unexpected(events::damaged(event, "mean_load_n"));
+    result.mean_load_n = message.mean_load_n();
+  }
   return result;
 }
 

@@ -36,7 +36,7 @@ struct SwayTrialResult {
   std::optional<posturography::Analysis> analysis{};
   std::optional<v1::SteadinessDecision> decision{};  ///< Of the rig's steadiness model; absent: it has none for this trial.
   std::string problem{};                             ///< Why there is no analysis.
-  std::optional<double> mean_load_n{};               ///< Not part of the trial's event.
+  std::optional<double> mean_load_n{};               ///< In the trial's event only if the platform is calibrated for two feet.
 };
 
 /// Returns results over all valid trials: the mean of each core measure by condition ("eyes-open-two-feet/MVELO"), and the Romberg quotient

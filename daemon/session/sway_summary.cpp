@@ -34,7 +34,7 @@ struct StandingCondition {
   }
 };
 
-bool is_cut(const SwayTrialResult* trial) { return (trial->analysis->flags & posturography::sway_flag::kCutAtGap) != 0; }
+bool is_cut(const SwayTrialResult* trial) { return trial->analysis->is_cut(); }
 
 /// Values of different durations cannot be compared: leaves trials cut short by a gap out of the means, unless the condition has no
 /// complete trial.

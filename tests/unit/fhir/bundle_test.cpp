@@ -118,6 +118,36 @@ TEST_F(BundleTest, ResultsOfTheSession_NameTheirTrials) {
   EXPECT_EQ(quotient["derivedFrom"].size(), 2U);
 }
 
+TEST_F(BundleTest, AMean_NamesNoTrialThatAGapCutShort) {
+  report::MadeStanding made = made_session();
+  report::add_trial(made, 3, 46.0, 3.0, "eyes-open", {{"eyes", "open"}, {"feet", "two"}});
+  made.events.push_back(sway_event(3, "eyes-open", {{"eyes", "open"}, {"feet", "two"}}, {{posturography::Measure::Mvelo, 20.0}},
+                                   posturography::sway_flag::kCutAtGap));
+  made.events.back().set_scan(4900);
+
+  const Json bundle = bundle_of(made);
+
+  const Json mean = observation_of(bundle, "condition-mean", "condition", "eyes-open");
+  const Json whole = observation_of(bundle, "standing-trial", "trial-number", 1);
+  ASSERT_EQ(mean["derivedFrom"].size(), 1U);
+  EXPECT_THAT(mean["derivedFrom"][0].dump(), HasSubstr(whole["id"].get<std::string>()));
+}
+
+TEST_F(BundleTest, AResultWithLimits_SaysThem) {
+  report::MadeStanding made = made_session();
+  made.events.push_back(
+      session::to_event(session::SessionFigure{.name = "load_n",
+                                               .value = 627.2,
+                                               .unit = "N",
+                                               .details = R"({"note":"about 64 kg, corrected for two feet without a stance width"})"}));
+  made.events.back().set_scan(4900);
+
+  const Json summary = observation_of(bundle_of(made), "session-summary");
+
+  ASSERT_EQ(summary["note"].size(), 1U);
+  EXPECT_EQ(summary["note"][0]["text"], "load_n: about 64 kg, corrected for two feet without a stance width");
+}
+
 TEST_F(BundleTest, AQuotientOfAStance_NamesOnlyTheTrialsOfThatStance) {
   report::MadeStanding made = made_session();
   made.events.resize(2);

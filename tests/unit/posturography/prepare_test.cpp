@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "core/special_numbers.h"
 #include "posturography/butterworth.h"
@@ -75,7 +76,8 @@ TEST(Prepare, GapOfMoreThan50ms_IsCutAtAndTheLongestStretchKept) {
   EXPECT_NEAR(prepared->ml_mm.front() + prepared->mean_ml_mm, on_ramp(306).ml_mm, 1e-12);
 }
 
-TEST(Prepare, MissingEnds_AreTakenOffWithoutACut) {
+TEST(Prepare, MissingEnds_AreACutToo) {
+  RecordProperty("requirement", "SWAY-5");
   const auto prepared = prepare(with_gap(with_gap(ramp(), 0, 30), 980, 20), kPrepareAsIs);
 
   ASSERT_TRUE(prepared);
@@ -83,7 +85,12 @@ TEST(Prepare, MissingEnds_AreTakenOffWithoutACut) {
   EXPECT_DOUBLE_EQ(prepared->begins_s, 0.3);
   EXPECT_EQ(prepared->missing, 50U);
   EXPECT_EQ(prepared->interpolated, 0U);
-  EXPECT_EQ(prepared->flags, sway_flag::kMissingSamples);
+  EXPECT_EQ(prepared->flags, sway_flag::kMissingSamples | sway_flag::kCutAtGap);
+  using End = std::tuple<std::size_t, std::size_t, bool>;
+  for (const auto& [begin, count, is_cut] : {End{0, 5, false}, End{0, 6, true}, End{995, 5, false}, End{994, 6, true}}) {
+    const auto one_end = prepare(with_gap(ramp(), begin, count), kPrepareAsIs);
+    EXPECT_EQ((one_end->flags & sway_flag::kCutAtGap) != 0, is_cut) << begin << ": a cut is longer than 50 ms";
+  }
 }
 
 TEST(Prepare, MoreThanOnePercentMissingOrALowRate_IsFlagged) {

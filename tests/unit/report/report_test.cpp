@@ -219,11 +219,13 @@ TEST_F(ReportTest, References_AreShownOnlyWhereTheLabelsMatch) {
   add_trial(made, 4, 75.0, 20.0, "d", {});
   made.length_s = 125.0;
   add_trial(made, 5, 100.0, 20.0, "e-feedback", {{"eyes", "open"}, {"feedback", "cop"}, {"feet", "two"}});
+  made.length_s = 150.0;
+  add_trial(made, 6, 125.0, 20.0, "counting", {{"eyes", "open"}, {"feet", "two"}, {"surface", "firm"}, {"task", "counting"}});
   const Report report = report_of(write(made));
 
   EXPECT_THAT(page(report, "trial-01.html"), AllOf(HasSubstr("Ref. 1"), HasSubstr("Santos"), HasSubstr("a firm surface is assumed"),
                                                    HasSubstr("The reference ranges are from trials of 60 s; this trial has 20.0 s")));
-  for (const char* name : {"trial-02.html", "trial-03.html", "trial-04.html", "trial-05.html"})
+  for (const char* name : {"trial-02.html", "trial-03.html", "trial-04.html", "trial-05.html", "trial-06.html"})
     EXPECT_THAT(page(report, name), Not(HasSubstr("Ref. 1"))) << name;
 }
 
@@ -270,6 +272,22 @@ TEST_F(ReportTest, PublishedQuotients_OnlyOfTheStanceThatTheyAreOf) {
   add_trial(made, 2, 25.0, 20.0, "eyes-closed", {{"eyes", "closed"}});
   const std::string text = page(report_of(write(made)), "session.html");
   EXPECT_THAT(text, AllOf(HasSubstr("Romberg quotient"), Not(HasSubstr("1.11 (0.80-1.32)"))));
+
+  MadeStanding counting{.length_s = 50.0};
+  add_trial(counting, 1, 2.0, 20.0, "eyes-open", {{"eyes", "open"}, {"feet", "two"}, {"task", "counting"}});
+  add_trial(counting, 2, 25.0, 20.0, "eyes-closed", {{"eyes", "closed"}, {"feet", "two"}, {"task", "counting"}});
+  const std::string another = page(report_of(write(counting, "counting.xdf")), "session.html");
+  EXPECT_THAT(another, AllOf(HasSubstr("Romberg quotient"), Not(HasSubstr("1.11 (0.80-1.32)")))) << "another task";
+}
+
+TEST_F(ReportTest, MeansSayHowManyTrialsAreInThem) {
+  MadeStanding made{.length_s = 100.0};
+  made.ml_mm = [](double t_s) { return t_s > 40.0 && t_s < 42.0 ? std::numeric_limits<double>::quiet_NaN() : made_sway(t_s, 0.3); };
+  add_trial(made, 1, 1.0, 20.0, "eyes-open", kOpen);
+  add_trial(made, 2, 30.0, 20.0, "eyes-open", kOpen);
+  add_trial(made, 3, 60.0, 20.0, "eyes-open", kOpen);
+  add_trial(made, 4, 35.0, 12.0, "none is whole", kOpen);
+  EXPECT_THAT(page(report_of(write(made)), "session.html"), AllOf(HasSubstr("eyes-open (n = 2)"), HasSubstr("none is whole (n = 1)")));
 }
 
 TEST_F(ReportTest, SessionPage_HasMeansQuotientsAndWhatWasLeftOut) {

@@ -108,6 +108,34 @@ TEST_F(CorrectedResultsTest, ReachesOfDtsd01_GiveTheRecordedFigures) {
   EXPECT_EQ(corrected_results(session).error().code, core::ErrorCode::DataDamaged) << "such a reach was not recorded";
 }
 
+TEST_F(CorrectedResultsTest, TheLoad_IsThatOfTheTrialsThatStillCount) {
+  RecordProperty("requirement", "COP-13");
+  record::SessionRow session = session_of(ReachResults(made::volunteer(), nullptr));  // of 68 kg
+  for (const std::uint32_t trial : {1U, 2U}) {
+    SwayTrialResult result{.trial = trial, .condition = "eyes-open", .labels = {{"feet", "two"}}, .analysis = posturography::Analysis{}};
+    result.analysis->rate_hz = 100.0;
+    result.analysis->samples = 3000;
+    result.analysis->duration_s = 30.0;
+    result.mean_load_n = 500.0 + 100.0 * trial;
+    session.trials.push_back({.session_id = "s1",
+                              .trial = trial,
+                              .condition = "eyes-open",
+                              .outcome = "done",
+                              .result = wire::to_json(to_event(result, "s1", "dtsd"))});
+  }
+  const auto load_of = [&session] {
+    const auto results = corrected_results(session).value();
+    const auto found = std::ranges::find(results, "load_n", &record::ResultRow::name);
+    return found == results.end() ? record::ResultRow{} : *found;
+  };
+  EXPECT_DOUBLE_EQ(load_of().value, 650.0);
+  EXPECT_NE(load_of().details.find("about 66 kg"), std::string::npos) << load_of().details;
+  session.trials[0].outcome = "rejected";
+  EXPECT_DOUBLE_EQ(load_of().value, 700.0);
+  session.trials[1].outcome = "rejected";
+  EXPECT_EQ(load_of().name, "");
+}
+
 TEST_F(CorrectedResultsTest, ADamagedResult_IsAnError_AndAPartHasItsOwnNames) {
   ReachResults results(made::volunteer(), nullptr);
   tell_trial(results, 1, 1000, "100", 67.0, 0.125, TrunkClass::None, 1.0);

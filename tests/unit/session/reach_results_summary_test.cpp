@@ -63,13 +63,18 @@ TEST(ReachSummary, Figures_AreSharesMeansAndSpreadsWithinTargets) {
       "targets = 3 1 "
       "{\"targets\":[{\"condition\":\"100\",\"target_cm\":67,\"expected_class\":0,\"trials\":2,\"with_gap\":0,\"reaches_detected\":2,"
       "\"classes\":{\"none\":1,\"minor\":1,\"moderate\":0,\"maximum\":0,\"rejected\":0},\"agreed\":1,\"compared\":2,\"d2_mean_mm\":0.25,"
-      "\"d2_sd_mm\":0.1767766952966369,\"trunk_mean_deg\":2,\"trunk_sd_deg\":1.4142135623730951,\"sparc_mean\":-1.6,\"sparc_sd\":0},{"
+      "\"d2_sd_mm\":0.1767766952966369,\"angles\":2,\"angles_on_own_scale\":0,\"trunk_mean_deg\":2,\"trunk_sd_deg\":1.4142135623730951,"
+      "\"sparc_mean\":-1.6,\"sparc_"
+      "sd\":0},{"
       "\"condition\":\"120\",\"target_cm\":80.4,\"expected_class\":1,\"trials\":2,\"with_gap\":0,\"reaches_detected\":2,\"classes\":{"
       "\"none\":0,\"minor\":1,\"moderate\":0,\"maximum\":0,\"rejected\":1},\"agreed\":1,\"compared\":1,\"d2_mean_mm\":0.375,\"d2_sd_mm\":0."
-      "1767766952966369,\"trunk_mean_deg\":6,\"trunk_sd_deg\":2.8284271247461903,\"sparc_mean\":-1.6,\"sparc_sd\":0},{\"condition\":"
+      "1767766952966369,\"angles\":2,\"angles_on_own_scale\":0,\"trunk_mean_deg\":6,\"trunk_sd_deg\":2.8284271247461903,\"sparc_mean\":-1."
+      "6,\"sparc_sd\":0},{"
+      "\"condition\":"
       "\"150\",\"target_cm\":100.5,\"expected_class\":2,\"trials\":2,\"with_gap\":0,\"reaches_detected\":2,\"classes\":{\"none\":0,"
       "\"minor\":0,\"moderate\":2,\"maximum\":0,\"rejected\":0},\"agreed\":2,\"compared\":2,\"d2_mean_mm\":0.875,\"d2_sd_mm\":0."
-      "1767766952966369,\"trunk_mean_deg\":26,\"trunk_sd_deg\":2.8284271247461903,\"sparc_mean\":-1.6,\"sparc_sd\":0}]}\n");
+      "1767766952966369,\"angles\":2,\"angles_on_own_scale\":0,\"trunk_mean_deg\":26,\"trunk_sd_deg\":2.8284271247461903,\"sparc_mean\":-1."
+      "6,\"sparc_sd\":0}]}\n");
 }
 
 TEST(ReachSummary, CriticalBoundaryOfAShortReach_IsTheNearestWithinIt) {
@@ -97,6 +102,21 @@ TEST(ReachSummary, AnglesOfDoubtfulReaches_DoNotCount) {
   results.take(made::step(TrialEventKind::Done, 2, 1, "120", 80.4), 0, {2500});
   results.finish();
   EXPECT_DOUBLE_EQ(value_of(results.summary(), "trunk_at_critical_boundary_deg"), 4.0);
+}
+
+TEST(ReachSummary, AnglesOnTheOwnScale_AreCounted) {
+  ReachResults results(made::volunteer(), nullptr);
+  const core::ReachEvent event = made::reach(1, 1050);
+  core::ClassEvent own = made::classed(event, TrunkClass::Minor, 4.0);
+  own.movement.reasons = core::class_reason::kCalibrated;
+  results.take(made::step(TrialEventKind::Go, 1, 1, "120", 80.4), 0, {1000});
+  results.take(event);
+  results.take(own);
+  results.take(made::step(TrialEventKind::Done, 1, 1, "120", 80.4), 0, {1500});
+  tell_trial(results, 2, 2000, "120", 80.4, 0.2, TrunkClass::Minor, 4.0);
+  results.finish();
+  const auto figures = results.summary();
+  EXPECT_THAT(find(figures, "targets")->details, ::testing::HasSubstr("\"angles\":2,\"angles_on_own_scale\":1,"));
 }
 
 TEST(ReachSummary, TargetWithinReachWithoutAReach_Agrees) {

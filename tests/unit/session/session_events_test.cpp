@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include <string>
 #include <vector>
 
@@ -158,6 +160,11 @@ TEST(SessionEvents, Trial_ReadsBack) {
 }
 
 TEST(SessionEvents, Sway_ReadsBack) {
+  SwayTrialResult loaded = standing();
+  loaded.mean_load_n = 627.25;
+  EXPECT_EQ(sway_of(to_event(loaded, "s1", "dtsd 1.0")).value().mean_load_n, 627.25);
+  loaded.mean_load_n = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(sway_of(to_event(loaded, "s1", "dtsd 1.0")));
   const auto read = sway_of(to_event(standing(), "s1", "dtsd 1.0"));
   ASSERT_TRUE(read);
   EXPECT_EQ(text(to_event(*read, "s1", "dtsd 1.0")), text(to_event(standing(), "s1", "dtsd 1.0")));

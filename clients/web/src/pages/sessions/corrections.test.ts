@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
+import { signal } from '@preact/signals';
 import { expect, test } from 'vitest';
 
 import { SessionRecordSchema } from '../../generated/dts/v1/sessions_pb';
+import { runHook } from '../../testing';
 import type { Entered } from './corrections';
-import { correctionOf, markerCorrection, markerNumber, outcomeCorrection, requestOf } from './corrections';
+import { correctionOf, markerCorrection, markerNumber, outcomeCorrection, requestOf, useCorrectionForm } from './corrections';
 
 const session = create(SessionRecordSchema, {
   sessionId: 's1',
@@ -48,6 +50,20 @@ test('requestOf.AttemptThatTwoPartsHave names its part', () => {
   const trials = [...session.trials, { ...first!, part: 2 }];
   const changes = { ...unchanged, trial: first!, outcome: 'rejected' };
   expect(requestOf({ ...session, trials }, changes)).toEqual({ sessionId: 's1', trial: 1, attempt: 1, part: 1, outcome: 'rejected', reason: 'why' });
+});
+
+test('useCorrectionForm.Corrections of a colleague while the form is open are not taken back', () => {
+  const loaded = signal(session);
+  const form = runHook(() => useCorrectionForm(loaded.value));
+  const set = (typed: object): void => void (form.now().typed.value = { ...form.now().typed.value, ...typed });
+  set({ notes: 'slept badly', marker: '1', markerText: 'cough', reason: 'why' });
+
+  const [, ...others] = session.markers;
+  loaded.value = { ...session, subject: 'P020', markers: [{ ...cough!, text: 'hiccup' }, ...others] };
+  form.draw();
+  expect(form.now().request()).toEqual({ sessionId: 's1', notes: 'slept badly', reason: 'why' });
+  set({ subject: 'P021' });
+  expect(form.now().request()).toMatchObject({ subject: 'P021' });
 });
 
 test('correctionOf.NewestCorrection says who, why and what was before; a recorded value has none', () => {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person changed in a closed session. The newest correction of a value counts; the oldest knows what was recorded.
 import type { MessageInitShape } from '@bufbuild/protobuf';
+import type { Signal } from '@preact/signals';
+import { useSignal } from '@preact/signals';
+import { useRef } from 'preact/hooks';
 
 import type { CorrectSessionRequestSchema, Correction, MarkerRecord, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { dateTime } from '../../parts/numbers';
@@ -45,6 +48,35 @@ export const requestOf = (session: SessionRecord, entered: Entered): CorrectionR
     Object.assign(changes, { marker: marker.number, markerText: entered.markerText.trim() });
   }
   return Object.keys(changes).length === 0 ? undefined : { ...changes, sessionId: session.sessionId, reason: entered.reason.trim() };
+};
+
+/** What a person typed and chose; `trial` and `marker` are keys of the lists, "" if none is chosen. */
+export type Typed = Omit<Entered, 'trial' | 'marker'> & { readonly trial: string; readonly marker: string };
+
+export interface CorrectionForm {
+  /** The session as it was when the form opened. */
+  readonly opened: SessionRecord;
+  readonly typed: Signal<Typed>;
+  readonly request: () => CorrectionRequest | undefined;
+}
+
+export const trialKey = ({ part, trial, attempt }: TrialRecord): string => `${part}.${trial}.${attempt}`;
+
+export const markerOf = (session: SessionRecord, number: string): MarkerRecord | undefined => session.markers.find((one) => String(one.number) === number);
+
+/**
+ * Holds what a form of a correction contains while it is open. The session may be loaded again meanwhile, with a colleague's correction. The form
+ * still has the values from before, so they are compared with the session as it was: else the form would take the colleague's correction back.
+ */
+export const useCorrectionForm = (session: SessionRecord): CorrectionForm => {
+  const opened = useRef(session).current;
+  const { subject, label, notes } = opened;
+  const typed = useSignal<Typed>({ subject, label, notes, trial: '', outcome: '', marker: '', markerText: '', reason: '' });
+  const request = (): CorrectionRequest | undefined => {
+    const { trial, marker } = typed.value;
+    return requestOf(opened, { ...typed.value, trial: opened.trials.find((one) => trialKey(one) === trial), marker: markerOf(opened, marker) });
+  };
+  return { opened, typed, request };
 };
 
 /** Returns a value of a correction as the reader sees it: an outcome in the reader's language; "" if there is none. */

@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
 import { useLayoutEffect, useRef } from 'preact/hooks';
 
-import type { Correction, MarkerRecord, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { Correction, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Field, Notice, Panel, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
@@ -12,7 +12,8 @@ import { conditionName, labelRule } from '../../parts/names';
 import { dateTime, whole } from '../../parts/numbers';
 import { outcomeOf } from '../../parts/outcomes';
 import { strings } from '../../strings';
-import { isInOtherPart, markerNumber, requestOf, shownValue } from './corrections';
+import type { Typed } from './corrections';
+import { isInOtherPart, markerNumber, markerOf, shownValue, trialKey, useCorrectionForm } from './corrections';
 
 const words = strings.sessions.change;
 const outcomes = ['done', 'rejected', 'redone', 'aborted'] as const;
@@ -64,8 +65,6 @@ const Line = ({ label, hint = '', error, value, testId, onInput }: LineProps): J
   </Field>
 );
 
-const trialKey = ({ part, trial, attempt }: TrialRecord): string => `${part}.${trial}.${attempt}`;
-
 const trialName = (session: SessionRecord, trial: TrialRecord): string =>
   words.trialName(
     whole(trial.trial),
@@ -84,19 +83,18 @@ interface ChangeProps {
 
 const Correct = ({ link, session, onChanged, onClose }: ChangeProps): JSX.Element => {
   const commands = useCommands(link);
-  const entered = useSignal({ subject: session.subject, label: session.label, notes: session.notes, trial: '', outcome: '', marker: '', markerText: '', reason: '' });
+  const { opened, typed, request } = useCorrectionForm(session);
   const wrong = useSignal<{ readonly reason?: string; readonly all?: string }>({});
-  const set = (change: Partial<typeof entered.value>): void => {
-    entered.value = { ...entered.value, ...change };
+  const set = (change: Partial<Typed>): void => {
+    typed.value = { ...typed.value, ...change };
     wrong.value = {};
   };
-  const { subject, label, notes, trial, outcome, marker, markerText, reason } = entered.value;
-  const markerOf = (number: string): MarkerRecord | undefined => session.markers.find((one) => String(one.number) === number);
+  const { subject, label, notes, trial, outcome, marker, markerText, reason } = typed.value;
   const save = async (): Promise<void> => {
-    const request = requestOf(session, { ...entered.value, trial: session.trials.find((one) => trialKey(one) === trial), marker: markerOf(marker) });
-    if (request === undefined) wrong.value = { all: words.nothing };
+    const value = request();
+    if (value === undefined) wrong.value = { all: words.nothing };
     else if (reason.trim() === '') wrong.value = { reason: words.reasonMissing };
-    else if ((await commands.run({ case: 'correctSession', value: request })) !== undefined) onChanged();
+    else if ((await commands.run({ case: 'correctSession', value })) !== undefined) onChanged();
   };
   return (
     <OpenForm title={words.correctTitle} hint={words.correctHint} testId="correct" submit={words.save} onSubmit={() => void save()} onClose={onClose}>
@@ -120,14 +118,14 @@ const Correct = ({ link, session, onChanged, onClose }: ChangeProps): JSX.Elemen
           />
         )}
       </Field>
-      {session.trials.length > 0 && (
+      {opened.trials.length > 0 && (
         <Field label={words.trial}>
           {(links) => (
             <select {...links} data-testid="correct-trial" value={trial} onChange={(event) => set({ trial: event.currentTarget.value })}>
               <option value="">{words.noTrial}</option>
-              {session.trials.map((one) => (
+              {opened.trials.map((one) => (
                 <option key={trialKey(one)} value={trialKey(one)}>
-                  {trialName(session, one)}
+                  {trialName(opened, one)}
                 </option>
               ))}
             </select>
@@ -148,17 +146,17 @@ const Correct = ({ link, session, onChanged, onClose }: ChangeProps): JSX.Elemen
           )}
         </Field>
       )}
-      {session.markers.length > 0 && (
+      {opened.markers.length > 0 && (
         <Field label={words.marker}>
           {(links) => (
             <select
               {...links}
               data-testid="correct-marker"
               value={marker}
-              onChange={(event) => set({ marker: event.currentTarget.value, markerText: markerOf(event.currentTarget.value)?.text ?? '' })}
+              onChange={(event) => set({ marker: event.currentTarget.value, markerText: markerOf(opened, event.currentTarget.value)?.text ?? '' })}
             >
               <option value="">{words.noMarker}</option>
-              {session.markers.map((one) => (
+              {opened.markers.map((one) => (
                 <option key={one.number} value={String(one.number)}>
                   {words.markerName(whole(one.number), one.text || words.removedText)}
                 </option>

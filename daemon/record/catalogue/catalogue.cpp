@@ -546,7 +546,8 @@ core::Result<std::vector<std::string>> Catalogue::sessions_with(const std::strin
 core::Result<std::vector<SubjectRow>> Catalogue::subjects(const SubjectFilter& filter) const try {
   return rows_of(implementation_->database.query(
                      "SELECT COALESCE(sessions.corrected_subject, subjects.pseudonym, '') AS subject, count(*), sum(sessions.is_deleted),"
-                     " min(sessions.started_utc_ns), max(sessions.started_utc_ns),"
+                     " COALESCE(min(sessions.started_utc_ns) FILTER (WHERE NOT sessions.is_deleted), 0),"
+                     " COALESCE(max(sessions.started_utc_ns) FILTER (WHERE NOT sessions.is_deleted), 0),"
                      " COALESCE(sum((SELECT sum(bytes) FROM parts WHERE parts.session_id = sessions.id)), 0),"
                      " group_concat(DISTINCT sessions.rig)"
                      " FROM sessions LEFT JOIN subjects ON subjects.id = sessions.subject_id"

@@ -174,7 +174,7 @@ struct SubjectRow {
   std::string subject;
   std::uint32_t sessions = 0;
   std::uint32_t deleted_sessions = 0;
-  std::int64_t first_utc_ns = 0;  ///< Starts of the oldest and the newest session.
+  std::int64_t first_utc_ns = 0;  ///< Starts of the oldest and the newest session, without deleted ones; 0: none.
   std::int64_t last_utc_ns = 0;
   std::uint64_t bytes = 0;
   std::vector<std::string> rigs{};  ///< Leading rigs of its sessions, sorted.

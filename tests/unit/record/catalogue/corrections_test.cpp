@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include "record/catalogue/sqlite.h"
 #include "unit/record/catalogue/catalogue_fixture.h"
@@ -225,6 +226,20 @@ TEST_F(CorrectionsTest, SubjectsAreCountedWithTheirCorrectedIds) {
   ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Subject, "P017", "")})));
   EXPECT_EQ(catalogue().count_subjects().value(), 1U) << "a session without a subject";
   EXPECT_EQ(catalogue().subjects()->size(), 1U);
+}
+
+TEST_F(CorrectionsTest, DeletedSessionsAreNoFirstOrLastVisitOfASubject) {
+  ASSERT_TRUE(catalogue().begin_part(facts("s1", 1, 1000), path("s1.xdf")));
+  ASSERT_TRUE(catalogue().begin_part(facts("s2", 1, 2000), path("s2.xdf")));
+  const auto visits = [this] {
+    const SubjectRow subject = catalogue().subjects()->at(0);
+    return std::pair{subject.first_utc_ns, subject.last_utc_ns};
+  };
+  EXPECT_EQ(visits(), (std::pair<std::int64_t, std::int64_t>{1000, 2000}));
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Deleted, "no", "yes")}, "s2")));
+  EXPECT_EQ(visits(), (std::pair<std::int64_t, std::int64_t>{1000, 1000}));
+  ASSERT_TRUE(catalogue().set_corrections(corrections({correction(CorrectedField::Deleted, "no", "yes")}, "s1")));
+  EXPECT_EQ(visits(), (std::pair<std::int64_t, std::int64_t>{0, 0}));
 }
 
 TEST_F(CorrectionsTest, ErasedRowsAreNotEvenInTheBytesOfTheDatabase) {

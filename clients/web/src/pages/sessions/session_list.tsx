@@ -71,7 +71,7 @@ interface Choosing {
 
 const Row = ({ session, choosing }: { session: SessionRecord; choosing: Choosing | undefined }): JSX.Element => {
   const { choose, underWay, heads } = strings.sessions.list;
-  const { corrected } = strings.sessions.change;
+  const { corrected, deleted } = strings.sessions.change;
   const { sessionId } = session;
   return (
     <tr data-testid="session-row" data-session={sessionId}>
@@ -115,6 +115,11 @@ const Row = ({ session, choosing }: { session: SessionRecord; choosing: Choosing
       <td data-label={heads.state}>
         <div>
           <StateMark session={session} />
+          {session.isDeleted && (
+            <div class="corrected" data-testid="session-deleted">
+              {deleted}
+            </div>
+          )}
           <LostScans session={session} />
         </div>
       </td>

@@ -58,6 +58,7 @@ export const sessions: typeof english = {
     isDeleted: 'Diese Untersuchung ist gelöscht',
     isDeletedHint: 'Sie steht in keiner Liste. Ihre Aufzeichnung bleibt.',
     corrected: 'berichtigt',
+    deleted: 'gelöscht',
     head: 'Berichtigungen',
     heads: { when: 'Wann', who: 'Wer', what: 'Was', before: 'Vorher', after: 'Nachher', reason: 'Grund' },
     fields: byKey({ subject: 'Personen-ID', label: 'Stichwort', notes: 'Notizen', outcome: 'Ausgang', deleted: 'Gelöscht', marker: 'Markierung' }),

@@ -53,6 +53,7 @@ export const sessions = {
     isDeleted: 'This session is deleted',
     isDeletedHint: 'It is hidden from lists. Its recording is kept.',
     corrected: 'corrected',
+    deleted: 'deleted',
     head: 'Corrections',
     heads: { when: 'When', who: 'Who', what: 'What', before: 'Before', after: 'After', reason: 'Reason' },
     fields: byKey({ subject: 'Subject ID', label: 'Label', notes: 'Notes', outcome: 'Outcome', deleted: 'Deleted', marker: 'Marker' }),

@@ -3,7 +3,7 @@ import { expect, test } from 'vitest';
 
 import { CommandError } from '../link/types';
 import { fakeLink } from '../testing';
-import { askLastProtocol, inputNamedIn } from './start_session';
+import { askLastProtocol, inputNamedIn, titleOf } from './start_session';
 
 const fields = [
   { name: 'weight_kg', label: 'Body weight' },
@@ -18,6 +18,11 @@ test.each([
   ['Disk full', ''],
 ])('inputNamedIn.%j is beside %j', (message, expected) => {
   expect(inputNamedIn(message, fields)).toBe(expected);
+});
+
+test('titleOf.With several rigs the form names its rig', () => {
+  expect(titleOf('plate', ['floor', 'chair'])).toBe('New session on plate');
+  expect(titleOf('plate', [])).toBe('New session');
 });
 
 test.each<[string, () => Promise<unknown>, string]>([

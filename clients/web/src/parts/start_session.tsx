@@ -144,6 +144,9 @@ export const inputNamedIn = (message: string, fields: readonly Pick<ProtocolFiel
   return /\bsubject ID\b/i.exec(message) !== null ? 'subject' : /\blabels?\b/i.exec(message) !== null ? 'label' : '';
 };
 
+/** Returns the title of the form. With several rigs it names the rig: on the page of a subject nothing else does. */
+export const titleOf = (rig: string, others: readonly string[]): string => (others.length === 0 ? words.title : words.titleOn(rig));
+
 export interface StartSessionProps {
   link: Link;
   rig: string;
@@ -235,7 +238,7 @@ export const StartSession = ({ link, rig, form, subject = '', protocol = '', onS
     <FieldInput key={field.name} field={field} value={valueOf(field.name)} error={wrong.value[field.name]} onInput={set(field.name)} />
   );
   return (
-    <Panel title={words.title} testId="start-session" onClose={form.close}>
+    <Panel title={titleOf(rig, others)} testId="start-session" onClose={form.close}>
       <form class="column" noValidate onSubmit={(event) => void submit(event)}>
         <Field label={words.protocol} hint={chosen === undefined ? '' : aboutOf(chosen)} error={wrong.value['protocol']}>
           {(links) => (

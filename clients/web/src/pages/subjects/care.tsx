@@ -28,14 +28,22 @@ interface Wish {
   readonly protocol: string;
 }
 
-const rigsOf = (link: Link): readonly { readonly name: string; readonly kind: string; readonly isBusy: boolean }[] =>
+interface Rig {
+  readonly name: string;
+  readonly kind: string;
+  readonly isBusy: boolean;
+}
+
+const rigsOf = (link: Link): readonly Rig[] =>
   (link.status.value?.rigs ?? []).map(({ rig, session }) => ({ name: rig?.name ?? '', kind: rig?.kind ?? '', isBusy: isActive(session) }));
 
-/** Returns the first rig on which a protocol can run, or "". */
-const rigFor = (link: Link, protocol: string): string => {
+/** Returns the rigs for which a protocol is made, also those in a session. */
+export const rigsFor = (link: Link, protocol: string): readonly Rig[] => {
   const kind = protocols.value.find(({ name }) => name === protocol)?.rigKind ?? '';
-  return rigsOf(link).find((rig) => !rig.isBusy && (kind === '' || rig.kind === kind))?.name ?? '';
+  return rigsOf(link).filter((rig) => kind === '' || rig.kind === kind);
 };
+
+const whyNotStart = (link: Link, { name, isBusy }: Rig): string => whyNotOperate(link) || (isBusy ? words.start.busy(name) : '');
 
 const StartPanel = ({ link, subject, wish, onClosed }: { link: Link; subject: string; wish: Wish; onClosed: () => void }): JSX.Element => {
   const form = useStartForm(false);
@@ -64,6 +72,25 @@ const useChange = ({ link, record, onChanged }: CareProps) => {
     return answer !== undefined;
   };
   return { commands, change };
+};
+
+/** A button for each rig on which a planned session can run: the operator chooses, as only they know where the subject is. */
+const StartPlanned = ({ link, protocol, onStart }: { link: Link; protocol: string; onStart: (wish: Wish) => void }): JSX.Element => {
+  const rigs = rigsFor(link, protocol);
+  if (rigs.length === 0) return <span class="why-not">{words.start.noRig}</span>;
+  return (
+    <>
+      {rigs.map((rig) => (
+        <Button
+          key={rig.name}
+          label={rigs.length === 1 ? words.plan.start : words.start.on(rig.name)}
+          testId="start-planned"
+          onClick={() => onStart({ rig: rig.name, protocol })}
+          whyNot={whyNotStart(link, rig)}
+        />
+      ))}
+    </>
+  );
 };
 
 const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element => {
@@ -109,14 +136,7 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
                 </td>
                 <td>
                   <div class="row">
-                    {planned.sessionId === '' && (
-                      <Button
-                        label={words.plan.start}
-                        testId="start-planned"
-                        onClick={() => props.onStart({ rig: rigFor(link, planned.protocol), protocol: planned.protocol })}
-                        whyNot={whyNot || (rigFor(link, planned.protocol) === '' ? words.start.noRig : '')}
-                      />
-                    )}
+                    {planned.sessionId === '' && <StartPlanned link={link} protocol={planned.protocol} onStart={props.onStart} />}
                     <Button
                       label={words.plan.remove}
                       testId="remove-planned"
@@ -216,19 +236,18 @@ const Notes = (props: CareProps): JSX.Element => {
 export const Care = (props: CareProps): JSX.Element => {
   const { link, record } = props;
   const wish = useSignal<Wish | undefined>(undefined);
-  const whyNot = whyNotOperate(link);
   const rigs = rigsOf(link);
   return (
     <>
       <div class="row">
-        {rigs.map(({ name, isBusy }) => (
+        {rigs.map((rig) => (
           <Button
-            key={name}
-            label={words.start.on(name)}
+            key={rig.name}
+            label={words.start.on(rig.name)}
             kind="main"
-            testId={`start-on-${name}`}
-            onClick={() => (wish.value = { rig: name, protocol: '' })}
-            whyNot={whyNot || (isBusy ? words.start.busy(name) : '')}
+            testId={`start-on-${rig.name}`}
+            onClick={() => (wish.value = { rig: rig.name, protocol: '' })}
+            whyNot={whyNotStart(link, rig)}
           />
         ))}
         {rigs.length === 0 && <span class="why-not">{words.start.noRig}</span>}

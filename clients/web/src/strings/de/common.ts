@@ -116,6 +116,7 @@ export const common: typeof english = {
   }),
   start: {
     title: 'Neue Untersuchung',
+    titleOn: (rig) => `Neue Untersuchung an ${rig}`,
     protocol: 'Protokoll',
     chooseProtocol: 'Protokoll wählen',
     subject: 'Personen-ID',

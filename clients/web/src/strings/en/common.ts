@@ -115,6 +115,7 @@ export const common = {
   }),
   start: {
     title: 'New session',
+    titleOn: (rig: string) => `New session on ${rig}`,
     protocol: 'Protocol',
     chooseProtocol: 'Choose a protocol',
     subject: 'Subject ID',

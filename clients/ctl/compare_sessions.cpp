@@ -165,6 +165,7 @@ Comparison compare(std::vector<v1::SessionRecord> sessions) {
   for (std::size_t s = 0; s < comparison.sessions.size(); ++s) {
     const v1::SessionRecord& session = comparison.sessions[s];
     if (session.subject() != comparison.sessions[0].subject()) warnings.insert("the sessions are from different subjects");
+    if (session.rig() != comparison.sessions[0].rig()) warnings.insert("the sessions are from different rigs");
     if (const std::string lost = loss_text(sum_of(session)); !lost.empty()) {
       warnings.insert("session " + session.session_id() + ": " + lost + "; the results of its trials may cover less time");
     }

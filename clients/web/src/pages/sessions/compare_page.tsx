@@ -7,7 +7,7 @@ import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Field, Notice, Panel } from '../../parts/controls';
 import { capitalised, protocolName, sessionTitle, spoken } from '../../parts/names';
-import { dateTime, percent, signed } from '../../parts/numbers';
+import { dateTime, percent, signed, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
 import type { Caution, ComparedResult, Comparison } from './comparison';
@@ -15,17 +15,24 @@ import { comparable, compare, difference, mostCompared, shareOfChange } from './
 import { Report } from './report';
 import { resultName, resultValue, unitText } from './result_names';
 import { askSession } from './session_detail';
+import { mostListed } from './session_list';
 import { ResultName } from './session_tables';
 
 /** The sessions to compare: two by their IDs, or all comparable ones of a subject. */
 export type Compared = { readonly ids: readonly string[] } | { readonly subject: string };
 
-const askSessions = async (link: Link, compared: Compared): Promise<readonly SessionRecord[]> => {
-  if ('ids' in compared) return Promise.all(compared.ids.map((id) => askSession(link, id)));
-  const request = { subject: compared.subject, limit: mostCompared };
-  const listed = await link.send({ case: 'listSessions', value: request });
-  const ids = listed.case === 'sessions' ? listed.value.sessions.map((session) => session.sessionId) : [];
-  return comparable(await Promise.all(ids.map((id) => askSession(link, id))));
+interface Found {
+  readonly sessions: readonly SessionRecord[];
+  /** How many other sessions the subject has. */
+  readonly leftOut: number;
+}
+
+const askSessions = async (link: Link, compared: Compared): Promise<Found> => {
+  if ('ids' in compared) return { sessions: await Promise.all(compared.ids.map((id) => askSession(link, id))), leftOut: 0 };
+  const answer = await link.send({ case: 'listSessions', value: { subject: compared.subject, limit: mostListed } });
+  const listed = answer.case === 'sessions' ? answer.value.sessions : [];
+  const sessions = await comparable(listed, (id) => askSession(link, id));
+  return { sessions, leftOut: listed.length - sessions.length };
 };
 
 const cautionText = (caution: Caution): string => {
@@ -33,6 +40,14 @@ const cautionText = (caution: Caution): string => {
   switch (caution.kind) {
     case 'subjects':
       return cautions.subjects;
+    case 'rigs':
+      return cautions.rigs;
+    case 'protocols':
+      return cautions.protocols(caution.protocols.map(protocolName).join(', '));
+    case 'lost':
+      return cautions.lost(caution.when, caution.losses);
+    case 'resumed':
+      return cautions.resumed(caution.when);
     case 'arms':
       return cautions.arms;
     case 'unit':
@@ -174,12 +189,17 @@ export const ComparePage = ({ link, compared }: { link: Link; compared: Compared
       </p>
       <h1>{'subject' in compared ? words.titleOf(compared.subject) : words.title}</h1>
       {error !== undefined && <Notice kind="error" what={error.message} hint={error.hint} testId="compare-error" />}
-      {answer !== undefined && answer.length < 2 && (
+      {answer !== undefined && answer.leftOut > 0 && (
+        <Notice kind="plain" what={words.leftOut(whole(answer.leftOut), whole(mostCompared))} testId="compare-left-out" />
+      )}
+      {answer !== undefined && answer.sessions.length < 2 && (
         <p class="empty" data-testid="nothing-to-compare">
           {words.tooFew}
         </p>
       )}
-      {answer !== undefined && answer.length >= 2 && <Compare key={answer.map((one) => one.sessionId).join()} comparison={compare(answer)} />}
+      {answer !== undefined && answer.sessions.length >= 2 && (
+        <Compare key={answer.sessions.map((one) => one.sessionId).join()} comparison={compare(answer.sessions)} />
+      )}
     </div>
   );
 };

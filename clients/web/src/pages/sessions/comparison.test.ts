@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
+import type { MessageInitShape } from '@bufbuild/protobuf';
 import { expect, test } from 'vitest';
 
 import { SessionRecordSchema } from '../../generated/dts/v1/sessions_pb';
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
-import { comparable, compare, difference, shareOfChange } from './comparison';
+import { comparable, compare, difference, mostCompared, shareOfChange } from './comparison';
 
 interface Result {
   name: string;
@@ -13,7 +14,7 @@ interface Result {
   details?: string;
 }
 
-const session = (id: string, started: number, results: readonly Result[], more: { rig?: string; subject?: string; fields?: Record<string, string> } = {}): SessionRecord =>
+const session = (id: string, started: number, results: readonly Result[], more: MessageInitShape<typeof SessionRecordSchema> = {}): SessionRecord =>
   create(SessionRecordSchema, { sessionId: id, startedUtcNs: BigInt(started), rig: 'floor', subject: 'P017', results: [...results], ...more });
 
 const length = (seconds: number): Result => ({ name: 'eyes-open/MVELO', value: 9, unit: 'mm/s', details: JSON.stringify({ duration_s: seconds }) });
@@ -48,15 +49,46 @@ test.each<[string, readonly Result[], readonly Result[], readonly object[]]>([
   expect(compare([session('a', 1, one), session('b', 2, other)]).cautions).toMatchObject(cautions);
 });
 
-test('compare.Warns of another subject', () => {
-  expect(compare([session('a', 1, []), session('b', 2, [], { subject: 'P018' })]).cautions).toMatchObject([{ kind: 'subjects' }]);
+test.each<[string, MessageInitShape<typeof SessionRecordSchema>, object]>([
+  ['another subject', { subject: 'P018' }, { kind: 'subjects' }],
+  ['another rig', { rig: 'plate' }, { kind: 'rigs' }],
+  ['another protocol', { protocol: 'romberg' }, { kind: 'protocols', protocols: ['', 'romberg'] }],
+  ['lost scans', { parts: [{ losses: [{ gapsTotal: 2n, lostScansTotal: 120n }] }] }, { kind: 'lost', losses: '120 scans lost in 2 gaps' }],
+])('compare.Warns of %s', (_, more, caution) => {
+  expect(compare([session('a', 1, []), session('b', 2, [], more)]).cautions).toMatchObject([caution]);
 });
 
-test('comparable.SessionsOfOtherRigs and without results are left out', () => {
+test('compare.Result of one part of a resumed session is that of the session; results of several parts have rows of their own', () => {
+  const named = (names: readonly string[]): Result[] => names.map((name, index) => ({ name, value: index + 1 }));
+  const whole = session('whole', 1, named(['eyes-open/MVELO', 'deg']));
+  const resumed = session('resumed', 2, named(['eyes-open/MVELO_part_2', 'deg', 'deg_part_2']));
+  const { results, cautions } = compare([whole, resumed]);
+
+  expect(results.map(({ name, values }) => [name, ...values])).toEqual([
+    ['eyes-open/MVELO', 1, 1],
+    ['deg', 2, 2],
+    ['deg_part_2', undefined, 3],
+  ]);
+  expect(cautions).toMatchObject([{ kind: 'resumed' }]);
+});
+
+const idsOfComparable = async (sessions: readonly SessionRecord[]): Promise<readonly string[]> => {
+  const found = await comparable(sessions, (id) => Promise.resolve(sessions.find(({ sessionId }) => sessionId === id)!));
+  return found.map(({ sessionId }) => sessionId);
+};
+
+test('comparable.SessionsOfOtherRigs and without results are left out', async () => {
   const chair = { rig: 'chair' };
   const sessions = [session('empty', 4, []), session('newest', 3, [mvelo(1)], chair), session('floor', 2, [mvelo(1)]), session('oldest', 1, [mvelo(1)], chair)];
 
-  expect(comparable(sessions).map(({ sessionId }) => sessionId)).toEqual(['newest', 'oldest']);
+  expect(await idsOfComparable(sessions)).toEqual(['newest', 'oldest']);
+});
+
+test('comparable.Sessions that are left out take no place', async () => {
+  const numbers = [...Array(2 * mostCompared + 1).keys()];
+  const sessions = numbers.map((number) => session(`s${number}`, -number, number % 2 === 0 ? [mvelo(1)] : []));
+
+  expect(await idsOfComparable(sessions)).toEqual(numbers.filter((number) => number % 2 === 0).slice(0, mostCompared).map((number) => `s${number}`));
 });
 
 test('compare.Warns once of reaches of both arms', () => {

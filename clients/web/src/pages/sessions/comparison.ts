@@ -2,6 +2,9 @@
 // Results of several sessions side by side, as in `dtsctl session compare`.
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { SessionResult } from '../../generated/dts/v1/stream_pb';
+import { dateTime } from '../../parts/numbers';
+import { lossOfSession } from './losses';
+import { partsOf } from './result_names';
 
 export const mostCompared = 12; // more columns do not fit the page
 
@@ -12,9 +15,13 @@ export interface ComparedResult {
   readonly values: readonly (number | undefined)[];
 }
 
-/** A reason why values of two sessions cannot be compared. */
+/** A reason why values of two sessions cannot be compared, or only with care. `when`: the start of the session. */
 export type Caution =
   | { readonly kind: 'subjects' }
+  | { readonly kind: 'rigs' }
+  | { readonly kind: 'protocols'; readonly protocols: readonly string[] }
+  | { readonly kind: 'lost'; readonly when: string; readonly losses: string }
+  | { readonly kind: 'resumed'; readonly when: string }
   | { readonly kind: 'arms' }
   | { readonly kind: 'unit'; readonly result: string }
   | { readonly kind: 'uneven'; readonly condition: string }
@@ -26,14 +33,19 @@ export interface Comparison {
   readonly cautions: readonly Caution[];
 }
 
-/** Returns a subject's sessions with results, on the rig of the newest of them: a chair and a platform have no results in common. */
-export const comparable = (sessions: readonly SessionRecord[]): SessionRecord[] => {
-  const withResults = sessions.filter((session) => session.results.length > 0);
-  const newest = withResults.reduce<SessionRecord | undefined>(
-    (best, session) => (best === undefined || session.startedUtcNs > best.startedUtcNs ? session : best),
-    undefined,
-  );
-  return withResults.filter((session) => session.rig === newest?.rig);
+/**
+ * Returns a subject's newest sessions with results, on the rig of the newest of them: a chair and a platform have no results in common. `listed` is
+ * newest first and has no results; `ask` returns a session with its results.
+ */
+export const comparable = async (listed: readonly SessionRecord[], ask: (sessionId: string) => Promise<SessionRecord>): Promise<readonly SessionRecord[]> => {
+  const found: SessionRecord[] = [];
+  for (const { sessionId, rig } of listed) {
+    if (found.length === mostCompared) break;
+    if (found[0] !== undefined && rig !== found[0].rig) continue;
+    const session = await ask(sessionId);
+    if (session.results.length > 0) found.push(session);
+  }
+  return found;
 };
 
 export const difference = (one: number | undefined, other: number | undefined): number | undefined =>
@@ -66,10 +78,10 @@ const plain = (details: Details, key: string): number | string | undefined => {
 const isNear = (one: number | string, other: number | string): boolean =>
   one === other || (typeof one === 'number' && typeof other === 'number' && Math.abs(one - other) < 0.1);
 
-const cautionsOf = (first: SessionResult, other: SessionResult): Caution[] => {
-  const cautions: Caution[] = first.unit === other.unit ? [] : [{ kind: 'unit', result: first.name }];
-  const slash = first.name.lastIndexOf('/');
-  const condition = slash < 0 ? first.name : first.name.slice(0, slash);
+const cautionsOf = (name: string, first: SessionResult, other: SessionResult): Caution[] => {
+  const cautions: Caution[] = first.unit === other.unit ? [] : [{ kind: 'unit', result: name }];
+  const slash = name.lastIndexOf('/');
+  const condition = slash < 0 ? name : name.slice(0, slash);
   const [inOne, inOther] = [detailsOf(first), detailsOf(other)];
   for (const of of ['duration_s', 'profile', 'rate_hz']) {
     const [one, two] = [plain(inOne, of), plain(inOther, of)];
@@ -82,7 +94,16 @@ const cautionsOf = (first: SessionResult, other: SessionResult): Caution[] => {
 };
 
 /** Returns which arm reached; undefined: not known, or a session of standing. */
-const arm = ({ fields, results }: SessionRecord): string | undefined => (results.some(({ name }) => /^targets(_part_\d+)?$/.test(name)) ? fields['side'] : undefined);
+const arm = ({ fields, results }: SessionRecord): string | undefined => (results.some(({ name }) => partsOf(name).whole === 'targets') ? fields['side'] : undefined);
+
+/**
+ * Returns the names under which the results of a session are compared. Each part of a resumed session has its own results: if only one part has a
+ * result, it is that of the session.
+ */
+const comparedNames = ({ results }: SessionRecord): readonly string[] => {
+  const wholes = results.map(({ name }) => partsOf(name).whole);
+  return results.map(({ name }, index) => (wholes.indexOf(wholes[index]!) === wholes.lastIndexOf(wholes[index]!) ? wholes[index]! : name));
+};
 
 export const compare = (unsorted: readonly SessionRecord[]): Comparison => {
   const sessions = [...unsorted].sort((one, other) => (one.startedUtcNs < other.startedUtcNs ? -1 : 1));
@@ -91,19 +112,28 @@ export const compare = (unsorted: readonly SessionRecord[]): Comparison => {
   const arms = new Set<string>();
   const cautions = new Map<string, Caution>(); // by content, so that each appears once
   const caution = (one: Caution): void => void cautions.set(JSON.stringify(one), one);
+  const protocols = [...new Set(sessions.map(({ protocol }) => protocol))];
+  if (protocols.length > 1) caution({ kind: 'protocols', protocols });
   sessions.forEach((session, index) => {
+    const when = dateTime(session.startedUtcNs);
+    const losses = lossOfSession(session);
+    const names = comparedNames(session);
     if (session.subject !== sessions[0]?.subject) caution({ kind: 'subjects' });
+    if (session.rig !== sessions[0]?.rig) caution({ kind: 'rigs' });
     if (arm(session) !== undefined && arms.add(arm(session)!).size > 1) caution({ kind: 'arms' });
-    for (const result of session.results) {
-      const first = firsts.get(result.name);
+    if (losses !== '') caution({ kind: 'lost', when, losses });
+    if (names.some((name) => partsOf(name).part > 1)) caution({ kind: 'resumed', when });
+    session.results.forEach((result, at) => {
+      const name = names[at]!;
+      const first = firsts.get(name);
       if (first === undefined) {
-        firsts.set(result.name, result);
-        values.set(result.name, new Array<number | undefined>(sessions.length).fill(undefined));
+        firsts.set(name, result);
+        values.set(name, new Array<number | undefined>(sessions.length).fill(undefined));
       } else {
-        cautionsOf(first, result).forEach(caution);
+        cautionsOf(name, first, result).forEach(caution);
       }
-      if (Number.isFinite(result.value)) values.get(result.name)![index] = result.value;
-    }
+      if (Number.isFinite(result.value)) values.get(name)![index] = result.value;
+    });
   });
   const results = [...firsts].map(([name, { unit }]) => ({ name, unit, values: values.get(name) ?? [] }));
   return { sessions, results, cautions: [...cautions.values()] };

@@ -11,6 +11,9 @@ test.each([
   ['romberg/MVELO', 'Romberg ratio, eyes closed / open: mean velocity'],
   ['trunk_sd_deg', 'Trunk angle, SD within a target'],
   ['of_a_later_version', 'Of a later version'],
+  ['eyes-open/RANGE_AP_part_2', 'Eyes open: range, front-back, part 2'],
+  ['targets_part_12', 'Targets, part 12'],
+  ['x_part_1', 'X part 1'],
   ['AP_USE', 'Front-back range, share of the foot length'],
   ['', ''],
   ['constructor', 'Constructor'],
@@ -28,5 +31,5 @@ test.each([
 });
 
 test('resultValue.Counts have no decimals, other values three', () => {
-  expect([resultValue({ name: 'trials', value: 9 }), resultValue({ name: 'd2_sd_mm', value: 0.1333 }), resultValue({ name: 'x', value: undefined })]).toEqual(['9', '0.133', '–']);
+  expect([resultValue({ name: 'trials', value: 9 }), resultValue({ name: 'targets_part_2', value: 3 }), resultValue({ name: 'd2_sd_mm', value: 0.1333 }), resultValue({ name: 'x', value: undefined })]).toEqual(['9', '3', '0.133', '–']);
 });

@@ -22,11 +22,19 @@ const conditionName = (condition: string): string => {
   return first === 'romberg' ? words.romberg(stance.join(', ').replaceAll('=', ' ').replaceAll(',', ', ')) : capitalised(spoken(condition));
 };
 
-/** Returns the plain name of a result: "Eyes open: range, front-back" for "eyes-open/RANGE_AP". */
+/** Returns a result's name without the part at its end ("MVELO_part_2"), and the part: each part of a resumed session has its own results. */
+export const partsOf = (name: string): { readonly whole: string; readonly part: number } => {
+  const found = /^(.*)_part_([2-9]|[1-9]\d{1,5})$/.exec(name);
+  return { whole: found?.[1] ?? name, part: Number(found?.[2] ?? 1) };
+};
+
+/** Returns the plain name of a result: "Eyes open: range, front-back, part 2" for "eyes-open/RANGE_AP_part_2". */
 export const resultName = (name: string): string => {
-  const slash = name.lastIndexOf('/');
-  const measure = measureName(name.slice(slash + 1));
-  return slash < 0 ? capitalised(measure) : words.ofCondition(conditionName(name.slice(0, slash)), measure);
+  const { whole, part } = partsOf(name);
+  const slash = whole.lastIndexOf('/');
+  const measure = measureName(whole.slice(slash + 1));
+  const plain = slash < 0 ? capitalised(measure) : words.ofCondition(conditionName(whole.slice(0, slash)), measure);
+  return part > 1 ? words.ofPart(plain, String(part)) : plain;
 };
 
 /** Returns the unit as people write it: "mm²" for "mm2", nothing for a plain number. */
@@ -35,4 +43,4 @@ export const unitText = (unit: string): string => (Object.hasOwn(words.units, un
 const counted = new Set(['trials', 'targets']);
 
 /** Returns the value with three decimals, a count without. */
-export const resultValue = ({ name, value }: { readonly name: string; readonly value: number | undefined }): string => fixed(value, counted.has(name) ? 0 : 3);
+export const resultValue = ({ name, value }: { readonly name: string; readonly value: number | undefined }): string => fixed(value, counted.has(partsOf(name).whole) ? 0 : 3);

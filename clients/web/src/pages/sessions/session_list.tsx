@@ -14,7 +14,7 @@ import type { Filters } from './filters';
 import { durationS, noFilters, passes, rigsOf } from './filters';
 import { LostScans, StateMark } from './state_mark';
 
-const mostListed = 500;
+export const mostListed = 500;
 
 const askList = async (link: Link, deleted: boolean): Promise<readonly SessionRecord[]> => {
   const answer = await link.send({ case: 'listSessions', value: { limit: mostListed, deleted } });

@@ -166,6 +166,7 @@ export const sessions: typeof english = {
     axes: byKey({ AP: 'vorn-hinten', ML: 'links-rechts', RD: 'Abstand vom Mittel', RES: 'beide Achsen' }),
     alongAxis: (what, axis) => `${what}, ${axis}`,
     ofCondition: (condition, what) => `${condition}: ${what}`,
+    ofPart: (what, part) => `${what}, Teil ${part}`,
     romberg: (stance) => (stance === '' ? 'Romberg-Quotient, Augen zu / offen' : `Romberg-Quotient, Augen zu / offen, ${stance}`),
     units: byKey({ '1': '', mm2: 'mm²', 'mm2/s': 'mm²/s', deg: '°', 'deg/s': '°/s' }),
     words: byKey({
@@ -261,11 +262,18 @@ export const sessions: typeof english = {
     oneLabel: 'Untersuchung A',
     otherLabel: 'Untersuchung B',
     tooFew: 'Nichts zu vergleichen. Zwei Untersuchungen mit Ergebnissen vom selben Messplatz wählen.',
+    leftOut: (count, most) =>
+      `${sessionsOf(count)} ${count === '1' ? 'fehlt' : 'fehlen'} hier: keine Ergebnisse, anderer Messplatz oder nicht unter den neuesten ${most}`,
     noResults: 'Keine Ergebnisse: Diese Untersuchungen haben keine gültigen Durchgänge.',
     table: 'Ergebnisse nebeneinander',
     heads: { result: 'Ergebnis', unit: 'Einheit', change: 'B − A', share: 'Änderung' },
     cautions: {
       subjects: 'Verschiedene Personen: Die Änderung ist kein Fortschritt.',
+      rigs: 'Verschiedene Messplätze: Die Änderung ist kein Fortschritt.',
+      protocols: (names) => `Verschiedene Protokolle: ${names}. Durchgänge und Anweisungen können sich unterscheiden.`,
+      lost: (when, losses) => `Untersuchung vom ${when}: ${losses}. Die Ergebnisse ihrer Durchgänge können weniger Zeit umfassen.`,
+      resumed: (when) =>
+        `Untersuchung vom ${when} wurde fortgesetzt: Manche Ergebnisse haben eine Zeile für jeden Teil, nur aus den Durchgängen dieses Teils.`,
       arms: 'Linker Arm in einer Untersuchung, rechter Arm in einer anderen: Die Änderung ist kein Fortschritt.',
       unit: (result) => `${result}: verschiedene Einheiten in diesen Untersuchungen. Die Werte nicht vergleichen.`,
       uneven: (condition) => `${condition}: Die Durchgänge einer Untersuchung sind verschieden lang. Diese Werte nicht vergleichen.`,

@@ -140,6 +140,7 @@ export const sessions = {
     axes: byKey({ AP: 'front-back', ML: 'left-right', RD: 'distance from the mean', RES: 'both axes' }),
     alongAxis: (what: string, axis: string) => `${what}, ${axis}`,
     ofCondition: (condition: string, what: string) => `${condition}: ${what}`,
+    ofPart: (what: string, part: string) => `${what}, part ${part}`,
     romberg: (stance: string) => (stance === '' ? 'Romberg ratio, eyes closed / open' : `Romberg ratio, eyes closed / open, ${stance}`),
     units: byKey({ '1': '', mm2: 'mm²', 'mm2/s': 'mm²/s', deg: '°', 'deg/s': '°/s' }),
     // By name without condition and axis.
@@ -232,11 +233,17 @@ export const sessions = {
     oneLabel: 'Session A',
     otherLabel: 'Session B',
     tooFew: 'Nothing to compare. Choose two sessions with results from the same rig.',
+    leftOut: (count: string, most: string) =>
+      `${count} ${count === '1' ? 'session is' : 'sessions are'} left out: no results, another rig, or not among the newest ${most}`,
     noResults: 'No results: these sessions have no valid trials.',
     table: 'Results side by side',
     heads: { result: 'Result', unit: 'Unit', change: 'B − A', share: 'Change' },
     cautions: {
       subjects: 'Different subjects: do not read the change as progress.',
+      rigs: 'Different rigs: do not read the change as progress.',
+      protocols: (names: string) => `Different protocols: ${names}. Trials and instructions may differ.`,
+      lost: (when: string, losses: string) => `Session of ${when}: ${losses}. The results of its trials may cover less time.`,
+      resumed: (when: string) => `Session of ${when} was resumed: some results have a row for each part, from the trials of this part only.`,
       arms: 'Left arm in one session and right arm in another: do not read the change as progress.',
       unit: (result: string) => `${result}: different units in these sessions. Do not compare its values.`,
       uneven: (condition: string) => `${condition}: trials of one session differ in duration. Do not compare these values.`,

@@ -4,17 +4,18 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 import { useEffect } from 'preact/hooks';
 
-import type { CommandError, Link } from '../../link/types';
+import type { Link } from '../../link/types';
 import { Button, Field, Notice } from '../../parts/controls';
 import { protocolName } from '../../parts/names';
 import { dateTime, duration, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from '../sessions/asking';
-import type { Clinics, Measures, Session, Sessions } from './asking';
+import type { Clinics, Measures, Session } from './asking';
 import { askCentre, queryOf } from './asking';
 import { Choice } from './choice';
 import type { SessionFilters } from './filters';
 import { parametersOf } from './filters';
+import { useSessionPages } from './session_pages';
 
 const words = strings.fleet.sessions;
 const pause = 300; // ms after the last key, before the centre is asked
@@ -127,41 +128,19 @@ const FilterBar = ({ link, filters, onChange }: BarProps): JSX.Element => {
 export const FleetSessionsPage = ({ link, clinic }: { link: Link; clinic: string }): JSX.Element => {
   const filters = useSignal<SessionFilters>({ clinic, rig: '', protocol: '', subject: '', since: '' });
   const asked = useSignal(queryOf(parametersOf(filters.value))); // follows the filters after a pause
-  const pages = useSignal<readonly Session[] | undefined>(undefined);
-  const next = useSignal<string | null>(null);
-  const error = useSignal<CommandError | undefined>(undefined);
   const query = queryOf(parametersOf(filters.value));
   useEffect(() => {
     const timer = setTimeout(() => (asked.value = query), pause);
     return () => clearTimeout(timer);
   }, [query]);
-
-  /** Replaces the list, or appends the page that begins at `before`. */
-  const load = async (before: string, signal: AbortSignal): Promise<void> => {
-    const joined = before === '' ? asked.value : `${asked.value}${asked.value === '' ? '?' : '&'}before=${encodeURIComponent(before)}`;
-    try {
-      const page = await askCentre<Sessions>(link, `sessions${joined}`, signal);
-      if (signal.aborted) return;
-      pages.value = before === '' ? page.sessions : [...(pages.value ?? []), ...page.sessions];
-      next.value = page.next;
-      error.value = undefined;
-    } catch (problem) {
-      if (!signal.aborted) error.value = problem as CommandError;
-    }
-  };
-  useEffect(() => {
-    const abort = new AbortController();
-    void load('', abort.signal);
-    return () => abort.abort();
-  }, [asked.value]);
-  const shown = pages.value;
+  const { sessions: shown, error, hasOlder, loadOlder } = useSessionPages(link, asked.value);
   return (
     <div class="column">
       <h1>{words.title}</h1>
       <FilterBar link={link} filters={filters.value} onChange={(changed) => (filters.value = changed)} />
-      {error.value !== undefined && <Notice kind="error" what={error.value.message} hint={error.value.hint} testId="fleet-error" />}
+      {error !== undefined && <Notice kind="error" what={error.message} hint={error.hint} testId="fleet-error" />}
       <p role="status" data-testid="session-count">
-        {shown === undefined ? words.asking : shown.length === 0 ? '' : words.count(whole(shown.length), next.value !== null)}
+        {shown === undefined ? words.asking : shown.length === 0 ? '' : words.count(whole(shown.length), hasOlder)}
       </p>
       {shown?.length === 0 && (
         <p class="empty" data-testid="no-sessions">
@@ -169,9 +148,9 @@ export const FleetSessionsPage = ({ link, clinic }: { link: Link; clinic: string
         </p>
       )}
       {shown !== undefined && shown.length > 0 && <Table sessions={shown} />}
-      {next.value !== null && (
+      {hasOlder && (
         <div>
-          <Button label={words.older} testId="older" onClick={() => void load(next.value ?? '', new AbortController().signal)} />
+          <Button label={words.older} testId="older" onClick={loadOlder} />
         </div>
       )}
     </div>

@@ -32,7 +32,7 @@ const minutesMs = 240_000;
 const languages = {
   en: {
     locale: 'en-GB',
-    band: 'Known variation between two days, Eyes open: ±65 % of the first visit',
+    band: 'Known variation between two days, Eyes open: up to 65 % of the mean of both visits',
     steadier: /Eyes open: the mean velocity to the sides is (\d+) % lower than on/,
     within: 'This is within the variation between two days',
     beyond: 'This is more than the variation between two days',
@@ -43,7 +43,7 @@ const languages = {
   },
   de: {
     locale: 'de-DE',
-    band: 'Bekannte Schwankung zwischen zwei Tagen, Augen offen: ±65 % vom ersten Besuch',
+    band: 'Bekannte Schwankung zwischen zwei Tagen, Augen offen: bis zu 65 % vom Mittel beider Besuche',
     steadier: /Augen offen: Die mittlere Geschwindigkeit zur Seite ist (\d+) % niedriger als am/,
     within: 'Das liegt innerhalb der Schwankung zwischen zwei Tagen',
     beyond: 'Das ist mehr als die Schwankung zwischen zwei Tagen',

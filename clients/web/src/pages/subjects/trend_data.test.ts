@@ -31,14 +31,19 @@ test('plotOf.Visits without a value are gaps, and other settings are left out', 
   ]);
 });
 
-test('plotOf.The known variation is a band around the first visit', () => {
-  const { lines } = plotOf([series({ retest: { percent: 50, source: 'x' } })], () => 'open');
+test('plotOf.The known variation is a band around the first visit: a share of the mean of two visits', () => {
+  const { lines } = plotOf([series({ retest: { percent: 65, source: 'x' } })], () => 'Eyes open');
+  const [visits, lower, upper] = lines.map(({ values }) => values);
 
-  expect(lines.map(({ values }) => values)).toEqual([
-    [8, 9],
-    [4, 4],
-    [12, 12],
-  ]);
+  expect(lines.map(({ name }) => name)).toEqual(['Eyes open', 'Eyes open: lower edge of known variation (65 %)', 'Eyes open: upper edge of known variation (65 %)']);
+  expect(visits).toEqual([8, 9]);
+  for (const edge of [lower, upper]) {
+    const [value, same] = edge!;
+    expect(same).toBe(value);
+    expect(Math.abs(value! - 8) / ((value! + 8) / 2)).toBeCloseTo(0.65);
+  }
+  expect(lower![0]).toBeLessThan(8);
+  expect(upper![0]).toBeGreaterThan(8);
 });
 
 test('measuresOf.The usual measures are first', () => {

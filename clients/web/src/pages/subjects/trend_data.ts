@@ -73,8 +73,12 @@ export const valueText = ({ measure }: TrendSeries, value: number): string => {
   return low === high ? low : between(low, high);
 };
 
-/** Returns a line for each series, and the edges of the known variation around its first comparable visit. */
+/**
+ * Returns a line for each series, and the edges of the known variation around its first comparable visit. The variation is a share of the mean of two
+ * visits, so the upper edge is further away: there the mean is larger.
+ */
 export const plotOf = (series: readonly TrendSeries[], nameOf: (one: TrendSeries) => string): { timesMs: readonly number[]; lines: readonly PlotLine[] } => {
+  const { lowerEdge, upperEdge } = strings.subjects.trend;
   const msOf = (point: TrendPoint): number => Number(BigInt(point.utc_ns) / 1_000_000n);
   const shown = series.map((one) => ({ one, points: one.points.filter((point) => point.is_comparable) }));
   const timesMs = [...new Set(shown.flatMap(({ points }) => points.map(msOf)))].sort((one, other) => one - other);
@@ -84,9 +88,10 @@ export const plotOf = (series: readonly TrendSeries[], nameOf: (one: TrendSeries
     lines.push({ name: nameOf(one), values: timesMs.map((ms) => values.get(ms) ?? null) });
     const first = points[0];
     if (one.retest === undefined || first === undefined) continue;
-    const share = one.retest.percent / 100;
-    for (const [sign, edge] of [['−', 1 - share], ['+', 1 + share]] as const) {
-      lines.push({ name: `${nameOf(one)} ${sign}${fixed(one.retest.percent, 0)} %`, values: timesMs.map(() => first.value * edge) });
+    const half = one.retest.percent / 100 / 2;
+    const percent = fixed(one.retest.percent, 0);
+    for (const [edgeName, edge] of [[lowerEdge, (1 - half) / (1 + half)], [upperEdge, (1 + half) / (1 - half)]] as const) {
+      lines.push({ name: edgeName(nameOf(one), percent), values: timesMs.map(() => first.value * edge) });
     }
   }
   return { timesMs, lines };

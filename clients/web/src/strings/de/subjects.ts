@@ -35,7 +35,9 @@ export const subjects: typeof english = {
     plot: (measure, visits) => `${measure} über ${visits} Besuche`,
     heads: { visit: 'Besuch', condition: 'Bedingung', value: 'Wert', sd: 'SD', trials: 'Durchgänge', note: 'Hinweis' },
     notComparable: 'andere Einstellungen: nicht vergleichen',
-    band: (percent, condition) => `Bekannte Schwankung zwischen zwei Tagen, ${condition}: ±${percent} % vom ersten Besuch`,
+    band: (percent, condition) => `Bekannte Schwankung zwischen zwei Tagen, ${condition}: bis zu ${percent} % vom Mittel beider Besuche`,
+    lowerEdge: (condition, percent) => `${condition}: untere Grenze der bekannten Schwankung (${percent} %)`,
+    upperEdge: (condition, percent) => `${condition}: obere Grenze der bekannten Schwankung (${percent} %)`,
     noBand: 'Für diese Kenngröße ist keine veröffentlichte Schwankung zwischen zwei Tagen bekannt: Ein Unterschied kann Zufall sein.',
     source: (source) => `Quelle: ${source}`,
     names: byKey({

@@ -35,7 +35,9 @@ export const subjects = {
     plot: (measure: string, visits: string) => `${measure} over ${visits} visits`,
     heads: { visit: 'Visit', condition: 'Condition', value: 'Value', sd: 'SD', trials: 'Trials', note: 'Note' },
     notComparable: 'other settings: do not compare',
-    band: (percent: string, condition: string) => `Known variation between two days, ${condition}: ±${percent} % of the first visit`,
+    band: (percent: string, condition: string) => `Known variation between two days, ${condition}: up to ${percent} % of the mean of both visits`,
+    lowerEdge: (condition: string, percent: string) => `${condition}: lower edge of known variation (${percent} %)`,
+    upperEdge: (condition: string, percent: string) => `${condition}: upper edge of known variation (${percent} %)`,
     noBand: 'No published variation between two days is known for this measure: a difference may be chance.',
     source: (source: string) => `Source: ${source}`,
     names: byKey({

@@ -7,6 +7,7 @@ import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import type { TrialStatus } from '../../generated/dts/v1/sessions_pb';
 import type { RigStatus, SessionInfo } from '../../generated/dts/v1/control_pb';
 import type { LiveEvent } from '../../link/types';
+import { includesEvent } from '../../parts/later_status';
 
 /** What the subject should do now. `back`: the reach is final, the hand returns. `free`: no trials, reaches are shown as they are found. */
 export type Step = 'free' | 'waiting' | 'ready' | 'go' | 'back' | 'resting' | 'finished';
@@ -193,10 +194,6 @@ const stepOf: Partial<Record<TrialPhase, Step>> = {
 
 const isDuringTrial = (step: Step): boolean => step === 'ready' || step === 'go' || step === 'back';
 
-// A status may be made just before an event and arrive after it. A status that is at least this much later than the last event includes it; if it
-// differs then, an event was lost.
-const statusLagNs = 1_000_000_000n;
-
 const afterSession = (examination: Examination, session: SessionInfo | undefined, isLater: boolean): Examination => {
   const isAnother = session !== undefined && session.sessionId !== '' && session.sessionId !== examination.sessionId;
   if (examination.step === 'free' || (isAnother && !isLater)) return examination;
@@ -221,7 +218,7 @@ const caughtUp = (examination: Examination, status: TrialStatus): Examination =>
 /** Returns the state after a status of host time `madeNs`: number of trials, next target, the end of the session, and what a lost event would have said. */
 export const afterStatus = (examination: Examination, status: RigStatus | undefined, madeNs: bigint): Examination => {
   const session = status?.session;
-  const isLater = madeNs - examination.lastEventNs > statusLagNs;
+  const isLater = includesEvent(madeNs, examination.lastEventNs);
   if (session === undefined || !isRunning(status)) return afterSession(examination, session, isLater);
   const known = inSession(examination, session.sessionId);
   const { trial } = session;
@@ -229,7 +226,7 @@ export const afterStatus = (examination: Examination, status: RigStatus | undefi
   const reported = stepOf[trial.phase] ?? known.step;
   // The end of a rest that waits for a command has no event.
   const waits = (known.step === 'resting' || known.step === 'waiting') && !isDuringTrial(reported);
-  const isCatchingUp = known.step === 'free' || madeNs - known.lastEventNs > statusLagNs;
+  const isCatchingUp = known.step === 'free' || includesEvent(madeNs, known.lastEventNs);
   return {
     ...(isCatchingUp ? caughtUp(known, trial) : waits ? { ...known, step: reported } : known),
     of: trial.of,

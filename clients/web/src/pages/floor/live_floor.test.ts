@@ -3,6 +3,7 @@ import { create } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 
+import { StatusSnapshotSchema } from '../../generated/dts/v1/control_pb';
 import { Quality, SessionState, SwaySchema, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import { fakeLink } from '../../testing';
 import { strings } from '../../strings';
@@ -11,16 +12,25 @@ import { LiveFloor, windowName } from './live_floor';
 
 const channels = ['ml_mm', 'ap_mm', 'load_n'].map((name) => ({ name }));
 
+const sessionId = 'P017';
+const hostNs = (timeMs: number): bigint => BigInt(timeMs) * 1_000_000n;
+
 const openFloor = (state = SessionState.RUNNING) => {
-  const fake = fakeLink([{ rig: { name: 'chair' }, session: { state: SessionState.IDLE } }, { rig: { name: 'floor' }, session: { state } }]);
+  const fake = fakeLink([{ rig: { name: 'chair' }, session: { state: SessionState.IDLE } }, { rig: { name: 'floor' }, session: { sessionId, state } }]);
   const floor = new LiveFloor(fake.link, 'floor');
   const stand = (quality = 0, values = [0, 0, 0], timeMs = 0): void =>
     fake.block('floor/cop', values.map((value) => [value]), { format: { channels }, firstScan: timeMs / 10, timeMs, newestMs: timeMs, quality: Uint8Array.of(quality, 0, 0) });
   const sway = (trial: number, isPreliminary = false, value = 5): void =>
-    fake.event('floor/sway', { body: { case: 'sway', value: { trial, isPreliminary, measures: [{ symbol: 'MVELO', value }, { symbol: 'RANGE_AP', value: NaN }] } } });
-  const trial = (kind: TrialEventKind, timeMs = 0): void => fake.event('floor/trial', { body: { case: 'trial', value: { step: kind } } }, timeMs);
+    fake.event('floor/sway', { body: { case: 'sway', value: { sessionId, trial, attempt: 1, isPreliminary, measures: [{ symbol: 'MVELO', value }, { symbol: 'RANGE_AP', value: NaN }] } } });
+  const trial = (kind: TrialEventKind, timeMs = 0, number = 0): void =>
+    fake.event('floor/trial', { hostTimeNs: hostNs(timeMs), body: { case: 'trial', value: { sessionId, step: kind, trial: number, attempt: 1 } } }, timeMs);
   const session = (next: SessionState): void => fake.event('floor/session', { body: { case: 'session', value: { state: next } } });
-  return { fake, floor, stand, sway, trial, session };
+  /** The status of a session that rests after a trial; 0: before the first. */
+  const status = (timeMs: number, id: string, number: number, next = SessionState.RUNNING): void => {
+    const rigs = [{ rig: { name: 'floor' }, session: { sessionId: id, state: next, trial: { trial: number, attempt: number === 0 ? 0 : 1 } } }];
+    fake.link.status.value = create(StatusSnapshotSchema, { hostTimeNs: hostNs(timeMs), rigs });
+  };
+  return { fake, floor, stand, sway, trial, session, status };
 };
 
 beforeEach(() => void vi.useFakeTimers({ now: 7000 }));
@@ -65,15 +75,16 @@ test('LiveFloor.Ellipse has the area of the tile and the scans of its window; wi
   const { fake, floor, stand, trial } = openFloor();
   for (let timeMs = 0; timeMs <= 20_300; timeMs += 10) stand(0, [timeMs < 20_000 ? 500 : 9 + ((timeMs / 10) % 2), (timeMs / 10) % 3, 0], timeMs);
   const measures = [{ symbol: 'PEA95_F', value: 123 }];
+  const result = { sessionId, trial: 1, attempt: 1 };
   const running = { isPreliminary: true, durationS: 0.25, window: SwayWindow.LATEST, windowS: 30, measures };
 
   fake.event('floor/sway', { body: { case: 'sway', value: running } }, 20_300);
   const latest = floor.ellipse.value!;
-  trial(TrialEventKind.MEASURE, 20_100);
-  trial(TrialEventKind.DONE, 20_200);
-  fake.event('floor/sway', { body: { case: 'sway', value: { trial: 1, measures } } }, 20_300);
+  trial(TrialEventKind.MEASURE, 20_100, 1);
+  trial(TrialEventKind.DONE, 20_200, 1);
+  fake.event('floor/sway', { body: { case: 'sway', value: { ...result, measures } } }, 20_300);
   const ofTrial = floor.ellipse.value!;
-  fake.event('floor/sway', { body: { case: 'sway', value: { trial: 1, measures: [] } } }, 20_300);
+  fake.event('floor/sway', { body: { case: 'sway', value: { ...result, measures: [] } } }, 20_300);
 
   expect([latest.samples, ofTrial.samples]).toEqual([25, 10]);
   expect([areaOf(latest), areaOf(ofTrial)]).toEqual([expect.closeTo(123, 6), expect.closeTo(123, 6)]);
@@ -81,18 +92,50 @@ test('LiveFloor.Ellipse has the area of the tile and the scans of its window; wi
   expect(floor.ellipse.value).toBeUndefined();
 });
 
-test('LiveFloor.ResultFromTheCatalogue is not shown when the next trial has begun', () => {
-  const { fake, floor } = openFloor();
-  const begin = (trial: number): void => fake.event('floor/trial', { body: { case: 'trial', value: { step: TrialEventKind.READY, trial, attempt: 1 } } });
-  const result = create(SwaySchema, { trial: 1, attempt: 1 });
+const recalled = (trial: number) => create(SwaySchema, { sessionId, trial, attempt: 1, measures: [{ symbol: 'PEA95_F', value: 123 }] });
 
-  begin(1);
-  floor.recall(result);
+test('LiveFloor.ResultFromTheCatalogue is not shown when the next trial has begun', () => {
+  const { floor, trial } = openFloor();
+
+  trial(TrialEventKind.READY, 0, 1);
+  floor.recall(recalled(1));
   const shown = floor.sway.value?.sway.trial;
-  begin(2);
-  floor.recall(result);
+  trial(TrialEventKind.READY, 0, 2);
+  floor.recall(recalled(1));
 
   expect([shown, floor.sway.value]).toEqual([1, undefined]);
+});
+
+// A status may be a second older than the event that arrived before it.
+test.each<[string, number, number | undefined]>([
+  ['that was measured while the tab was hidden is shown', 2001, 2],
+  ['is not shown when the status may be older than the last event', 2000, undefined],
+])('LiveFloor.ResultFromTheCatalogue %s', (_, statusMs, expected) => {
+  const { floor, trial, status } = openFloor();
+  trial(TrialEventKind.DONE, 1000, 1);
+  status(statusMs, sessionId, 2);
+
+  floor.recall(recalled(2));
+
+  expect(floor.sway.value?.sway.trial).toBe(expected);
+});
+
+test.each<[string, readonly [TrialEventKind, number, number][], boolean]>([
+  ['has the scans of its trial', [[TrialEventKind.MEASURE, 100, 2], [TrialEventKind.DONE, 200, 2]], true],
+  ['of which this tab missed the begin has none', [[TrialEventKind.MEASURE, 100, 1], [TrialEventKind.DONE, 200, 2]], false],
+  ['of which this tab missed the end has none', [[TrialEventKind.MEASURE, 100, 2]], false],
+])('LiveFloor.Ellipse of a trial %s', (_, steps, hasEllipse) => {
+  const { fake, floor, stand, trial } = openFloor();
+  for (let timeMs = 0; timeMs <= 300; timeMs += 10) stand(0, [(timeMs / 10) % 2, (timeMs / 10) % 3, 0], timeMs);
+  for (const [kind, timeMs, number] of steps) trial(kind, timeMs, number);
+
+  fake.event('floor/sway', { body: { case: 'sway', value: recalled(2) } }, 300);
+  const live = floor.ellipse.value?.samples;
+  trial(TrialEventKind.DONE, 200, 2);
+  floor.recall(recalled(2));
+
+  expect(live).toBe(hasEllipse ? 10 : undefined);
+  expect(floor.ellipse.value !== undefined).toBe(steps[0]![2] === 2);
 });
 
 test.each<[MessageInitShape<typeof SwaySchema>, string]>([
@@ -112,6 +155,9 @@ test.each<[string, (open: ReturnType<typeof openFloor>) => void, boolean]>([
   ['its start', ({ trial }) => trial(TrialEventKind.GO), false],
   ['the next session', ({ session }) => session(SessionState.STARTING), false],
   ['the end of the session', ({ session }) => session(SessionState.IDLE), true],
+  ['the end of the session that only the status reports', ({ status }) => status(5000, sessionId, 4, SessionState.IDLE), true],
+  ['the next session that only the status reports', ({ status }) => status(5000, 'P018', 0), false],
+  ['a next session that is over already', ({ status }) => status(5000, 'P018', 4, SessionState.IDLE), false],
 ])('LiveFloor.Result of a trial after %s', (_, next, isKept) => {
   const open = openFloor();
   open.trial(TrialEventKind.MEASURE, 50);

@@ -2,13 +2,17 @@
 // The state of one platform. Pictures read the ring when they paint; slow values are signals.
 import { batch, signal } from '@preact/signals';
 
+import type { SessionInfo, StatusSnapshot } from '../../generated/dts/v1/control_pb';
 import { Quality, SessionState, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import type { Gap, Sway, TrialChange } from '../../generated/dts/v1/stream_pb';
 import type { Block, Link, LiveEvent } from '../../link/types';
 import { isActive } from '../../parts/active';
+import { includesEvent } from '../../parts/later_status';
 import { whole } from '../../parts/numbers';
 import { ScanRing } from '../../parts/scan_ring';
 import type { strings } from '../../strings';
+import type { Attempt } from './attempt';
+import { isSameAttempt } from './attempt';
 import type { Ellipse } from './ellipse';
 import { ellipseOf, withArea } from './ellipse';
 
@@ -27,7 +31,7 @@ export const ap = 1;
 export interface Steadiness {
   readonly sway: Sway;
   readonly values: ReadonlyMap<string, number>;
-  /** The scans that the values describe, in ms of performance.now(). Undefined for a result that this tab did not see. */
+  /** The scans that the values describe, in ms of performance.now(). Undefined for a trial whose measurement this tab did not see. */
   readonly span: { readonly fromMs: number; readonly toMs: number } | undefined;
 }
 
@@ -64,12 +68,12 @@ export class LiveFloor {
   deflectionMm: number[] = [];
   sensorQuality: number[] = [];
 
-  /** The measurement of the trial that this tab saw last. */
-  #trialSpan = { fromMs: NaN, toMs: NaN };
-  /** The attempt that began to be measured last, in ms of performance.now(). */
-  #measured: { readonly sessionId: string; readonly trial: number; readonly attempt: number; readonly fromMs: number } | undefined;
-  /** The attempt that the newest event of a trial was about; the status may be a second behind it. */
-  #present: { readonly sessionId: string; readonly trial: number; readonly attempt: number } | undefined;
+  /** The attempt whose measurement this tab saw begin last, in ms of performance.now(). Its end is unknown until this tab sees it. */
+  #measured: (Attempt & { readonly fromMs: number; readonly toMs: number | undefined }) | undefined;
+  /** The attempt that the newest event of a trial was about, or a status that includes that event. */
+  #present: Attempt | undefined;
+  /** Host time of that event. */
+  #changedNs = 0n;
   #rateHz = 0;
   #loadN = NaN;
   #updatedMs = 0;
@@ -86,6 +90,7 @@ export class LiveFloor {
       link.onEvent(`${rig}/`, (event) => this.#addEvent(event)),
       link.onPaint((nowMs) => this.#updateNow(nowMs)),
       link.subscribe(topics),
+      link.status.subscribe((status) => this.#follow(status)),
     ];
   }
 
@@ -95,15 +100,12 @@ export class LiveFloor {
 
   /** Shows a final result from the catalogue as if it had just arrived, unless another trial has begun meanwhile. */
   recall(sway: Sway): void {
-    const present = this.#present;
-    if (present !== undefined && (present.sessionId !== sway.sessionId || present.trial !== sway.trial || present.attempt !== sway.attempt)) return;
-    this.#addSway(sway, undefined);
+    if (isSameAttempt(sway, this.#present)) this.#addSway(sway, this.#measuredSpan(sway));
   }
 
   /** Returns when the measurement of an attempt began, in ms of performance.now(). Undefined if it has not, or if this tab did not see it. */
   measuredSinceMs(sessionId: string, trial: number, attempt: number): number | undefined {
-    const measured = this.#measured;
-    return measured?.sessionId === sessionId && measured.trial === trial && measured.attempt === attempt ? measured.fromMs : undefined;
+    return isSameAttempt(this.#measured, { sessionId, trial, attempt }) ? this.#measured?.fromMs : undefined;
   }
 
   #addCop(block: Block): void {
@@ -142,7 +144,7 @@ export class LiveFloor {
         if (this.markers.length > 50) this.markers.shift();
         return;
       case 'trial':
-        return this.#addTrial(body.value, timeMs);
+        return this.#addTrial(body.value, timeMs, event.hostTimeNs ?? 0n);
       case 'session':
         if (body.value.state !== SessionState.STARTING) return;
         [this.#present, this.#measured] = [undefined, undefined];
@@ -151,18 +153,35 @@ export class LiveFloor {
     }
   }
 
-  #addTrial({ sessionId, step: kind, trial, attempt }: TrialChange, timeMs: number): void {
-    if (trial > 0) this.#present = { sessionId, trial, attempt }; // the end of the plan names none
-    if (kind === TrialEventKind.MEASURE) {
-      this.#trialSpan = { fromMs: timeMs, toMs: Infinity };
-      this.#measured = { sessionId, trial, attempt, fromMs: timeMs };
-    } else if (kind === TrialEventKind.DONE) this.#trialSpan = { ...this.#trialSpan, toMs: timeMs };
+  #addTrial({ sessionId, step: kind, trial, attempt }: TrialChange, timeMs: number, hostTimeNs: bigint): void {
+    const named = { sessionId, trial, attempt };
+    if (trial > 0) [this.#present, this.#changedNs] = [named, hostTimeNs]; // the end of the plan names none
+    if (kind === TrialEventKind.MEASURE) this.#measured = { ...named, fromMs: timeMs, toMs: undefined };
+    else if (kind === TrialEventKind.DONE && isSameAttempt(this.#measured, named)) this.#measured = { ...this.#measured!, toMs: timeMs };
     if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.#showSway(undefined);
   }
 
+  /** Learns what this tab missed: a hidden tab receives no events, and a new connection repeats none of a trial. */
+  #follow(status: StatusSnapshot | undefined): void {
+    if (status === undefined) return;
+    const session = this.#sessionIn(status);
+    const sessionId = session?.sessionId ?? '';
+    if (includesEvent(status.hostTimeNs, this.#changedNs)) this.#present = { sessionId, trial: session?.trial?.trial ?? 0, attempt: session?.trial?.attempt ?? 0 };
+    const shown = this.sway.peek()?.sway;
+    // The page shows it under the subject ID of this session.
+    if (shown?.isPreliminary === false && shown.sessionId !== sessionId) this.#showSway(undefined);
+  }
+
   /** Running values describe the time before their event; the final ones the trial. */
-  #spanOf({ isPreliminary, durationS, windowS: longestS }: Sway, timeMs: number): Steadiness['span'] {
-    return isPreliminary ? { fromMs: timeMs - 1000 * (durationS ?? longestS ?? 0), toMs: timeMs } : this.#trialSpan;
+  #spanOf(sway: Sway, timeMs: number): Steadiness['span'] {
+    const { isPreliminary, durationS, windowS: longestS } = sway;
+    return isPreliminary ? { fromMs: timeMs - 1000 * (durationS ?? longestS ?? 0), toMs: timeMs } : this.#measuredSpan(sway);
+  }
+
+  /** Returns the measurement of a result's attempt, or nothing if this tab did not see its begin and its end. */
+  #measuredSpan(sway: Sway): Steadiness['span'] {
+    const measured = this.#measured;
+    return measured?.toMs !== undefined && isSameAttempt(sway, measured) ? { fromMs: measured.fromMs, toMs: measured.toMs } : undefined;
   }
 
   #showSway(next: Steadiness | undefined): void {
@@ -212,8 +231,12 @@ export class LiveFloor {
     };
   }
 
+  #sessionIn(status: StatusSnapshot | undefined): SessionInfo | undefined {
+    return status?.rigs.find(({ rig }) => rig?.name === this.#rig)?.session;
+  }
+
   #isInSession(): boolean {
-    return isActive(this.#link.status.peek()?.rigs.find(({ rig }) => rig?.name === this.#rig)?.session);
+    return isActive(this.#sessionIn(this.#link.status.peek()));
   }
 }
 

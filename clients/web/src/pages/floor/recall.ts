@@ -12,14 +12,9 @@ import { isActive } from '../../parts/active';
 import type { Asked } from '../sessions/asking';
 import { useAsked } from '../sessions/asking';
 import { askSession } from '../sessions/session_detail';
+import type { Attempt } from './attempt';
+import { isSameAttempt } from './attempt';
 import type { LiveFloor } from './live_floor';
-
-/** One attempt at a trial of a session. */
-export interface Attempt {
-  readonly sessionId: string;
-  readonly trial: number;
-  readonly attempt: number;
-}
 
 const afterTrial = new Set([TrialPhase.WAITING, TrialPhase.RESTING, TrialPhase.FINISHED]);
 
@@ -28,8 +23,8 @@ export const missingResult = (session: SessionInfo | undefined, shown: Sway | un
   if (!isActive(session) || session.trial === undefined || session.trial.trial === 0 || !afterTrial.has(session.trial.phase)) return undefined;
   const { sessionId } = session;
   const { trial, attempt } = session.trial;
-  const isOfTrial = shown?.sessionId === sessionId && shown.trial === trial && shown.attempt === attempt;
-  return isOfTrial && !shown.isPreliminary ? undefined : { sessionId, trial, attempt };
+  const present = { sessionId, trial, attempt };
+  return isSameAttempt(shown, present) && shown?.isPreliminary === false ? undefined : present;
 };
 
 /** Returns the result of an attempt, or nothing if it has none or the trial was rejected. */

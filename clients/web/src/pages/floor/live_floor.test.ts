@@ -4,6 +4,7 @@ import type { MessageInitShape } from '@bufbuild/protobuf';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 
 import { StatusSnapshotSchema } from '../../generated/dts/v1/control_pb';
+import { TrialOutcome } from '../../generated/dts/v1/sessions_pb';
 import { Quality, SessionState, SwaySchema, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import { fakeLink } from '../../testing';
 import { strings } from '../../strings';
@@ -25,9 +26,11 @@ const openFloor = (state = SessionState.RUNNING) => {
   const trial = (kind: TrialEventKind, timeMs = 0, number = 0): void =>
     fake.event('floor/trial', { hostTimeNs: hostNs(timeMs), body: { case: 'trial', value: { sessionId, step: kind, trial: number, attempt: 1 } } }, timeMs);
   const session = (next: SessionState): void => fake.event('floor/session', { body: { case: 'session', value: { state: next } } });
-  /** The status of a session that rests after a trial; 0: before the first. */
-  const status = (timeMs: number, id: string, number: number, next = SessionState.RUNNING): void => {
-    const rigs = [{ rig: { name: 'floor' }, session: { sessionId: id, state: next, trial: { trial: number, attempt: number === 0 ? 0 : 1 } } }];
+  /** The status of a session after a trial; 0: before the first. */
+  const status = (timeMs: number, id: string, number: number, next = SessionState.RUNNING, lastOutcome = TrialOutcome.DONE): void => {
+    const attempt = number === 0 ? 0 : 1;
+    const trial = { trial: number, attempt, lastTrial: number, lastAttempt: attempt, lastOutcome };
+    const rigs = [{ rig: { name: 'floor' }, session: { sessionId: id, state: next, trial } }];
     fake.link.status.value = create(StatusSnapshotSchema, { hostTimeNs: hostNs(timeMs), rigs });
   };
   return { fake, floor, stand, sway, trial, session, status };
@@ -120,6 +123,21 @@ test.each<[string, number, number | undefined]>([
   expect(floor.sway.value?.sway.trial).toBe(expected);
 });
 
+test('LiveFloor.ResultFromTheCatalogue of a rejected trial is shown only after Undo', () => {
+  const { floor, sway, trial } = openFloor();
+  trial(TrialEventKind.DONE, 0, 4);
+  sway(4);
+
+  trial(TrialEventKind.REJECTED, 0, 4);
+  floor.recall(recalled(4)); // the page's copy of the record may be older than the rejection
+  const rejected = floor.sway.value;
+  trial(TrialEventKind.UNDONE, 0, 4);
+  floor.recall(recalled(4));
+
+  expect(rejected).toBeUndefined();
+  expect(floor.sway.value?.sway.trial).toBe(4);
+});
+
 test.each<[string, readonly [TrialEventKind, number, number][], boolean]>([
   ['has the scans of its trial', [[TrialEventKind.MEASURE, 100, 2], [TrialEventKind.DONE, 200, 2]], true],
   ['of which this tab missed the begin has none', [[TrialEventKind.MEASURE, 100, 1], [TrialEventKind.DONE, 200, 2]], false],
@@ -153,6 +171,10 @@ test.each<[string, (open: ReturnType<typeof openFloor>) => void, boolean]>([
   ['running values of the next trial', ({ sway }) => sway(5, true), false],
   ['the next trial', ({ trial }) => trial(TrialEventKind.READY), false],
   ['its start', ({ trial }) => trial(TrialEventKind.GO), false],
+  ['its rejection', ({ trial }) => trial(TrialEventKind.REJECTED), false],
+  ['its redo', ({ trial }) => trial(TrialEventKind.REDONE), false],
+  ['its abort', ({ trial }) => trial(TrialEventKind.ABORTED), false],
+  ['a rejection that only the status reports', ({ status }) => status(5000, sessionId, 4, SessionState.RUNNING, TrialOutcome.REJECTED), false],
   ['the next session', ({ session }) => session(SessionState.STARTING), false],
   ['the end of the session', ({ session }) => session(SessionState.IDLE), true],
   ['the end of the session that only the status reports', ({ status }) => status(5000, sessionId, 4, SessionState.IDLE), true],

@@ -3,6 +3,7 @@
 import { batch, signal } from '@preact/signals';
 
 import type { SessionInfo, StatusSnapshot } from '../../generated/dts/v1/control_pb';
+import { TrialOutcome } from '../../generated/dts/v1/sessions_pb';
 import { Quality, SessionState, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import type { Gap, Sway, TrialChange } from '../../generated/dts/v1/stream_pb';
 import type { Block, Link, LiveEvent } from '../../link/types';
@@ -22,6 +23,7 @@ export const trailS = 5;
 const fastestHz = 2000; // bounds the memory of the ring
 const slowEveryMs = 250;
 const gravity = 9.80665; // N per kg
+const voiding = new Set([TrialEventKind.REDONE, TrialEventKind.REJECTED, TrialEventKind.ABORTED]);
 const sparkLength = 120; // one minute at two values per second
 
 /** Columns of the ring. */
@@ -72,7 +74,9 @@ export class LiveFloor {
   #measured: (Attempt & { readonly fromMs: number; readonly toMs: number | undefined }) | undefined;
   /** The attempt that the newest event of a trial was about, or a status that includes that event. */
   #present: Attempt | undefined;
-  /** Host time of that event. */
+  /** The attempt that became void last, unless that was undone. Neither its result nor the decision about it may be shown. */
+  #void: Attempt | undefined;
+  /** Host time of the newest event of a trial. */
   #changedNs = 0n;
   #rateHz = 0;
   #loadN = NaN;
@@ -98,9 +102,9 @@ export class LiveFloor {
     for (const stop of this.#stops) stop();
   }
 
-  /** Shows a final result from the catalogue as if it had just arrived, unless another trial has begun meanwhile. */
+  /** Shows a final result from the catalogue as if it had just arrived, unless another trial has begun meanwhile, or this one became void. */
   recall(sway: Sway): void {
-    if (isSameAttempt(sway, this.#present)) this.#addSway(sway, this.#measuredSpan(sway));
+    if (isSameAttempt(sway, this.#present) && !isSameAttempt(sway, this.#void)) this.#addSway(sway, this.#measuredSpan(sway));
   }
 
   /** Returns when the measurement of an attempt began, in ms of performance.now(). Undefined if it has not, or if this tab did not see it. */
@@ -158,7 +162,9 @@ export class LiveFloor {
     if (trial > 0) [this.#present, this.#changedNs] = [named, hostTimeNs]; // the end of the plan names none
     if (kind === TrialEventKind.MEASURE) this.#measured = { ...named, fromMs: timeMs, toMs: undefined };
     else if (kind === TrialEventKind.DONE && isSameAttempt(this.#measured, named)) this.#measured = { ...this.#measured!, toMs: timeMs };
-    if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.#showSway(undefined);
+    if (voiding.has(kind)) this.#void = named;
+    else if (kind === TrialEventKind.UNDONE) this.#void = undefined;
+    if (voiding.has(kind) || kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.#showSway(undefined);
   }
 
   /** Learns what this tab missed: a hidden tab receives no events, and a new connection repeats none of a trial. */
@@ -166,10 +172,15 @@ export class LiveFloor {
     if (status === undefined) return;
     const session = this.#sessionIn(status);
     const sessionId = session?.sessionId ?? '';
-    if (includesEvent(status.hostTimeNs, this.#changedNs)) this.#present = { sessionId, trial: session?.trial?.trial ?? 0, attempt: session?.trial?.attempt ?? 0 };
+    if (includesEvent(status.hostTimeNs, this.#changedNs)) {
+      const { trial = 0, attempt = 0, lastOutcome, lastTrial = 0, lastAttempt = 0 } = session?.trial ?? {};
+      this.#present = { sessionId, trial, attempt };
+      this.#void = lastOutcome === TrialOutcome.DONE ? undefined : { sessionId, trial: lastTrial, attempt: lastAttempt };
+    }
     const shown = this.sway.peek()?.sway;
-    // The page shows it under the subject ID of this session.
-    if (shown?.isPreliminary === false && shown.sessionId !== sessionId) this.#showSway(undefined);
+    if (shown?.isPreliminary !== false) return;
+    // The page shows the result under the subject ID of this session.
+    if (shown.sessionId !== sessionId || isSameAttempt(shown, this.#void)) this.#showSway(undefined);
   }
 
   /** Running values describe the time before their event; the final ones the trial. */

@@ -312,14 +312,14 @@ test('GatewayLink.Ticks come without a frame, after what waited behind them, and
   const { link, socket } = await connected();
   socket.deliver({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });
   const ages: number[] = [];
-  link.onTick(() => ages.push(Date.now() - link.lastBlockAt('floor')));
+  link.onTick((nowMs) => ages.push(nowMs - link.lastBlockAt('floor')!.atMs));
   const deliverBlock = (scan: bigint): void => socket.deliver({ case: 'frame', value: { number: scan, messages: [{ topic: 'floor/cop', message: copBlock(scan) }] } });
 
   deliverBlock(0n);
   await vi.advanceTimersByTimeAsync(2000);
   const unpainted = [...ages];
-  vi.setSystemTime(Date.now() + 5000); // the tab stands still ...
-  vi.spyOn(performance, 'now').mockReturnValue(performance.now() + 5000);
+  const now = performance.now.bind(performance);
+  vi.spyOn(performance, 'now').mockImplementation(() => now() + 5000); // the tab stands still ...
   vi.advanceTimersToNextTimer();
   const beforeMessages = ages.length;
   deliverBlock(1n); // ... and this block waited behind the tick

@@ -8,6 +8,7 @@
 //      +--0.25 .. 2 s-- gone <--closed, or 2 s of silence
 import { create, fromBinary, getOption, toBinary } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
+import type { Signal } from '@preact/signals';
 import { batch, signal } from '@preact/signals';
 
 import { ErrorCode, RequestSchema, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
@@ -26,8 +27,8 @@ import { Handlers } from './handlers';
 import type { PaintObserver } from './painter';
 import { Painter } from './painter';
 import { splitTopic, Streams } from './streams';
-import type { Answer, Block, ClosableLink, Command, LinkState, LiveEvent, Me } from './types';
-import { CommandError } from './types';
+import type { Answer, Block, ClosableLink, Command, Instant, LinkState, LiveEvent, Me } from './types';
+import { CommandError, instantNow } from './types';
 
 /** What the link needs of the browser; tests replace it. */
 export interface Surroundings {
@@ -59,6 +60,12 @@ const timeoutMs = ({ case: name }: Command): number => {
 // Names in "<rig>/..." that carry an Event; all others are streams.
 const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name).filter((name) => name !== ''));
 
+interface LastBlock {
+  newest: Instant | undefined;
+  /** `newest` as of the last tick. */
+  readonly shown: Signal<Instant | undefined>;
+}
+
 export class GatewayLink implements ClosableLink {
   readonly state = signal<LinkState>('connecting');
   readonly since = signal(Date.now());
@@ -79,7 +86,7 @@ export class GatewayLink implements ClosableLink {
   #eventHandlers = new Handlers<LiveEvent>();
   #tickHandlers = new Handlers<number>();
   #wanted = new Set<{ readonly topics: readonly string[] }>();
-  #lastBlocks = new Map<string, { atMs: number; readonly shown: ReturnType<typeof signal<number>> }>();
+  #lastBlocks = new Map<string, LastBlock>();
 
   #socket: WebSocket | undefined;
   #attempt = 0; // results of earlier attempts are ignored
@@ -107,8 +114,8 @@ export class GatewayLink implements ClosableLink {
     void this.#connect();
   }
 
-  lastBlockAt(rig: string): number {
-    return this.#lastBlockOf(rig).shown.value ?? 0;
+  lastBlockAt(rig: string): Instant | undefined {
+    return this.#lastBlockOf(rig).shown.value;
   }
 
   subscribe(topics: readonly string[]): () => void {
@@ -257,7 +264,7 @@ export class GatewayLink implements ClosableLink {
 
   #runTick(): void {
     const nowMs = performance.now();
-    for (const { atMs, shown } of this.#lastBlocks.values()) shown.value = atMs;
+    for (const { newest, shown } of this.#lastBlocks.values()) shown.value = newest;
     this.#drops.tick(nowMs);
     if (!this.#around.isHidden()) this.#tickHandlers.deliver(tickTopic, nowMs);
   }
@@ -360,7 +367,7 @@ export class GatewayLink implements ClosableLink {
     if (this.#around.isHidden()) return; // painted when the tab is shown again, the block would be old
     const block = this.#streams.check(topic, fromBinary(StreamBlockSchema, bytes));
     if (block === undefined) return;
-    this.#lastBlockOf(block.rig).atMs = Date.now();
+    this.#lastBlockOf(block.rig).newest = instantNow();
     this.#blockHandlers.deliver(topic, block);
   }
 
@@ -381,10 +388,10 @@ export class GatewayLink implements ClosableLink {
     if (answer?.case === 'status') this.#learn(answer.value);
   }
 
-  #lastBlockOf(rig: string): { atMs: number; readonly shown: ReturnType<typeof signal<number>> } {
+  #lastBlockOf(rig: string): LastBlock {
     const known = this.#lastBlocks.get(rig);
     if (known !== undefined) return known;
-    const made = { atMs: 0, shown: signal<number>(0) };
+    const made: LastBlock = { newest: undefined, shown: signal(undefined) };
     this.#lastBlocks.set(rig, made);
     return made;
   }

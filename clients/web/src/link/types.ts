@@ -48,6 +48,14 @@ export interface Me {
   readonly isFleet: boolean;
 }
 
+/** A moment by both clocks of this browser. */
+export interface Instant {
+  readonly atMs: number; // performance.now(), for ages: it never steps
+  readonly dateMs: number; // Date.now(), only to show the time of day: somebody may set the computer's clock
+}
+
+export const instantNow = (): Instant => ({ atMs: performance.now(), dateMs: Date.now() });
+
 /** What was dropped because the tab was too slow, since it connected. */
 export interface Dropped {
   readonly blocks: number;
@@ -82,8 +90,8 @@ export interface Link {
   readonly dropped: ReadonlySignal<Dropped>;
   /** Half the round trip of the best clock probe: the error of all ages. */
   readonly clockErrorMs: ReadonlySignal<number>;
-  /** When a block of that rig last arrived, in ms of Date.now(); 0 if never. Changes at most 4 times a second. */
-  lastBlockAt(rig: string): number;
+  /** When a block of that rig last arrived; undefined if never. Changes at most 4 times a second. */
+  lastBlockAt(rig: string): Instant | undefined;
 
   /** Subscribes to topic prefixes until the returned function is called. Prefixes of all pages add up; the status always arrives. */
   subscribe(topics: readonly string[]): () => void;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 
+import type { Instant } from '../link/types';
+import { instantNow } from '../link/types';
 import { oldAfterMs, watchOld } from './live';
 
 beforeEach(() => vi.useFakeTimers());
 afterEach(() => vi.useRealTimers());
 
 /** A link that ticks like the real one and never paints. */
-const ticking = (lastBlockAt: () => number) => ({
+const ticking = (lastBlockAt: () => Instant | undefined) => ({
   lastBlockAt,
   onTick: (handler: (nowMs: number) => void): (() => void) => {
     const timer = setInterval(() => handler(performance.now()), 250);
@@ -16,19 +18,18 @@ const ticking = (lastBlockAt: () => number) => ({
 });
 
 test.each([0, 100, 240])('watchOld.Silence that begins %i ms after a tick is reported within two seconds, without a frame', (afterTickMs) => {
-  vi.setSystemTime(1_000_000);
-  let lastMs = 0;
+  let last: Instant | undefined;
   let isOld = false;
   const reported: number[] = [];
-  const stop = watchOld(ticking(() => lastMs), 'floor', (is) => {
-    if (is && !isOld) reported.push(Date.now() - lastMs);
+  const stop = watchOld(ticking(() => last), 'floor', (is) => {
+    if (is && !isOld) reported.push(performance.now() - last!.atMs);
     isOld = is;
   });
   vi.advanceTimersByTime(250 + afterTickMs);
-  lastMs = Date.now();
+  last = instantNow();
 
   vi.advanceTimersByTime(5000);
-  lastMs = Date.now();
+  last = instantNow();
   vi.advanceTimersByTime(250);
   stop();
 
@@ -39,10 +40,22 @@ test.each([0, 100, 240])('watchOld.Silence that begins %i ms after a tick is rep
 });
 
 test('watchOld.PageThatJustOpened waits for its first data before it reports old data', () => {
-  vi.setSystemTime(1_000_000);
   const reported: boolean[] = [];
-  const stop = watchOld(ticking(() => 0), 'floor', (is) => reported.push(is));
+  const stop = watchOld(ticking(() => undefined), 'floor', (is) => reported.push(is));
 
+  vi.advanceTimersByTime(2000);
+  stop();
+
+  expect(reported).toEqual([false, false, false, false, false, false, true, true]);
+});
+
+test.each([-3600, 3600])('watchOld.ClockOfTheComputer that is set by %i s changes no age', (stepS) => {
+  vi.setSystemTime(10_000_000);
+  const reported: boolean[] = [];
+  const last = instantNow();
+  const stop = watchOld(ticking(() => last), 'floor', (is) => reported.push(is));
+
+  vi.setSystemTime(Date.now() + 1000 * stepS);
   vi.advanceTimersByTime(2000);
   stop();
 

@@ -20,8 +20,8 @@ const clinicAgeShownFromMs = 0; // between a clinic and the centre, no delay is 
  * paint no frame for seconds, and then the picture is frozen.
  */
 export const watchOld = (link: Pick<Link, 'lastBlockAt' | 'onTick'>, rig: string, report: (isOld: boolean) => void): (() => void) => {
-  const openedMs = Date.now(); // a page that was just opened gets the same time for its first data
-  return link.onTick(() => report(Date.now() - Math.max(link.lastBlockAt(rig), openedMs) > oldAfterMs));
+  const openedMs = performance.now(); // a page that was just opened gets the same time for its first data
+  return link.onTick((nowMs) => report(nowMs - Math.max(link.lastBlockAt(rig)?.atMs ?? 0, openedMs) > oldAfterMs));
 };
 
 /** Returns whether a rig's data are old: true within two seconds after the last data. */
@@ -63,7 +63,7 @@ const useAge = (link: Link, rig: string): ReadonlySignal<number> => {
 export const Live = ({ link, rig, children }: { link: Link; rig: string; children: ComponentChildren }): JSX.Element => {
   const isOld = useIsOld(link, rig).value;
   const ageMs = useAge(link, rig).value;
-  const lastMs = link.lastBlockAt(rig);
+  const last = link.lastBlockAt(rig);
   const { noDataYet, noDataSince } = strings.common.data;
   return (
     <div class={`live${isOld ? ' live-old' : ''}`}>
@@ -71,7 +71,7 @@ export const Live = ({ link, rig, children }: { link: Link; rig: string; childre
       <div role="status" aria-live="polite">
         {isOld && (
           <div class="live-band" data-testid="no-data">
-            <strong>{lastMs > 0 ? noDataSince(clockTime(lastMs)) : noDataYet}</strong>
+            <strong>{last === undefined ? noDataYet : noDataSince(clockTime(last.dateMs))}</strong>
             {reasonOf(link, rig)}
           </div>
         )}

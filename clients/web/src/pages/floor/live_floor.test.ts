@@ -209,6 +209,6 @@ test('LiveFloor.Gap is reported with its length, markers are bounded', () => {
   gap();
   for (let i = 0; i < 51; i += 1) fake.event('floor/marker', { body: { case: 'marker', value: { text: `${i}` } } }, i);
 
-  expect([unknown, floor.absence.value]).toEqual([undefined, { backAt: 7000, seconds: 0.5 }]);
+  expect([unknown, floor.absence.value]).toEqual([undefined, { back: { atMs: performance.now(), dateMs: 7000 }, seconds: 0.5 }]);
   expect([floor.markers.length, floor.markers[0]]).toEqual([50, { timeMs: 1, text: '1' }]);
 });

@@ -6,7 +6,8 @@ import type { SessionInfo, StatusSnapshot } from '../../generated/dts/v1/control
 import { TrialOutcome } from '../../generated/dts/v1/sessions_pb';
 import { Quality, SessionState, SwayWindow, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import type { Gap, Sway, TrialChange } from '../../generated/dts/v1/stream_pb';
-import type { Block, Link, LiveEvent } from '../../link/types';
+import type { Block, Instant, Link, LiveEvent } from '../../link/types';
+import { instantNow } from '../../link/types';
 import { isActive } from '../../parts/active';
 import { includesEvent } from '../../parts/later_status';
 import { whole } from '../../parts/numbers';
@@ -49,7 +50,7 @@ const nothing: Now = { mlMm: NaN, apMm: NaN, loadKg: NaN, quality: Quality.UNSPE
 
 /** A gap that ended; its length comes from the gap's own count of scans. */
 export interface Absence {
-  readonly backAt: number; // Date.now()
+  readonly back: Instant;
   readonly seconds: number;
 }
 
@@ -226,7 +227,7 @@ export class LiveFloor {
   }
 
   #addGap(gap: Gap): void {
-    if (this.#rateHz > 0) this.absence.value = { backAt: Date.now(), seconds: Number(gap.missingScans) / this.#rateHz };
+    if (this.#rateHz > 0) this.absence.value = { back: instantNow(), seconds: Number(gap.missingScans) / this.#rateHz };
   }
 
   #updateNow(nowMs: number): void {

@@ -17,7 +17,7 @@ const absenceShownMs = 15_000;
 export const Remarks = ({ floor, status, canRedo }: { floor: LiveFloor; status: RigStatus; canRedo: boolean }): JSX.Element => {
   const sway = floor.sway.value?.sway;
   const absence = floor.absence.value;
-  const isFresh = absence !== undefined && Date.now() - absence.backAt < absenceShownMs;
+  const isFresh = absence !== undefined && performance.now() - absence.back.atMs < absenceShownMs;
   void floor.now.value; // renders four times a second, so that the notice of a gap goes away in time
   return (
     <>
@@ -33,7 +33,7 @@ export const Remarks = ({ floor, status, canRedo }: { floor: LiveFloor; status: 
       {isFresh && (
         <PassingNotice
           kind="warning"
-          what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))}
+          what={words.gapAfter(clockTime(absence.back.dateMs), duration(absence.seconds))}
           hint={canRedo ? words.gapHint : ''}
           testId="gap"
         />

@@ -96,8 +96,8 @@ const whatOf = (state: ScreenState, { session }: RigStatus): string => {
 const withSeconds = (hint: string, seconds: number): string => (seconds > 0 ? `${words.seconds(whole(seconds))} · ${hint}` : hint);
 
 const noDataHint = (link: Link, rig: string): string => {
-  const lastMs = link.lastBlockAt(rig);
-  return lastMs > 0 ? `${words.hints.noData} ${words.hints.noDataSince(clockTime(lastMs))}` : words.hints.noData;
+  const last = link.lastBlockAt(rig);
+  return last === undefined ? words.hints.noData : `${words.hints.noData} ${words.hints.noDataSince(clockTime(last.dateMs))}`;
 };
 
 const hasTarget = new Set<ScreenState>(['wait', 'ready', 'settle', 'measure', 'middle', 'nobody']);

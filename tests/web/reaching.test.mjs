@@ -4,7 +4,7 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
 import { alteredProtocol, waitFor } from './support.mjs';
-import { Bench, by, fixed, remember, rememberedOf, textOf } from './support_browser.mjs';
+import { Bench, by, fixed, remember, rememberedOf, textOf, waitForText } from './support_browser.mjs';
 
 const sixTrials = {
   'blocks = 3': 'blocks = 2',
@@ -63,7 +63,7 @@ describe('a session of the reaching task', () => {
     await by(page, 'start-submit').click();
 
     await isStep('waiting').waitFor();
-    assert.equal(await textOf(page, 'trial-counter'), 'Ready for trial 1 of 6');
+    await waitForText(page, 'trial-counter', /^Ready for trial 1 of 6$/); // the record, which says it, arrives after the status
   });
 
   // requirement: UI-6

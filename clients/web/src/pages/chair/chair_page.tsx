@@ -4,6 +4,7 @@ import type { JSX } from 'preact';
 import type { Link } from '../../link/types';
 import { rigOf } from '../../link/types';
 import { Live } from '../../parts/live';
+import { nextTrial } from '../../parts/next_trial';
 import { PatientButton } from '../../parts/patient_button';
 import { useStartForm } from '../../parts/start_form';
 import { StartSession, StartTaken } from '../../parts/start_session';
@@ -45,7 +46,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
         </Live>
       </div>
       <div class="chair-below">
-        <Prompt examination={shown} session={session} restS={restS} isGuiding={isGuiding} />
+        <Prompt examination={shown} session={session} next={nextTrial(shown.of, trials.value)} restS={restS} isGuiding={isGuiding} />
         <ClassResult
           movement={shown.movement}
           reach={shown.reach}
@@ -56,7 +57,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
           isGuiding={isGuiding}
         />
         <AngleGauge movement={shown.movement} isOfLastTrial={shown.step === 'ready'} />
-        <Trials protocol={session?.protocol ?? ''} trials={trials.value} isOver={shown.step === 'finished' || shown.step === 'free'} />
+        <Trials protocol={session?.protocol ?? ''} trials={trials.value ?? []} isOver={shown.step === 'finished' || shown.step === 'free'} />
       </div>
       {!isGuiding ? null : session !== undefined && running ? (
         <TrialControls key={session.sessionId} link={link} rig={rig} session={session} examination={shown}>

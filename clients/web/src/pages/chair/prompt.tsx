@@ -62,13 +62,15 @@ const TargetLine = ({ examination, session }: { examination: Examination; sessio
 interface PromptProps {
   examination: Examination;
   session: SessionInfo | undefined;
+  /** The trial that is next before any has begun in this part of the session. */
+  next: number | undefined;
   /** Whole seconds of rest left. */
   restS: ReadonlySignal<number>;
   /** False at a centre: nobody there can follow a hint. */
   isGuiding: boolean;
 }
 
-export const Prompt = ({ examination, session, restS, isGuiding }: PromptProps): JSX.Element => {
+export const Prompt = ({ examination, session, next, restS, isGuiding }: PromptProps): JSX.Element => {
   const { words, hints, readyForTrial, trialOf, attempt, rest } = strings.chair.prompt;
   const { step, trial, of } = examination;
   const outcome = session?.trial === undefined || !between.has(step) ? undefined : lastOutcome(session.trial);
@@ -86,7 +88,7 @@ export const Prompt = ({ examination, session, restS, isGuiding }: PromptProps):
         <>
           <TargetLine examination={examination} session={session} />
           <div class="chair-counter" data-testid="trial-counter">
-            {trial === 0 ? readyForTrial(whole(1), whole(of)) : trialOf(whole(trial), whole(of))}
+            {trial > 0 ? trialOf(whole(trial), whole(of)) : next !== undefined && readyForTrial(whole(next), whole(of))}
             {examination.attempt > 1 && `, ${attempt(whole(examination.attempt))}`}
           </div>
           {outcome !== undefined && (

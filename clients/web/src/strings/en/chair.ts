@@ -98,7 +98,7 @@ export const chair = {
     start: 'Start session …',
     tare: 'Tare empty chair',
     tared: 'Chair tared: the empty chair reads zero.',
-    first: 'Start first trial',
+    first: 'Start trial',
     next: 'Accept, next trial',
     startNext: 'Start next trial',
     redo: 'Redo',

@@ -25,7 +25,7 @@ const Page = ({ link }: { link: Link }): JSX.Element => {
     case 'clinics':
       return <FleetLivePage link={link} path={path.value} />;
     case 'chair':
-      return <ChairPage link={link} />;
+      return <ChairPage link={link} rigName={path.value[1]} />;
     case 'sessions':
     case 'compare':
       return <SessionsPage link={link} path={path.value} />;

@@ -3,7 +3,7 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { ReadonlySignal } from '@preact/signals';
 
-import type { RequestSchema, Response, RigStatus, StatusSnapshot } from '../generated/dts/v1/control_pb';
+import type { RequestSchema, Response, StatusSnapshot } from '../generated/dts/v1/control_pb';
 import type { Role } from '../generated/dts/v1/options_pb';
 import type { Event, StreamFormat } from '../generated/dts/v1/stream_pb';
 
@@ -115,6 +115,3 @@ export interface ClosableLink extends Link {
   /** Ends the link for good. */
   close(): void;
 }
-
-export const rigOf = (status: StatusSnapshot | undefined, kind: string): RigStatus | undefined =>
-  status?.rigs.find((rig) => rig.rig?.kind === kind);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { JSX } from 'preact';
 
+import type { RigStatus } from '../../generated/dts/v1/control_pb';
 import type { Link } from '../../link/types';
-import { rigOf } from '../../link/types';
 import { Live } from '../../parts/live';
 import { nextTrial } from '../../parts/next_trial';
 import { PatientButton } from '../../parts/patient_button';
+import { RigPage } from '../../parts/rig_page';
 import { useStartForm } from '../../parts/start_form';
 import { StartSession, StartTaken } from '../../parts/start_session';
 import { strings } from '../../strings';
@@ -18,10 +19,10 @@ import { StartControls, TrialControls } from './trial_controls';
 import { Trials } from './trial_tables';
 import { AngleGauge, ClassResult } from './trunk_result';
 
-const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
+const Chair = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element => {
+  const rig = status.rig!.name;
+  const { session } = status;
   const { ring, ghosts, examination, trials, restS } = useFollowed(link, rig);
-  const status = rigOf(link.status.value, 'chair');
-  const session = status?.session;
   const running = isRunning(status);
   const form = useStartForm(running);
   const shown = examination.value;
@@ -70,16 +71,9 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
   );
 };
 
-/** The live page of the chair; shows the first rig of that kind. */
-export const ChairPage = ({ link }: { link: Link }): JSX.Element => {
-  const status = link.status.value;
-  const rig = rigOf(status, 'chair')?.rig?.name;
-  if (rig !== undefined) return <Chair key={rig} link={link} rig={rig} />;
-  const { noRig, noRigHint } = strings.chair;
-  return (
-    <div class="empty" data-testid="no-chair">
-      <h1>{status === undefined ? strings.common.link.connecting : noRig}</h1>
-      {status !== undefined && <p>{noRigHint}</p>}
-    </div>
-  );
-};
+/** `rigName`: of the address "#/chair/NAME". */
+export const ChairPage = ({ link, rigName }: { link: Link; rigName: string | undefined }): JSX.Element => (
+  <RigPage link={link} kind="chair" rigName={rigName}>
+    {(status) => <Chair key={status.rig!.name} link={link} status={status} />}
+  </RigPage>
+);

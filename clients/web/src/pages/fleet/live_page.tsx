@@ -29,7 +29,7 @@ export const FleetLivePage = ({ link, path }: { link: Link; path: readonly strin
         <span>{words.lookOnly}</span>
       </div>
       {problem !== '' && <Notice kind="warning" what={problem} testId="clinic-problem" />}
-      <div class="fleet-live-page">{kind === 'chair' ? <ChairPage link={link} /> : <FloorPage link={link} rigName={rig} />}</div>
+      <div class="fleet-live-page">{kind === 'chair' ? <ChairPage link={link} rigName={rig} /> : <FloorPage link={link} rigName={rig} />}</div>
     </div>
   );
 };

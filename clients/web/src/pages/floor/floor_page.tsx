@@ -10,12 +10,13 @@ import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
 import { isActive } from '../../parts/active';
 import type { Commands } from '../../parts/controls';
-import { CommandNotice, Notice, Tile, useCommands } from '../../parts/controls';
+import { CommandNotice, Tile, useCommands } from '../../parts/controls';
 import { Live, useIsOld } from '../../parts/live';
 import { conditionName, protocolName } from '../../parts/names';
 import { nextTrial } from '../../parts/next_trial';
 import { fixed, whole } from '../../parts/numbers';
 import { lastOutcome } from '../../parts/outcomes';
+import { RigPage } from '../../parts/rig_page';
 import type { StartForm } from '../../parts/start_form';
 import { useStartForm } from '../../parts/start_form';
 import { StartSession, StartTaken } from '../../parts/start_session';
@@ -170,25 +171,9 @@ const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
   );
 };
 
-/** `rigName`: the platform that the address "#/floor/NAME" names, if there are several. */
-export const FloorPage = ({ link, rigName }: { link: Link; rigName: string | undefined }): JSX.Element => {
-  const status = link.status.value;
-  if (status === undefined) return <p class="empty">{words.waiting}</p>;
-  const platforms = status.rigs.filter(({ rig }) => rig?.kind === 'floor');
-  const shown = platforms.find(({ rig }) => rig!.name === rigName) ?? platforms[0];
-  if (shown === undefined) return <Notice kind="plain" what={words.noRig} hint={words.noRigHint} testId="no-rig" />;
-  return (
-    <>
-      {platforms.length > 1 && !link.me.value.isFleet && (
-        <nav class="row" aria-label={words.rigs}>
-          {platforms.map(({ rig }) => (
-            <a key={rig!.name} class="tab" href={`#/floor/${encodeURIComponent(rig!.name)}`} aria-current={rig === shown.rig ? 'page' : undefined}>
-              {rig!.name}
-            </a>
-          ))}
-        </nav>
-      )}
-      <Floor key={shown.rig!.name} link={link} status={shown} />
-    </>
-  );
-};
+/** `rigName`: of the address "#/floor/NAME". */
+export const FloorPage = ({ link, rigName }: { link: Link; rigName: string | undefined }): JSX.Element => (
+  <RigPage link={link} kind="floor" rigName={rigName}>
+    {(status) => <Floor key={status.rig!.name} link={link} status={status} />}
+  </RigPage>
+);

@@ -56,7 +56,7 @@ const StartPanel = ({ link, subject, wish, onClosed }: { link: Link; subject: st
       form={shown}
       subject={subject}
       protocol={wish.protocol}
-      onStarted={() => (location.hash = kind === 'chair' ? '#/chair' : `#/floor/${encodeURIComponent(wish.rig)}`)}
+      onStarted={() => (location.hash = `#/${kind === 'chair' ? 'chair' : 'floor'}/${encodeURIComponent(wish.rig)}`)}
     />
   );
 };

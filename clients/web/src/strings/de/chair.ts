@@ -7,6 +7,8 @@ export const chair: typeof english = {
   title: 'Stuhl live',
   noRig: 'Kein Stuhl eingerichtet',
   noRigHint: 'Einen Messplatz der Art "chair" in dtsd.toml eintragen (Beispiel: config/dtsd.toml), dann dtsd neu starten.',
+  noRigNamed: (name) => `Kein Stuhl namens ${name}`,
+  rigs: 'Stühle',
   picture: {
     transient: 'Durchbiegung des Sitzes (Transiente) in mm',
     afterGo: 'Sekunden nach Los',

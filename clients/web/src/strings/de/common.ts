@@ -59,6 +59,7 @@ export const common: typeof english = {
     running: 'Untersuchung läuft',
     tabSlowHint: 'Aufzeichnungen sind nicht betroffen. Andere Tabs und Programme auf diesem Computer schließen.',
   },
+  rigs: { waiting: 'Warten auf das Messprogramm dtsd …', choose: 'Oben einen anderen Messplatz wählen.' },
   data: {
     noDataYet: 'Noch keine Daten',
     noDataSince: (time) => `Keine Daten seit ${time}`,

@@ -5,7 +5,7 @@ import type { floor as english } from '../en/floor';
 export const floor: typeof english = {
   noRig: 'Keine Bodenplattform eingerichtet',
   noRigHint: 'Einen Messplatz der Art "floor" in dtsd.toml eintragen (Beispiel: config/dtsd.toml), dann dtsd neu starten.',
-  waiting: 'Warten auf das Messprogramm dtsd …',
+  noRigNamed: (name) => `Keine Bodenplattform namens ${name}`,
   rigs: 'Plattformen',
   picture: {
     described: (across, along, load) => `Druckmittelpunkt ${across}, ${along}. Last ${load} kg.`,

@@ -6,6 +6,8 @@ export const chair = {
   title: 'Live chair',
   noRig: 'No chair configured',
   noRigHint: 'Add a rig of kind "chair" to dtsd.toml (example: config/dtsd.toml), then restart dtsd.',
+  noRigNamed: (name: string) => `No chair named ${name}`,
+  rigs: 'Chairs',
   picture: {
     transient: 'Seat bending (transient) in mm',
     afterGo: 'seconds after Go',

@@ -56,6 +56,7 @@ export const common = {
     running: 'session running',
     tabSlowHint: 'Recordings are not affected. Close other tabs and programs on this computer.',
   },
+  rigs: { waiting: 'Waiting for the measuring program dtsd …', choose: 'Choose another rig above.' },
   data: {
     noDataYet: 'No data yet',
     noDataSince: (time: string) => `No data since ${time}`,

@@ -3,7 +3,7 @@
 export const floor = {
   noRig: 'No floor platform configured',
   noRigHint: 'Add a rig of kind "floor" to dtsd.toml (example: config/dtsd.toml), then restart dtsd.',
-  waiting: 'Waiting for the measuring program dtsd …',
+  noRigNamed: (name: string) => `No floor platform named ${name}`,
   rigs: 'Platforms',
   picture: {
     described: (across: string, along: string, load: string) => `Centre of pressure ${across}, ${along}. Load ${load} kg.`,

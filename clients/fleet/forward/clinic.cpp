@@ -26,7 +26,7 @@ class LocalClinic : public Clinic {
     return converted(client_.list_sessions(request));
   }
   core::Result<v1::SessionRecord> show(const std::string& session) override { return converted(client_.show_session(session)); }
-  core::Result<v1::GetAuditResponse> audit() override { return converted(client_.audit(kMostListed)); }
+  core::Result<v1::GetAuditResponse> audit(std::uint32_t limit) override { return converted(client_.audit(limit)); }
 
  private:
   client::ControlClient client_;

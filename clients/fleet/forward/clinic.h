@@ -12,7 +12,7 @@
 
 namespace dts::fleet::forward {
 
-inline constexpr std::uint32_t kMostListed = 10'000;  ///< Longest list of sessions that dtsd sends.
+inline constexpr std::uint32_t kMostListed = 10'000;  ///< Longest list of sessions or audit entries that dtsd sends.
 
 /// What the outbox asks dtsd. A seam: the tests have one without a daemon. Thread: one.
 class Clinic {
@@ -26,8 +26,8 @@ class Clinic {
   [[nodiscard]] virtual core::Result<v1::ListSessionsResponse> list(std::uint32_t limit, bool deleted) = 0;
   /// Fails with NotFound if dtsd does not have the session.
   [[nodiscard]] virtual core::Result<v1::SessionRecord> show(const std::string& session) = 0;
-  /// Returns the newest entries of the audit trail, at most kMostListed.
-  [[nodiscard]] virtual core::Result<v1::GetAuditResponse> audit() = 0;
+  /// Returns the newest entries of the audit trail, oldest first.
+  [[nodiscard]] virtual core::Result<v1::GetAuditResponse> audit(std::uint32_t limit) = 0;
 };
 
 /// dtsd on this machine. `endpoint`: of its control socket. Fails with InvalidArgument for one that cannot be.

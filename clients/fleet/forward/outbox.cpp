@@ -2,6 +2,7 @@
 #include "fleet/forward/outbox.h"
 
 #include <algorithm>
+#include <charconv>
 #include <set>
 
 #include "core/clock.h"
@@ -17,12 +18,31 @@ constexpr std::int64_t kAskAgainNs = 3600 * core::kNanosecondsPerSecond;
 
 bool is_erasure(const v1::AuditEntry& entry) { return entry.what() == "erase_subject" && entry.result() == "ok"; }
 
-/// Returns true if the trail shows an erasure between the last list with the session and the first without it.
-bool is_explained(const v1::GetAuditResponse& trail, const MissingSession& session) {
-  if (!trail.problem().empty() || trail.entries().empty() || trail.entries(0).utc_ns() > session.listed_utc_ns) return false;
-  return std::ranges::any_of(trail.entries(), [&session](const v1::AuditEntry& entry) {
-    return is_erasure(entry) && entry.utc_ns() > session.listed_utc_ns - kLongestErasureNs && entry.utc_ns() <= session.missed_utc_ns;
-  });
+/// Returns how many sessions an erasure removed. Its entry has "1 session" or "N sessions".
+std::size_t erased_sessions(const v1::AuditEntry& entry) {
+  std::size_t count = 0;
+  std::from_chars(entry.target().data(), entry.target().data() + entry.target().size(), count);
+  return count;
+}
+
+/// Returns how many sessions were erased between the last list with this session and the first without it; 0 if the trail does not reach
+/// back so far.
+std::size_t erased_meanwhile(const v1::GetAuditResponse& trail, const MissingSession& session) {
+  if (trail.entries().empty() || trail.entries(0).utc_ns() > session.listed_utc_ns) return 0;
+  std::size_t count = 0;
+  for (const v1::AuditEntry& entry : trail.entries()) {
+    const bool is_meanwhile = entry.utc_ns() > session.listed_utc_ns - kLongestErasureNs && entry.utc_ns() <= session.missed_utc_ns;
+    if (is_meanwhile && is_erasure(entry)) count += erased_sessions(entry);
+  }
+  return count;
+}
+
+/// The hash covers the entry and all before it.
+std::string text_of(const v1::AuditEntry& entry) { return std::to_string(entry.number()) + " " + entry.hash(); }
+
+/// Returns false if the trail lacks an entry that it had: it is that of another catalogue, for example of one from a backup.
+bool has_entry(const v1::GetAuditResponse& trail, const std::string& known) {
+  return known.empty() || std::ranges::any_of(trail.entries(), [&known](const v1::AuditEntry& entry) { return text_of(entry) == known; });
 }
 
 }  // namespace
@@ -36,6 +56,7 @@ core::Status Outbox::put_changed(const v1::ListSessionsResponse& list, std::int6
     if (!shown && shown.error().code == core::ErrorCode::NotFound) continue;  // erased since it was listed
     if (!shown) return tl::make_unexpected(shown.error());
     DTS_TRY(store_.put_session(listed, *shown, rules_, utc_ns));
+    has_new_facts_ = true;
   }
   return {};
 }
@@ -80,31 +101,64 @@ core::Status Outbox::add_unlisted(std::vector<std::string>& ids, std::int64_t ut
   return {};
 }
 
-/// Asks for the audit trail only if another session is missing, or once an hour: dtsd makes an entry in it for each question. An erasure is
-/// entered when it has ended, which may be after its sessions are gone.
+/// Notes the newest entry after new facts, so that a trail from a backup without them lacks it. Asks for the trail only if another session
+/// is missing, or once an hour: dtsd verifies all of it for each question. An erasure is entered when it has ended, which may be after its
+/// sessions are gone.
 core::Status Outbox::look_for_erasures(const std::vector<MissingSession>& missing, std::int64_t utc_ns) {
+  if (missing.empty()) {
+    if (!has_new_facts_ || utc_ns < asked_utc_ns_ + kAskAgainNs) return {};
+    asked_utc_ns_ = utc_ns;
+    DTS_TRY_ASSIGN(const auto newest, clinic_.audit(1));
+    return note_newest_audit(newest);
+  }
   std::map<std::string, std::int64_t> now;
   for (const MissingSession& session : missing) now.emplace(session.id, session.listed_utc_ns);
-  if (now.empty() || (now == unexplained_ && utc_ns < asked_utc_ns_ + kAskAgainNs)) return {};
+  if (now == unexplained_ && utc_ns < asked_utc_ns_ + kAskAgainNs) return {};
   asked_utc_ns_ = utc_ns;
-  DTS_TRY_ASSIGN(const auto trail, clinic_.audit());
-  for (const MissingSession& one : missing) {
-    const std::string& session = one.id;
-    const auto shown = clinic_.show(session);
-    if (shown) {  // restored, or beyond what was listed
-      now.erase(session);
+  DTS_TRY_ASSIGN(const auto trail, clinic_.audit(kMostListed));
+  DTS_TRY_ASSIGN(const auto noted, store_.newest_audit());
+  if (trail.problem().empty() && !has_entry(trail, noted)) {
+    log_.warning("dtsd does not have " + std::to_string(missing.size()) +
+                 " session(s) any more, and its audit trail is another one than before: the centre keeps them");
+    DTS_TRY(store_.keep_missing());
+  } else {
+    DTS_TRY(explain(missing, trail));
+  }
+  return note_newest_audit(trail);
+}
+
+/// Sets those sessions to erased of which the trail proves it.
+core::Status Outbox::explain(const std::vector<MissingSession>& missing, const v1::GetAuditResponse& trail) {
+  std::vector<MissingSession> gone;
+  std::map<std::int64_t, std::size_t> counts;  // of those that the same list lacked first
+  for (const MissingSession& session : missing) {
+    const auto shown = clinic_.show(session.id);
+    if (shown) continue;  // restored, or beyond what was listed
+    if (shown.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(shown.error());
+    gone.push_back(session);
+    ++counts[session.missed_utc_ns];
+  }
+  std::map<std::string, std::int64_t> unexplained;
+  for (const MissingSession& session : gone) {
+    if (trail.problem().empty() && counts[session.missed_utc_ns] <= erased_meanwhile(trail, session)) {
+      DTS_TRY(store_.set_erased(session.id));
+      log_.info("session " + session.id + " was erased here: the centre is asked to erase it, too");
       continue;
     }
-    if (shown.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(shown.error());
-    if (is_explained(trail, one)) {
-      DTS_TRY(store_.set_erased(session));
-      log_.info("session " + session + " was erased here: the centre is asked to erase it, too");
-      now.erase(session);
-    } else if (!unexplained_.contains(session)) {
-      log_.warning("dtsd does not have session " + session + " any more, but its audit trail has no erasure of it: the centre keeps it");
+    if (!unexplained_.contains(session.id)) {
+      log_.warning("dtsd does not have session " + session.id +
+                   " any more, but its audit trail does not show that it was erased: the centre keeps it");
     }
+    unexplained.emplace(session.id, session.listed_utc_ns);
   }
-  unexplained_ = std::move(now);
+  unexplained_ = std::move(unexplained);
+  return {};
+}
+
+core::Status Outbox::note_newest_audit(const v1::GetAuditResponse& trail) {
+  if (!trail.problem().empty()) return {};
+  DTS_TRY(store_.set_newest_audit(trail.entries().empty() ? "" : text_of(*trail.entries().rbegin())));
+  has_new_facts_ = false;
   return {};
 }
 

@@ -16,9 +16,10 @@ namespace dts::fleet::forward {
 
 /// Compares dtsd's sessions with the store: what is new or changed must be sent, what dtsd has erased must be erased at the centre.
 ///
-/// A session counts as erased only if complete lists of dtsd lack it, dtsd does not know its ID, and dtsd's audit trail reaches back to the
-/// time when dtsd last listed it and has an erasure since then. So neither a silent daemon, nor a list that was cut, nor an empty or
-/// restored catalogue looks like an erasure. Thread: one.
+/// A session counts as erased only if complete lists of dtsd lack it, dtsd does not know its ID, and dtsd's audit trail proves it: it has
+/// the entry that was the newest when it was last read, it reaches back to the time when dtsd last listed the session, and the erasures
+/// since then removed at least as many sessions as are missing. So neither a silent daemon, nor a list that was cut, nor an empty
+/// catalogue looks like an erasure, nor a catalogue from a backup in which an erasure is repeated. Thread: one.
 class Outbox {
  public:
   Outbox(Clinic& clinic, Store& store, wire::SendRules rules, core::Log log)
@@ -34,6 +35,8 @@ class Outbox {
   [[nodiscard]] core::Status put_changed(const v1::ListSessionsResponse& list, std::int64_t utc_ns, const std::stop_token& stop);
   [[nodiscard]] core::Status add_unlisted(std::vector<std::string>& ids, std::int64_t utc_ns, const std::stop_token& stop);
   [[nodiscard]] core::Status look_for_erasures(const std::vector<MissingSession>& missing, std::int64_t utc_ns);
+  [[nodiscard]] core::Status explain(const std::vector<MissingSession>& missing, const v1::GetAuditResponse& trail);
+  [[nodiscard]] core::Status note_newest_audit(const v1::GetAuditResponse& trail);
 
   Clinic& clinic_;
   Store& store_;
@@ -42,6 +45,7 @@ class Outbox {
   std::map<std::string, std::int64_t> unexplained_;  ///< Missing sessions that no erasure explained.
   std::int64_t completed_utc_ns_ = 0;                ///< When a list that was cut was last completed.
   std::int64_t asked_utc_ns_ = 0;                    ///< When the audit trail was read.
+  bool has_new_facts_ = true;                        ///< Sessions were stored since the newest entry of the trail was noted.
 };
 
 }  // namespace dts::fleet::forward

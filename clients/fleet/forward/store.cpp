@@ -20,6 +20,7 @@ constexpr std::int64_t kVersion = 1;
 // Values of session.is_erased; 0: it is not erased.
 constexpr int kToErase = 1;  // The centre has not answered yet.
 constexpr int kErased = 2;
+constexpr int kMissingAndNotErased = -1;  // Value of session.missing_since; 0: it is not missing, otherwise since when.
 constexpr std::size_t kHexDigits = 2 * wire::kSha256Bytes;
 constexpr const char* kSchema =
     "CREATE TABLE session (id TEXT PRIMARY KEY, listed TEXT NOT NULL, content TEXT NOT NULL, revision INTEGER NOT NULL,"
@@ -299,6 +300,22 @@ core::Result<std::vector<MissingSession>> Store::note_list(const std::vector<std
     transaction.commit();
     return missing;
   });
+}
+
+core::Status Store::keep_missing() {
+  return guarded(
+      [this] { database_.run("UPDATE session SET missing_since = ? WHERE missing_since > 0 AND is_erased = 0", kMissingAndNotErased); });
+}
+
+core::Result<std::string> Store::newest_audit() const {
+  return guarded([this] {
+    auto row = database_.query("SELECT value FROM word WHERE name = 'newest_audit'");
+    return row.step() ? row.text(0) : std::string();
+  });
+}
+
+core::Status Store::set_newest_audit(const std::string& entry) {
+  return guarded([this, &entry] { database_.run("INSERT OR REPLACE INTO word (name, value) VALUES ('newest_audit', ?)", entry); });
 }
 
 core::Result<std::vector<std::string>> Store::sessions() const {

@@ -85,6 +85,11 @@ class Store {
   /// Notes which sessions dtsd has, from a complete list that was asked for at `utc_ns`. Returns those that are missing, with the time when
   /// dtsd last listed them.
   [[nodiscard]] core::Result<std::vector<MissingSession>> note_list(const std::vector<std::string>& listed, std::int64_t utc_ns);
+  /// The sessions that are missing now were not erased: `note_list` does not return them before dtsd has listed them again.
+  [[nodiscard]] core::Status keep_missing();
+  /// Returns the entry of dtsd's audit trail that was the newest when it was last read; empty: none was.
+  [[nodiscard]] core::Result<std::string> newest_audit() const;
+  [[nodiscard]] core::Status set_newest_audit(const std::string& entry);
   /// Returns all sessions that are known and not erased.
   [[nodiscard]] core::Result<std::vector<std::string>> sessions() const;
   /// The clinic has erased this session: the centre must do so too.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,13 @@ class FakeClinic : public Clinic {
       if (session.session_id() == id) return session;
     return core::fail(core::ErrorCode::NotFound, "no session " + id);
   }
-  core::Result<v1::GetAuditResponse> audit() override {
+  core::Result<v1::GetAuditResponse> audit(std::uint32_t limit) override {
     if (is_silent) return core::fail(core::ErrorCode::Unreachable, "no answer");
-    ++audits;
-    return trail;
+    if (limit > 1) ++whole_audits;
+    v1::GetAuditResponse newest = trail;
+    const int left_out = std::max(0, trail.entries_size() - static_cast<int>(limit));
+    newest.mutable_entries()->DeleteSubrange(0, left_out);
+    return newest;
   }
 
   v1::SessionRecord& add(const std::string& id, std::int64_t started_utc_ns) {
@@ -55,17 +59,20 @@ class FakeClinic : public Clinic {
     part.set_sha256(sha256);
     part.set_bytes(bytes);
   }
-  void add_entry(std::int64_t utc_ns, const std::string& what, const std::string& result = "ok") {
+  void add_entry(std::int64_t utc_ns, const std::string& what, const std::string& result = "ok", const std::string& target = "") {
     auto& entry = *trail.add_entries();
+    entry.set_number(static_cast<std::uint64_t>(trail.entries_size()));
     entry.set_utc_ns(utc_ns);
     entry.set_what(what);
+    entry.set_target(target);
     entry.set_result(result);
+    entry.set_hash("hash of " + what + " at " + std::to_string(utc_ns));
   }
 
   std::vector<v1::SessionRecord> sessions;
   v1::GetAuditResponse trail;
   std::vector<std::string> shown;
-  int audits = 0;
+  int whole_audits = 0;
   bool is_silent = false;
 };
 

@@ -23,7 +23,10 @@ constexpr std::int64_t kNow = 1'800'000'000 * kS;
 
 class OutboxTest : public testing::Test {
  protected:
-  void SetUp() override { open(); }
+  void SetUp() override {
+    open();
+    clinic_.add_entry(kNow - 3600 * kS, "start_session");
+  }
   void open() {
     store_.reset();
     store_ = Store::open(folder_.path()).value();
@@ -44,10 +47,9 @@ class OutboxTest : public testing::Test {
     return {
         .recorded_sha256 = wire::bytes_of_hex(sha(recorded)).value(), .sent_sha256 = wire::bytes_of_hex(sha(sent)).value(), .bytes = 100};
   }
-  /// An audit trail that reaches back, with an erasure at `utc_ns`.
-  void enter_erasure(std::int64_t utc_ns) {
-    clinic_.add_entry(kNow - 3600 * kS, "start_session");
-    clinic_.add_entry(utc_ns, "erase_subject");
+  /// Adds an erasure at `utc_ns` to the audit trail, which reaches back.
+  void enter_erasure(std::int64_t utc_ns, const std::string& count = "1 session") {
+    clinic_.add_entry(utc_ns, "erase_subject", "ok", count);
   }
 
   test::TemporaryFolder folder_;
@@ -298,7 +300,7 @@ TEST_F(OutboxTest, OfferAgain_OffersEverythingAndRepeatsErasures) {
   receipt.set_stored_utc_ns(kNow);
   ASSERT_TRUE(store_->set_stored(*store_->next_file(kNow).value(), receipt));
   clinic_.sessions.resize(1);
-  enter_erasure(kNow + 30 * kS);
+  enter_erasure(kNow + 30 * kS, "2 sessions");
   look_at_all(kNow + 60 * kS);
   ASSERT_TRUE(store_->erasure_answered("b"));  // that of c waits
   ASSERT_TRUE(store_->offer_again());
@@ -364,12 +366,11 @@ TEST_F(OutboxTest, ErasureThatIsEnteredLate_IsSeenAnHourLater) {
   clinic_.add("a", kS);
   look_at_all();
   clinic_.sessions.clear();
-  clinic_.add_entry(kNow - 3600 * kS, "start_session");
   look_at_all(kNow + 600 * kS);
   EXPECT_FALSE(store_->next_erased().value());
-  clinic_.add_entry(kNow + 500 * kS, "erase_subject");
+  enter_erasure(kNow + 500 * kS);
   look_at_all(kNow + 1200 * kS);
-  EXPECT_EQ(clinic_.audits, 1);  // not asked again so soon: dtsd enters each question
+  EXPECT_EQ(clinic_.whole_audits, 1);  // not asked again so soon: dtsd verifies its trail for each question
   look_at_all(kNow + 4300 * kS);
   EXPECT_EQ(store_->next_erased().value(), "a");
 }
@@ -401,30 +402,80 @@ TEST_F(NoErasureTest, EmptyCatalogueWithoutATrail) {
 }
 
 TEST_F(NoErasureTest, NewCatalogueInWhichAnotherSubjectWasErased) {
+  ASSERT_TRUE(store_->set_newest_audit(""));  // as an earlier version leaves it
   clinic_.sessions.clear();
+  clinic_.trail.Clear();
   clinic_.add_entry(kNow + 10 * kS, "start_session");  // its trail does not reach back to the session
-  clinic_.add_entry(kNow + 20 * kS, "erase_subject");
+  enter_erasure(kNow + 20 * kS);
   expect_none();
 }
 
-TEST_F(NoErasureTest, CatalogueFromABackup) {
+TEST_F(NoErasureTest, ErasureLongBefore) {
   clinic_.sessions.clear();
-  clinic_.add_entry(kNow - 7200 * kS, "erase_subject");  // long before
-  clinic_.add_entry(kNow - 3600 * kS, "start_session");
+  enter_erasure(kNow - 1800 * kS);
   expect_none();
 }
 
-TEST_F(NoErasureTest, CatalogueFromABackup_AndAnErasureOfAnotherSubjectLater) {
+TEST_F(NoErasureTest, ErasureOfAnotherSubjectLater) {
   clinic_.sessions.clear();
-  clinic_.add_entry(kNow - 3600 * kS, "start_session");
   expect_none();
-  clinic_.add_entry(kNow + 20000 * kS, "erase_subject");
+  enter_erasure(kNow + 20000 * kS);
   expect_none(kNow + 20060 * kS);
+}
+
+TEST_F(NoErasureTest, ErasureOfFewerSessionsThanAreMissing) {
+  clinic_.add("b", 2 * kS);
+  look_at_all();
+  clinic_.sessions.clear();
+  enter_erasure(kNow + 30 * kS, "1 session");
+  expect_none();
+}
+
+TEST_F(NoErasureTest, CatalogueFromABackupInWhichAnErasureIsRepeated) {
+  RecordProperty("requirement", "FLEET-3");
+  const auto backup = clinic_.sessions;
+  const auto trail_of_backup = clinic_.trail;
+  clinic_.sessions.clear();
+  enter_erasure(kNow + 30 * kS);
+  look_at_all(kNow + 60 * kS);
+  ASSERT_EQ(store_->next_erased().value(), "a");
+  ASSERT_TRUE(store_->erasure_answered("a"));
+  clinic_.add("b", 100 * kS);  // of another person, after the backup
+  clinic_.add_entry(kNow + 100 * kS, "start_session");
+  look_at_all(kNow + 120 * kS);
+
+  clinic_.sessions = backup;
+  clinic_.trail = trail_of_backup;
+  clinic_.add_entry(kNow + 150 * kS, "start");
+  clinic_.sessions.clear();
+  enter_erasure(kNow + 160 * kS);
+  expect_none(kNow + 180 * kS);
+
+  clinic_.add("c", 200 * kS);
+  look_at_all(kNow + 20000 * kS);
+  clinic_.sessions.clear();
+  enter_erasure(kNow + 20010 * kS);
+  look_at_all(kNow + 20020 * kS);
+  EXPECT_EQ(store_->next_erased().value(), "c") << "erasures after the restore are believed";
+  ASSERT_TRUE(store_->erasure_answered("c"));
+  EXPECT_FALSE(store_->next_erased().value());
+}
+
+TEST_F(NoErasureTest, CatalogueFromABackupInWhichAnotherSubjectIsErasedAtOnce) {
+  const auto backup = clinic_.trail;
+  clinic_.add("b", 4000 * kS);
+  clinic_.add_entry(kNow + 4000 * kS, "start_session");
+  look_at_all(kNow + 4100 * kS);
+  EXPECT_EQ(clinic_.whole_audits, 0) << "only the newest entry is noted";
+
+  clinic_.sessions.pop_back();
+  clinic_.trail = backup;
+  enter_erasure(kNow + 4200 * kS);
+  expect_none(kNow + 4300 * kS);
 }
 
 TEST_F(NoErasureTest, ErasureThatFailed) {
   clinic_.sessions.clear();
-  clinic_.add_entry(kNow - 3600 * kS, "start_session");
   clinic_.add_entry(kNow + 30 * kS, "erase_subject", "not_allowed");
   expect_none();
 }

@@ -449,12 +449,14 @@ void Forwarder::run() {
   for (std::jthread& thread : threads) thread.request_stop();
 }
 
-/// Opens the store. A damaged one is made again: the centre's answers restore it.
+/// Opens the store. A damaged one is made again: the centre's answers restore what it has. It is kept for its erasures, which nothing
+/// restores.
 core::Result<std::unique_ptr<Store>> open_store(const std::string& folder, const core::Log& log) {
   auto store = Store::open(folder);
   if (store || store.error().code != core::ErrorCode::DataDamaged) return store;
-  log.error(core::to_string(store.error()) + ". dts-forward makes it again");
-  for (const char* name : {"/sent.sqlite", "/sent.sqlite-wal", "/sent.sqlite-shm"}) ::unlink((folder + name).c_str());
+  DTS_TRY_ASSIGN(const std::string aside, Store::set_aside(folder));
+  log.error(core::to_string(store.error()) + ". dts-forward kept it as " + aside +
+            " and makes a new one, which does not know which sessions the centre must still erase");
   return Store::open(folder);
 }
 

@@ -94,7 +94,7 @@ cli::Manual make_manual() {
           .exit_statuses = {0, 1, 2, 4, 5, 6, 7},
           .further_sections = {},
           .files = {{"/etc/dtsd/forward.toml", "The configuration."},
-                    {"/var/lib/dts-forward/sent.sqlite", "What the centre has. It can be made again."}},
+                    {"/var/lib/dts-forward/sent.sqlite", "What the centre has, and which sessions it must erase. Do not delete it."}},
           .see_also = {{"dtsd", 8}, {"dtsctl", 1}, {"dts-hub", 8}}};
 }
 

@@ -7,6 +7,8 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <array>
+#include <filesystem>
 #include <type_traits>
 
 #include "core/clock.h"
@@ -116,7 +118,8 @@ auto Store::guarded(Action action) const {
     }
   } catch (const SQLite::Exception& exception) {
     core::Error error = database_.failure(exception).value();
-    error.hint = "check the disk and the folder `state` of forward.toml; sent.sqlite in it may be deleted";
+    error.hint =
+        "check the disk and the folder `state` of forward.toml; keep sent.sqlite in it: it knows which sessions the centre must erase";
     return core::Result<Value>(tl::make_unexpected(std::move(error)));
   }
 }
@@ -142,6 +145,31 @@ core::Result<std::unique_ptr<Store>> Store::open(const std::string& folder) {
     return store->database_.failure(exception);
   }
   return store;
+}
+
+core::Result<std::string> Store::set_aside(const std::string& folder) {
+  const std::string file = folder + "/sent.sqlite";
+  const auto is_there = [](const std::string& name) {
+    std::error_code unknown;
+    return std::filesystem::exists(std::filesystem::symlink_status(name, unknown));
+  };
+  // The database comes last: a new one beside the log of this one would be damaged, too.
+  constexpr std::array<const char*, 3> kEndings{"-wal", "-shm", ""};
+  const auto is_free = [&](const std::string& name) {
+    return std::ranges::none_of(kEndings, [&](const char* ending) { return is_there(name + ending); });
+  };
+  std::string aside = file + ".damaged-1";
+  for (int number = 2; !is_free(aside); ++number) aside = file + ".damaged-" + std::to_string(number);
+  for (const char* ending : kEndings) {
+    if (!is_there(file + ending)) continue;
+    std::error_code error;
+    std::filesystem::rename(file + ending, aside + ending, error);
+    if (error) {
+      return core::fail_errno(error.value(), "the damaged " + file + " cannot be renamed",
+                              "move it and all files beside it to another folder");
+    }
+  }
+  return aside;
 }
 
 core::Status Store::set_rules(const wire::SendRules& rules) {

@@ -50,12 +50,15 @@ struct MissingSession {
   std::int64_t missed_utc_ns = 0;  ///< and the first that had not.
 };
 
-/// What is known of the outbox: which facts and files the centre has. Everything in it can be made again: from dtsd, from the recordings
-/// and from the centre's answers. Only sessions that are erased while it is lost stay at the centre. Thread: any.
+/// What is known of the outbox: which facts and files the centre has. dtsd, the recordings and the centre's answers restore all of it
+/// except the erasures: without it, sessions whose erasure the centre has not confirmed stay there. Thread: any.
 class Store {
  public:
   /// Opens or creates FOLDER/sent.sqlite. Fails with DataDamaged if it is damaged. Drops what another version of this program wrote.
   [[nodiscard]] static core::Result<std::unique_ptr<Store>> open(const std::string& folder);
+
+  /// Renames a damaged store and its files; replaces nothing that was set aside before. Returns the new name.
+  [[nodiscard]] static core::Result<std::string> set_aside(const std::string& folder);
 
   /// If the rules have changed, all sessions are looked at again, and the files without a receipt are read again.
   [[nodiscard]] core::Status set_rules(const wire::SendRules& rules);

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "fleet/wire/messages.h"
+#include "support/committed_text.h"
 #include "support/temporary_folder.h"
 #include "unit/fleet/forward/fake_clinic.h"
 
@@ -549,6 +550,21 @@ TEST(Store, DamagedFile_IsReported) {
   test::TemporaryFolder folder;
   std::ofstream(folder.path() + "/sent.sqlite") << std::string(5000, 'x');
   EXPECT_EQ(Store::open(folder.path()).error().code, core::ErrorCode::DataDamaged);
+}
+
+TEST(Store, SetAside_KeepsEachDamagedStoreAndItsLog) {
+  test::TemporaryFolder folder;
+  const std::string file = folder.path() + "/sent.sqlite";
+  for (const std::string number : {"1", "2"}) {
+    std::ofstream(file) << "damaged " + number;
+    std::ofstream(file + "-wal") << "log " + number;
+    EXPECT_EQ(Store::set_aside(folder.path()).value(), file + ".damaged-" + number);
+    EXPECT_FALSE(std::filesystem::exists(file));
+    EXPECT_FALSE(std::filesystem::exists(file + "-wal"));
+  }
+  EXPECT_EQ(test::content_of(file + ".damaged-1"), "damaged 1");
+  EXPECT_EQ(test::content_of(file + ".damaged-1-wal"), "log 1");
+  EXPECT_EQ(test::content_of(file + ".damaged-2"), "damaged 2");
 }
 
 }  // namespace

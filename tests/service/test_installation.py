@@ -166,5 +166,31 @@ class Installed(unittest.TestCase):
             self.assertEqual(done.stderr, "", path.name)
 
 
+class Purged(unittest.TestCase):
+    def test_PurgeOfDtsd_RemovesWhatThePackageHas_AndNothingOfOthers(self) -> None:
+        root = Path(tempfile.mkdtemp(prefix="dts-"))
+        self.addCleanup(shutil.rmtree, root)
+        etc = root / "etc/dtsd"
+        etc.mkdir(parents=True)
+        own = re.findall(r"^etc/dtsd/(\S+)$", (SOURCE / "debian/dtsd.install").read_text(encoding="utf-8"), re.MULTILINE)
+        for name in own:
+            file = etc / name if "." in name else etc / name / "made-here.toml"
+            file.parent.mkdir(exist_ok=True)
+            file.touch()
+        of_others = ["forward.toml", "kent.toml", "lsl.toml", "s3-ca.pem", "s3.keys", "worker.toml"]
+        for name in of_others:
+            (etc / name).touch()
+        environment = {**os.environ, "DPKG_ROOT": str(root)}
+
+        done = run("sh", SOURCE / "debian/dtsd.postrm", "purge", environment=environment)
+
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(sorted(file.name for file in etc.iterdir()), of_others)
+        for name in of_others:
+            (etc / name).unlink()
+        run("sh", SOURCE / "debian/dtsd.postrm", "purge", environment=environment)
+        self.assertFalse(etc.exists())
+
+
 if __name__ == "__main__":
     unittest.main()

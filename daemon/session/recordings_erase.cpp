@@ -307,8 +307,9 @@ void Recordings::finish_erasure(core::Result<record::Erased> erased) {
   if (erased) {
     if (auto entered = enter_erasure(count); !entered) erased = tl::make_unexpected(entered.error());
   }
+  const auto for_log = [this](std::string message) { return record::without_subjects(sessions_directory(config_), std::move(message)); };
   if (!erased) {
-    log_.error("an erasure is not complete: " + core::to_string(erased.error()) + "; dtsd continues it when it starts again");
+    log_.error("an erasure is not complete: " + for_log(core::to_string(erased.error())) + "; dtsd continues it when it starts again");
     erased_ = std::move(erased);
     return;
   }
@@ -317,7 +318,8 @@ void Recordings::finish_erasure(core::Result<record::Erased> erased) {
   erased->files += std::exchange(erased_notes_, 0);
   add_left(*erased);
   log_.info("a subject was erased: " + count + ", " + std::to_string(erased->files) + " files");
-  for (const std::string& left : erased->left) log_.warning("not erased: " + left);  // perhaps nobody waits for the answer any more
+  // Perhaps nobody waits for the answer any more.
+  for (const std::string& left : erased->left) log_.warning("not erased: " + for_log(left));
   complain(record::remove_erasure(config_.directory));
   erasure_.reset();
   ++erasures_;

@@ -221,4 +221,13 @@ core::Result<std::vector<std::string>> remove_mentions_in_notes(const std::strin
   return unread;
 }
 
+std::string without_subjects(const std::string& recordings, std::string message) {
+  const std::string folder = notes_folder(recordings) + "/";
+  for (std::size_t at = message.find(folder); at != std::string::npos; at = message.find(folder, at)) {
+    at += folder.size();
+    message.replace(at, message.find('\'', at) - at, "ID" + std::string(kNotesEnding));
+  }
+  return message;
+}
+
 }  // namespace dts::record

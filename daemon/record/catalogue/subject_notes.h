@@ -61,5 +61,7 @@ inline constexpr std::size_t kMostPlanned = 100;
 [[nodiscard]] core::Result<std::vector<std::string>> subjects_with_notes(const std::string& recordings);
 /// Removes mentions of this subject ID from the texts of other subjects' notes. Returns the files that cannot be read and may have some.
 [[nodiscard]] core::Result<std::vector<std::string>> remove_mentions_in_notes(const std::string& recordings, const std::string& subject);
+/// Returns a message with "ID" instead of the subject IDs in the names of these files. The message must quote them: '/.../P017.json'.
+[[nodiscard]] std::string without_subjects(const std::string& recordings, std::string message);
 
 }  // namespace dts::record

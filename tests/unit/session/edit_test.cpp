@@ -17,6 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 constexpr const char* kAnna = "local:anna";
 
@@ -479,7 +480,21 @@ TEST_F(EditTest, ADamagedFileOfNotesOfAnotherSubject_HindersNoErasure) {
   EXPECT_FALSE(std::filesystem::exists(recording));
   ASSERT_EQ(done->left.size(), 1U);
   EXPECT_THAT(done->left[0], HasSubstr("Q1.json' cannot be read"));
+  const std::string said = log();
+  EXPECT_THAT(said, HasSubstr("subjects/ID.json' cannot be read")) << "log lines have no subject";
+  EXPECT_THAT(said, Not(HasSubstr("Q1")));
   EXPECT_TRUE(is_completed());
+}
+
+TEST_F(EditTest, NotesThatCannotBeRemoved_AreNamedInTheAnswerAndNotInTheLog) {
+  RecordProperty("requirement", "SES-10");
+  start({Protocol{}, standing()});
+  brief("P017");
+  std::filesystem::create_directories(folder_ / "sessions" / "subjects" / "P017.json");
+  EXPECT_THAT(supervisor_->erase_subject("P017", kAnna).error().what, HasSubstr("cannot remove '"));
+  const std::string said = log();
+  EXPECT_THAT(said, HasSubstr("an erasure is not complete: cannot remove '"));
+  EXPECT_THAT(said, Not(HasSubstr("P017")));
 }
 
 TEST_F(EditTest, ResultsFollowTheOutcomes_AlsoIfTheDaemonEndedBeforeTheyWereWritten) {

@@ -196,7 +196,7 @@ int report(const std::vector<Check>& checks, bool is_json, cli::Console& console
 }
 
 /// Returns the daemon's status; adds the steps of the connection to `checks`.
-std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::vector<Check>& checks) {
+std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, Daemon where, std::vector<Check>& checks) {
   auto dts = connect(arguments);
   auto status = dts ? dts->status() : tl::make_unexpected(dts.error());
   if (!status) {
@@ -216,7 +216,10 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
   newest.set_limit(kSessionsLookedAt);
   // Without an answer there is no check: this daemon records nothing, or this key may not list sessions.
   if (const auto sessions = dts->list_sessions(newest)) checks.push_back(check_sessions(*sessions));
-  checks.push_back(check_network(*status));
+  // Without an answer, for example without the role for it, the address of dts-relay is not known.
+  const auto keys = status->has_network() && where == Daemon::Here ? dts->list_keys() : v1::ListKeysResponse();
+  const std::string relay = keys ? keys->control_endpoint() : "";
+  checks.push_back(check_network(*status, relay.empty() || has_listener(relay) ? "" : relay));
   return std::move(*status);
 }
 
@@ -282,8 +285,12 @@ std::vector<Check> check_sensor_curves(const v1::StatusSnapshot& status, const v
   return checks;
 }
 
-Check check_network(const v1::StatusSnapshot& status) {
+Check check_network(const v1::StatusSnapshot& status, const std::string& silent_relay) {
   if (!status.has_network()) return good("network", "off: this machine only");
+  if (!silent_relay.empty()) {
+    return bad("network", "on, but dts-relay does not listen at " + silent_relay + ": no client with a key can connect",
+               "see systemctl status dts-relay, then: systemctl restart dts-relay");
+  }
   return good("network", "on for clients with keys, through dts-relay");
 }
 
@@ -342,7 +349,7 @@ int run_doctor(const Arguments& arguments, cli::Console& console) {
     const std::string origin = where->key && arguments.endpoint.empty() ? "key '" + where->key->name + "'" : where->endpoints.origin;
     checks.push_back(good("address", where->endpoints.control + " (from " + origin + ")"));
     if (!where->endpoints.control.starts_with("ipc://")) daemon = Daemon::Elsewhere;
-    status = ask_daemon(arguments, checks);
+    status = ask_daemon(arguments, daemon, checks);
     const milliseconds deadline =
         arguments.timeout_s ? milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0)) : kDataDeadline;
     if (status) checks.push_back(check_data(*where, *status, deadline));

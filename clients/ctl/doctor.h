@@ -33,8 +33,9 @@ enum class Daemon : std::uint8_t { Here, Elsewhere };
 [[nodiscard]] std::optional<Check> check_calibration(const v1::StatusSnapshot& status, const v1::RigInfo& rig);
 /// Returns a check for each of the daemon's warnings about the rig's sensor curves.
 [[nodiscard]] std::vector<Check> check_sensor_curves(const v1::StatusSnapshot& status, const v1::RigInfo& rig);
-/// Checks whether other machines can connect, and whether they have connected.
-[[nodiscard]] Check check_network(const v1::StatusSnapshot& status);
+/// Checks whether other machines can connect. `silent_relay`: the address at which dts-relay should listen and does not; empty: it does, or
+/// this is not known.
+[[nodiscard]] Check check_network(const v1::StatusSnapshot& status, const std::string& silent_relay);
 /// Names the interrupted sessions.
 [[nodiscard]] Check check_sessions(const v1::ListSessionsResponse& sessions);
 /// Returns nothing if the daemon reports no disk.

@@ -5,7 +5,11 @@
 #include <sched.h>
 #include <sys/timex.h>
 
+#include <array>
+#include <charconv>
+#include <cstdio>
 #include <fstream>
+#include <sstream>
 #include <thread>
 
 #include "core/thread.h"
@@ -40,6 +44,27 @@ SystemFacts gather_system_facts() {
   std::getline(file, facts.clock_source);
   facts.is_clock_set = is_clock_synchronised();
   return facts;
+}
+
+bool has_listener(const std::string& endpoint) {
+  constexpr const char* kListens = "0A";  // TCP_LISTEN
+  unsigned port = 0;
+  const std::string digits = endpoint.substr(endpoint.rfind(':') + 1);
+  std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  std::array<char, 16> ending{};
+  std::snprintf(ending.data(), ending.size(), ":%04X", port);
+  std::ifstream table("/proc/net/tcp");
+  if (!table) return true;
+  for (std::string line; std::getline(table, line);) {
+    std::istringstream fields(line);
+    std::string number;
+    std::string local;
+    std::string remote;
+    std::string state;
+    fields >> number >> local >> remote >> state;
+    if (state == kListens && local.ends_with(ending.data())) return true;
+  }
+  return false;
 }
 
 }  // namespace dts::ctl

@@ -18,4 +18,8 @@ struct SystemFacts {
 
 [[nodiscard]] SystemFacts gather_system_facts();
 
+/// Returns whether a program on this machine listens at the port of this IPv4 address, such as "tcp://*:5555"; true if the system does not
+/// say. Does not connect: dts-relay would report a stranger.
+[[nodiscard]] bool has_listener(const std::string& endpoint);
+
 }  // namespace dts::ctl

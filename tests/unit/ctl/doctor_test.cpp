@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/doctor.h"
 
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <pthread.h>
 #include <sched.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <limits>
 #include <thread>
@@ -138,6 +142,32 @@ TEST(SystemFacts, OfThisMachine_AreWhatAThreadFinds) {
 
   EXPECT_EQ(gather_system_facts().may_use_fifo, refused == 0);
   EXPECT_GT(gather_system_facts().lockable_bytes, 0U);
+}
+
+TEST(DoctorNetwork, AListenerIsFoundByItsPort) {
+  const int listening = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(::bind(listening, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  ASSERT_EQ(::getsockname(listening, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const std::string endpoint = "tcp://*:" + std::to_string(ntohs(address.sin_port));
+  EXPECT_FALSE(has_listener(endpoint)) << "bound, but not listening";
+  ASSERT_EQ(::listen(listening, 1), 0);
+  EXPECT_TRUE(has_listener(endpoint));
+  ::close(listening);
+  EXPECT_FALSE(has_listener(endpoint));
+}
+
+TEST(DoctorNetwork, ARelayThatDoesNotListenIsAFault) {
+  v1::StatusSnapshot status;
+  EXPECT_EQ(text_of({check_network(status, "")}), "good network: off: this machine only; \n");
+  status.set_has_network(true);
+  EXPECT_EQ(text_of({check_network(status, "")}), "good network: on for clients with keys, through dts-relay; \n");
+  EXPECT_EQ(text_of({check_network(status, "tcp://*:5555")}),
+            "bad network: on, but dts-relay does not listen at tcp://*:5555: no client with a key can connect; see systemctl status "
+            "dts-relay, then: systemctl restart dts-relay\n");
 }
 
 TEST_F(RunTest, DoctorWithoutDaemon_FailsAndSaysHowToStartIt) {

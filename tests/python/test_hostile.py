@@ -142,6 +142,21 @@ class BeforeTheStatus(unittest.TestCase):
         self.assertEqual((received[0].time_s, np.isnat(received[1].utc)), (5e-9, True))
 
 
+class FullQueue(WithFake):
+    def test_DaemonThatLeavesDoesNotEndTheProcess(self) -> None:
+        with mock.patch("dts.subscriber._QUEUE_MESSAGES", 10):
+            unread = self.daemon.stream("rig/cop")
+        read = self.daemon.stream("rig/cop")
+        self.fake.publish_blocks(*(block_of(number, number * 10) for number in range(1, 101)))
+        first(read, 100)
+        self.fake.close()
+
+        with self.assertRaises(dts.Unreachable):  # by then, every timer of the other connection has run
+            next(read)
+
+        self.assertEqual([block.first_scan for block in first(unread, 10)], list(range(10, 110, 10)))
+
+
 class Answers(unittest.TestCase):
     def setUp(self) -> None:
         self.fake = FakeDaemon()

@@ -122,6 +122,9 @@ class FakePublisher {
     socket_.bind(endpoint);
   }
 
+  /// Where it listens, with the port that the system chose for "tcp://127.0.0.1:*".
+  [[nodiscard]] std::string endpoint() const { return socket_.get(zmq::sockopt::last_endpoint); }
+
   /// True when a subscription to exactly `topic` has arrived before the deadline. `meanwhile` runs between the looks: a
   /// SUB socket sends its subscriptions again only while its owner calls it.
   [[nodiscard]] bool wait_for_subscription(

@@ -180,6 +180,30 @@ TEST(SubscriberReconnect, DaemonComesBackAtTheSameAddress_BlocksArriveAgain) {
   EXPECT_TRUE(message && *message && std::holds_alternative<Block>(**message));
 }
 
+TEST(SubscriberReconnect, DaemonOnTheNetworkLeavesWhileTheQueueIsFull_ProcessLivesAndReadsOn) {
+  constexpr std::uint64_t kBlocks = 100;
+  const std::string any_port = "tcp://127.0.0.1:*";
+  auto daemon = std::make_unique<FakePublisher>(any_port);
+  auto unread = Subscriber::open({.endpoint = daemon->endpoint(), .topics = {"floor/raw"}, .queue_messages = 10});
+  ASSERT_TRUE(daemon->wait_for_subscription("floor/raw"));
+  auto read = Subscriber::open({.endpoint = daemon->endpoint(), .topics = {"floor/raw"}});
+  ASSERT_TRUE(daemon->wait_for_subscription("floor/raw"));
+  daemon->send("dtsd/status", floor_status());
+  for (std::uint64_t scan = 0; scan < kBlocks; ++scan) daemon->send("floor/raw", block(1, scan, 1, scan + 1, 1));
+  for (std::uint64_t scan = 0; scan < kBlocks; ++scan) ASSERT_TRUE(read->receive(kDeadline)->has_value());
+  daemon.reset();
+
+  // Connecting again to a silent daemon takes longer than a timer of the first connection, which must not run into a closed socket.
+  FakePublisher silent(any_port);
+  auto waiting = Subscriber::open({.endpoint = silent.endpoint(), .topics = {"floor/raw"}, .reconnect_after = 2s});
+  ASSERT_TRUE(silent.wait_for_subscription("floor/raw"));
+  ASSERT_TRUE(silent.wait_for_subscription("floor/raw", [&] { std::ignore = waiting->receive(1ms); }));
+
+  const auto message = unread->receive(kDeadline);
+  ASSERT_TRUE(message && *message && std::holds_alternative<Block>(**message));
+  EXPECT_EQ(std::get<Block>(**message).first_scan, 0U);
+}
+
 TEST(SubscriberOptions, AtTheirLimits_AreAcceptedAndNotBeyond) {
   const std::string endpoint = "ipc:///tmp/dts-nobody/data.sock";
   const std::string longest(200, 'x');

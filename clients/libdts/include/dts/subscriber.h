@@ -53,8 +53,8 @@ struct SubscriberStatistics {
 /// Receives samples, events and status from a daemon.
 ///
 /// Reads the stream formats from the daemon's status first; blocks that arrive earlier wait in a bounded queue. Connects in the background,
-/// and connects again after an interruption. Heartbeats detect a dead daemon within 6 s. Malformed messages are counted and ignored.
-/// Thread: one at a time.
+/// and connects again after an interruption, or if `receive` waited for `reconnect_after` and nothing arrived. Malformed messages are
+/// counted and ignored. Thread: one at a time.
 class DTS_API Subscriber {
  public:
   /// Subscribes to the topics. Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start

@@ -15,9 +15,12 @@ __all__ = ["Statistics", "Subscriber", "check_timeout"]
 
 _RECONNECT_AFTER_S = 5.0
 _LOOKS_PER_SILENCE = 8
+_QUEUE_MESSAGES = 8192
 _MESSAGES_PER_CALL = 256  # processed even after the deadline, so that polling with timeout 0 makes progress
 _LONGEST_WAIT_S = 86400.0
 _LONGEST_PREFIX_BYTES = 200  # the daemon hangs up on subscriptions beyond 512
+_QUIET_S = 2  # after this silence, the kernel probes a daemon on another machine every second
+_GONE_MS = 5000
 
 
 def check_timeout(timeout: float) -> float:
@@ -94,11 +97,16 @@ class Subscriber:
         self.close()
         socket = self._context.socket(zmq.SUB)
         socket.setsockopt(zmq.LINGER, 0)
-        socket.setsockopt(zmq.RCVHWM, 8192)
+        socket.setsockopt(zmq.RCVHWM, _QUEUE_MESSAGES)
         # Protects against a peer that announces gigabytes. Smaller messages above our limit reach the inbox, which counts them.
         socket.setsockopt(zmq.MAXMSGSIZE, 4 * MAX_MESSAGE_BYTES)
-        socket.setsockopt(zmq.HEARTBEAT_IVL, 1000)
-        socket.setsockopt(zmq.HEARTBEAT_TIMEOUT, 5000)
+        # The kernel ends the connection of a daemon that vanished from the network, also while nobody reads. libzmq's heartbeats are not
+        # used: they abort the process if the daemon ends while the queue is full (4.3.4 and 4.3.5: their timer asserts !_io_error).
+        socket.setsockopt(zmq.TCP_KEEPALIVE, 1)
+        socket.setsockopt(zmq.TCP_KEEPALIVE_IDLE, _QUIET_S)
+        socket.setsockopt(zmq.TCP_KEEPALIVE_INTVL, 1)
+        socket.setsockopt(zmq.TCP_KEEPALIVE_CNT, _GONE_MS // 1000)
+        socket.setsockopt(zmq.TCP_MAXRT, _GONE_MS)
         socket.setsockopt(zmq.RECONNECT_IVL, 100)
         socket.setsockopt(zmq.RECONNECT_IVL_MAX, 1000)
         for topic in (*self._topics, STATUS_TOPIC):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 import unittest
+from collections.abc import Callable
 
 from support import WithDaemon, wait_for
 
@@ -89,6 +90,26 @@ class Sessions(WithDaemon):
 
         with self.assertRaises(dts.WrongState):
             self.daemon.stop_session("floor")
+
+    def test_SessionThatHasEndedLeavesTheNextOneAlone(self) -> None:
+        wait_for(lambda: self.daemon.record("floor/cop", 0.1)["load_n"].mean() > 50, "somebody stands on the plate")
+        ended = self.daemon.start_session("floor", "free")
+        ended.stop()
+        with self.daemon.start_session("floor", "quiet-standing") as session:
+            commands: dict[str, Callable[[], object]] = {
+                "mark": lambda: ended.mark("late"),
+                "trial": lambda: ended.trial("next"),
+                "stop": ended.stop,
+                "abort": lambda: ended.abort("late"),
+            }
+            for name, command in commands.items():
+                with self.subTest(name), self.assertRaisesRegex(dts.WrongState, ended.id):
+                    command()
+            trial = session.info().trial.trial
+
+        record = self.daemon.session(session.id)
+        self.assertEqual((record.state, trial), ("complete", 0))
+        self.assertEqual(dts.load(record.parts[0].file).events_of("marker"), [])
 
     def test_SessionWithADurationEndsByItself(self) -> None:
         with self.daemon.start_session("floor", "free", duration_s=0.5) as session:

@@ -341,6 +341,10 @@ class Session:
     """A running session. `Daemon.start_session` returns it.
 
     At the end of a `with`, the session is stopped. If an exception ends the `with`, the session is aborted; its recording stays.
+
+    `mark`, `trial`, `stop` and `abort` raise `WrongState` if the session has ended. They ask the daemon first, because these commands name
+    the rig and not the session: if the session ends between the question and the command, and another one begins on the rig, the command
+    goes to the other session.
     """
 
     def __init__(self, daemon: Daemon, info: control_pb2.SessionInfo) -> None:
@@ -382,19 +386,23 @@ class Session:
 
     def mark(self, text: str) -> control_pb2.MarkResponse.At:
         """Puts a marker at the newest scan of all rigs of the session; returns that of `rig`. `text` has 1 to 200 bytes."""
+        self.info()
         return self._daemon.mark(text, self.rig)[0]
 
     def trial(self, action: TrialAction) -> sessions_pb2.TrialStatus:
         """Executes one step of the protocol's trials: see `Daemon.trial`."""
+        self.info()
         return self._daemon.trial(action, self.rig)
 
     def stop(self) -> sessions_pb2.SessionRecord:
         """Stops the session, waits until its recording is closed, and returns the session with its results."""
+        self.info()
         self._daemon.stop_session(self.rig)
         return self._daemon.session(self.id)
 
     def abort(self, reason: str) -> sessions_pb2.SessionRecord:
         """Aborts the session and returns it. It is listed as aborted, with `reason` (never a name); its recording stays."""
+        self.info()
         self._daemon.stop_session(self.rig, is_abort=True, reason=reason)
         return self._daemon.session(self.id)
 

@@ -312,6 +312,22 @@ class Foreign(unittest.TestCase):
         assert reach.message is not None
         self.assertEqual(reach.message.reach.number, 2)
 
+    def test_EventsOfALaterVersionKeepTheirKind(self) -> None:
+        begin, later_reason = '{"scan":"0","segment_start":{}}', '{"segment":1,"segment_start":{"reason":"GAP_REASON_LATER","missing_scans":"7"}}'
+        known = ['{"scan":"3","reach":{"step":"REACH_STEP_LATER","number":2}}', '{"scan":"4","trial_result":{"reach":{"step":"REACH_STEP_LATER"}}}']
+        unknown = ['{"segment":1,"scan":"5","posture":{"sway_mm":2.5,"scan":"x"}}', '{"host_time_ns":"5","posture":{}}']
+        other = ['{"scan":"5","posture":3}', '{"scan":"5","posture":{},"more":{}}', '{"posture":{}}', '{"scan":"4611686018427387904","posture":{}}']
+
+        rows = [begin, later_reason, *known, *unknown, *other]
+        recording = self.load(foreign_file() + event_file(*((float(i), text) for i, text in enumerate(rows))))
+
+        kinds = ["segment", "segment", "reach", "result", "posture", "posture"]
+        self.assertEqual([event.kind for event in recording.events], kinds + ["marker"] * len(other))
+        self.assertEqual(recording.losses, (dts.Loss("unknown", 1, 7),))
+        _, _, reach, result, posture, *_ = recording.events
+        self.assertEqual((reach.fields["step"], reach.fields["number"], result.fields["reach"]["step"]), ("unknown", 2, "unknown"))
+        self.assertEqual((posture.segment, posture.scan, posture.fields), (1, 5, {"sway_mm": 2.5}))
+
     def test_RecordingsOf0_1_0AreRead(self) -> None:
         folder = Path(__file__).resolve().parent.parent / "unit" / "record" / "recordings_0_1"
         standing = dts.load(folder / "standing.xdf")

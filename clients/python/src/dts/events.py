@@ -17,13 +17,17 @@ class Event:
     """An event at one scan of a rig, for example a marker, a gap or a reach."""
 
     rig: str
-    kind: str  # "marker", "gap", "device", "session", "trigger", "trial", "result", "reach", "class", "sway"; recordings have more kinds
+    # "marker", "gap", "device", "session", "trigger", "trial", "result", "reach", "class", "sway"; recordings have more kinds, and of a
+    # later version of dtsd also kinds that this version does not know
+    kind: str
     segment: int
     scan: int  # of the raw stream
     time_s: float  # CLOCK_MONOTONIC of the daemon's host; NaN for an event before the first scan
     utc: np.datetime64  # NaT for an event before the first scan
-    fields: dict[str, Any]  # enumerators and bits as words; what is not known is NaN, or None if it is no float, or absent
-    message: stream_pb2.Event | None = dataclasses.field(default=None, repr=False)  # None: recorded by dtsd 0.1 or another program
+    # Enumerators and bits as words; what is not known is NaN, or None if it is no float, or absent. As in the file if the kind is not known.
+    fields: dict[str, Any]
+    # None: recorded by dtsd 0.1 or another program. Without a body if the kind is not known.
+    message: stream_pb2.Event | None = dataclasses.field(default=None, repr=False)
 
     def __str__(self) -> str:
         values = "  ".join(f"{name} {value}" for name, value in self.fields.items() if not isinstance(value, dict | list))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from google.protobuf import json_format
+from google.protobuf.descriptor import Descriptor, FieldDescriptor
 from numpy.typing import NDArray
 
 from .errors import DataDamaged
@@ -20,6 +21,9 @@ from .xdf import XdfFile, XdfStream, read_xdf
 _FORMAT_VERSION = "1"
 _MAX_EVENT_BYTES = 64 << 10
 _MAX_EVENT_KEYS = 64
+_LATER_ENUMERATOR = 2**31 - 1  # the number of no enumerator: `word_of` returns "unknown"
+_PLACE = frozenset(("segment", "scan", "host_time_ns"))
+_ENVELOPE = _PLACE | {"instance_id"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -229,35 +233,67 @@ def _parsed_events(stream: XdfStream) -> list[_ParsedEvent]:
 
 
 def _parsed_event(stream: XdfStream, stamp_s: float, text: str) -> _ParsedEvent:
-    message = _event_of_json(text)
+    event = _object_of_json(text)
+    if event is None:
+        return _ParsedEvent(stream, stamp_s, None, None, text)
+    message = _message_of(event)
     if message is None:
-        return _ParsedEvent(stream, stamp_s, _old_event_of_json(text), None, text)
-    body = getattr(message, str(message.WhichOneof("body")))
-    values = {"event": kind_of(message), "segment": message.segment, "scan": message.scan, **fields_of(body)}
+        return _ParsedEvent(stream, stamp_s, _old_event_of(event), None, text)
+    if body := message.WhichOneof("body"):
+        kind, fields = kind_of(message), fields_of(getattr(message, body))
+    else:
+        kind = _later_kind_of(event)
+        fields = event[kind]
+    values = {**fields, "event": kind, "segment": message.segment, "scan": message.scan}
     return _ParsedEvent(stream, stamp_s, values, message, text)
 
 
-def _event_of_json(text: str) -> stream_pb2.Event | None:
-    """An event as dtsd records it: protobuf's JSON of dts.v1.Event."""
-    if len(text) > _MAX_EVENT_BYTES:
-        return None
-    message = stream_pb2.Event()
-    try:
-        json_format.Parse(text, message, ignore_unknown_fields=True)
-    except (json_format.ParseError, ValueError, TypeError, AttributeError, RecursionError):
-        return None
-    return message if message.WhichOneof("body") and message.scan < 2**62 else None
-
-
-def _old_event_of_json(text: str) -> dict[str, Any] | None:
-    """An event of dtsd 0.1: one flat object, {"event":"marker","segment":0,"scan":1250,"text":"eyes closed"}."""
+def _object_of_json(text: str) -> dict[str, Any] | None:
     if len(text) > _MAX_EVENT_BYTES:
         return None
     try:
         event = json.loads(text)
     except (ValueError, RecursionError):
         return None
-    if not isinstance(event, dict) or not isinstance(event.get("event"), str) or len(event) > _MAX_EVENT_KEYS:
+    return event if isinstance(event, dict) else None
+
+
+def _message_of(event: dict[str, Any]) -> stream_pb2.Event | None:
+    """An event as dtsd records it: protobuf's JSON of dts.v1.Event. It has no body if a later version of dtsd recorded it."""
+    message = stream_pb2.Event()
+    try:
+        json_format.ParseDict(_with_known_enumerators(event, message.DESCRIPTOR), message, ignore_unknown_fields=True)
+    except (json_format.ParseError, ValueError, TypeError, AttributeError, RecursionError):
+        return None
+    return message if (message.WhichOneof("body") or _later_kind_of(event)) and message.scan < 2**62 else None
+
+
+def _with_known_enumerators(event: dict[str, Any], descriptor: Descriptor) -> dict[str, Any]:
+    """Replaces the enumerators of later versions: protobuf rejects a message with an unknown name, and accepts an unknown number."""
+
+    def known(value: Any, field: FieldDescriptor | None) -> Any:
+        if field is None:
+            return value
+        if isinstance(value, list):
+            return [known(part, field) for part in value]
+        if isinstance(value, dict) and field.message_type is not None:
+            return _with_known_enumerators(value, field.message_type)
+        is_later = isinstance(value, str) and field.enum_type is not None and value not in field.enum_type.values_by_name
+        return _LATER_ENUMERATOR if is_later else value
+
+    return {name: known(value, descriptor.fields_by_name.get(name)) for name, value in event.items()}
+
+
+def _later_kind_of(event: dict[str, Any]) -> str:
+    """Returns the kind of an event that a later version of dtsd recorded: the name of its body. Returns "" if it is something else."""
+    names = sorted(event.keys() - _ENVELOPE)
+    is_placed = not event.keys().isdisjoint(_PLACE)
+    return names[0] if is_placed and len(names) == 1 and isinstance(event[names[0]], dict) else ""
+
+
+def _old_event_of(event: dict[str, Any]) -> dict[str, Any] | None:
+    """An event of dtsd 0.1: one flat object, {"event":"marker","segment":0,"scan":1250,"text":"eyes closed"}."""
+    if not isinstance(event.get("event"), str) or len(event) > _MAX_EVENT_KEYS:
         return None
     is_placed = all(type(event.get(key, 0)) is int and 0 <= event.get(key, 0) < 2**62 for key in ("segment", "scan"))
     return event if is_placed else None

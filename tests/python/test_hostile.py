@@ -4,6 +4,7 @@ import socket
 import tempfile
 import time
 import unittest
+from collections.abc import Callable
 from unittest import mock
 
 import numpy as np
@@ -140,6 +141,27 @@ class BeforeTheStatus(unittest.TestCase):
         self.assertEqual([item.kind for item in received if isinstance(item, dts.Event)], ["device", "marker", "marker"])
         self.assertEqual((inbox.statistics.malformed, inbox.statistics.unknown_topics, inbox.statistics.restarts), (1, 1, 0))
         self.assertEqual((received[0].time_s, np.isnat(received[1].utc)), (5e-9, True))
+
+
+class Closed(WithFake):
+    def test_ClosedDaemonSaysSo(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish_blocks(block_of(1, 0))
+        next(stream)
+        self.daemon.close()
+
+        commands: dict[str, Callable[[], object]] = {
+            "status": self.daemon.status,
+            "stream": lambda: self.daemon.stream("rig/cop"),
+            "record": lambda: self.daemon.record("rig/cop", 1.0),
+            "iterate": lambda: next(stream),
+            "mark": lambda: self.daemon.mark("late"),
+        }
+        for name, command in commands.items():
+            with self.subTest(name), self.assertRaisesRegex(dts.InvalidArgument, "daemon is closed"):
+                command()
+        stream.close()
+        self.daemon.close()
 
 
 class FullQueue(WithFake):

@@ -18,6 +18,12 @@ _LONGEST_TEXT = 2000
 _TIMEOUT_S = 3.0
 
 
+def check_open(context: "zmq.Context[zmq.Socket[bytes]]") -> None:
+    """Raises `InvalidArgument` if `Daemon.close` has closed the context."""
+    if context.closed:
+        raise InvalidArgument("this daemon is closed", "connect again: dts.connect()")
+
+
 class ControlClient:
     """Sends commands to a daemon and waits for the answers.
 
@@ -101,6 +107,7 @@ class ControlClient:
 
     def _reopen(self) -> None:
         self._close_socket()
+        check_open(self._context)
         socket = self._context.socket(zmq.DEALER)
         socket.setsockopt(zmq.LINGER, 0)
         socket.setsockopt(zmq.MAXMSGSIZE, 4 * MAX_ANSWER_BYTES)

@@ -68,7 +68,7 @@ class Daemon:
         self._control = ControlClient(self._context, endpoints.control, timeout)
 
     def close(self) -> None:
-        """Closes the connection and all streams. The daemon object cannot be used afterwards."""
+        """Closes the connection and all streams. Later commands and iterations raise `InvalidArgument`."""
         self._control.close()
         self._context.destroy(linger=0)
 

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 
 import zmq
 
+from .control import check_open
 from .errors import InvalidArgument, Unreachable
 from .events import Event
 from .inbox import STATUS_TOPIC, Inbox, Statistics
@@ -121,6 +122,7 @@ class Subscriber:
         self._listened_s = 0.0
 
     def _open_socket(self) -> "zmq.Socket[bytes]":
+        check_open(self._context)
         if self._socket is None:
             raise InvalidArgument("this stream is closed", "subscribe again: Daemon.stream or Daemon.events")
         return self._socket

@@ -168,6 +168,7 @@ class Restart(unittest.TestCase):
             self.assertFalse(block.is_loss_exact)
             self.assertFalse(next(stream).is_restart)
             self.assertEqual(stream.statistics.restarts, 1)
+            self.assertGreaterEqual(stream.statistics.interruptions, 1)
             self.assertLess(daemon.status().uptime_s, 60.0)
 
     def test_DeadDaemonIsUnreachable(self) -> None:

@@ -31,6 +31,8 @@ class Statistics:
     inconsistent: int = 0  # blocks whose position goes backwards; they are delivered, their loss is unknown
     dropped_events: int = 0  # events dropped because the queue was full before the daemon's status arrived
     restarts: int = 0  # restarts of the daemon
+    # Connections that the daemon ended, for example because this program read too slowly for an event: events may be missing there.
+    interruptions: int = 0
 
 
 @dataclasses.dataclass

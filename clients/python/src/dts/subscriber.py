@@ -38,6 +38,7 @@ class Subscriber:
         self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, topics: Sequence[str], is_wanted: Callable[[str], bool]
     ) -> None:
         self._socket: "zmq.Socket[bytes] | None" = None
+        self._monitor: "zmq.Socket[bytes] | None" = None
         if not endpoint:
             raise InvalidArgument("the data address of the daemon is not known", "give it with dts.connect(data=...) or DTSD_DATA")
         if any(len(topic.encode()) > _LONGEST_PREFIX_BYTES for topic in topics):
@@ -51,6 +52,7 @@ class Subscriber:
     @property
     def statistics(self) -> Statistics:
         """Counters since the subscription."""
+        self._note_interruptions()
         return self._inbox.statistics
 
     def silence_s(self) -> float:
@@ -88,8 +90,12 @@ class Subscriber:
     def close(self) -> None:
         """Closes the socket. Later calls of `receive` raise `InvalidArgument`."""
         if self._socket is not None:
+            self._note_interruptions()
             self._socket.close(linger=0)
             self._socket = None
+        if self._monitor is not None:
+            self._monitor.close(linger=0)
+            self._monitor = None
 
     def __del__(self) -> None:
         self.close()  # so that leaving a loop with `break` also closes the socket
@@ -112,6 +118,7 @@ class Subscriber:
         socket.setsockopt(zmq.RECONNECT_IVL_MAX, 1000)
         for topic in (*self._topics, STATUS_TOPIC):
             socket.setsockopt(zmq.SUBSCRIBE, topic.encode())
+        self._monitor = socket.get_monitor_socket(zmq.EVENT_DISCONNECTED)
         try:
             socket.connect(self._endpoint)
         except zmq.ZMQError as error:
@@ -120,6 +127,12 @@ class Subscriber:
         self._socket = socket
         self._received_s = self._looked_s = time.monotonic()
         self._listened_s = 0.0
+
+    def _note_interruptions(self) -> None:
+        """Counts the connections that have ended. Each wait calls it, because libzmq stops if nobody reads its messages about them."""
+        while self._monitor is not None and not self._monitor.closed and self._monitor.poll(0) != 0:
+            self._monitor.recv_multipart()
+            self._inbox.statistics.interruptions += 1
 
     def _open_socket(self) -> "zmq.Socket[bytes]":
         check_open(self._context)
@@ -145,6 +158,7 @@ class Subscriber:
         second, so silence means that the connection is lost, and this function connects again. Only time spent waiting counts as silence:
         after a pause, the caller must first read the queued messages.
         """
+        self._note_interruptions()
         slice_s = _RECONNECT_AFTER_S / _LOOKS_PER_SILENCE
         left_s = max(deadline_s - time.monotonic(), 0.0)
         if self._open_socket().poll(int(min(left_s, slice_s) * 1000 + 0.999)) != 0:

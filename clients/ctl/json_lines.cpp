@@ -64,6 +64,7 @@ void JsonLines::show(const client::Block& block, std::size_t scans, Time /*now*/
   append_field(line_, "rate_hz", block.rate.hz());
   append_field(line_, "host_time_ns", block.host_time_ns);
   append_field(line_, "host_time_uncertainty_ns", block.host_time_uncertainty_ns);
+  append_field(line_, "instance_id", block.body->instance_id());
   append_field(line_, "sequence", block.sequence);
   append_field(line_, "lost_scans", block.lost_scans);
   if (!block.is_lost_exact) line_ += ",\"lost_scans_at_least\":true";
@@ -82,6 +83,7 @@ void JsonLines::show(const client::Event& event) {
                  {"segment", event.body->segment()},
                  {"first_scan", event.body->scan()}};
   if (event.body->has_host_time_ns()) json["host_time_ns"] = event.body->host_time_ns();
+  json["instance_id"] = event.body->instance_id();
   line_ = cli::one_line(json);
   write();
 }

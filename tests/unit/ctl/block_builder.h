@@ -23,6 +23,8 @@ struct CopBlock {
     block.sequence = 9;
     block.values = values;
     block.quality = quality;
+    body.set_instance_id(0xFFFF'FFFF'FFFF'FFFF);
+    block.body = &body;
   }
   CopBlock(const CopBlock&) = delete;
   CopBlock& operator=(const CopBlock&) = delete;
@@ -30,6 +32,7 @@ struct CopBlock {
   client::StreamFormat format{.name = "cop", .rate = {100, 1}, .channels = {{"ml_mm", "mm"}, {"load_n", "N"}}, .delay_ns = 0};
   std::vector<float> values;
   std::vector<std::uint8_t> quality{0, 0};
+  v1::StreamBlock body;
   client::Block block;
 };
 

@@ -34,12 +34,12 @@ TEST_F(JsonLinesTest, Block_HasExactlyTheShapeOfTheContract) {
   cop.block.host_time_uncertainty_ns = 800'000;
   cop.quality[1] = v1::QUALITY_NO_CONTACT | v1::QUALITY_UNTARED;
 
-  EXPECT_EQ(
-      line_of(cop.block, 2),
-      R"({"topic":"floor/cop","rig":"floor","stream":"cop","segment":3,"first_scan":40,"rate_hz":100,"host_time_ns":123456789012,)"
-      R"("host_time_uncertainty_ns":800000,"sequence":9,"lost_scans":12,"age_ms":1.235,"quality":{"load_n":["no_contact","untared"]},)"
-      R"("channels":["ml_mm","load_n"],"units":["mm","N"],"values":[[1.5,700],[-2.25,null]]})"
-      "\n");
+  EXPECT_EQ(line_of(cop.block, 2),
+            R"({"topic":"floor/cop","rig":"floor","stream":"cop","segment":3,"first_scan":40,"rate_hz":100,"host_time_ns":123456789012,)"
+            R"("host_time_uncertainty_ns":800000,"instance_id":18446744073709551615,"sequence":9,"lost_scans":12,"age_ms":1.235,)"
+            R"("quality":{"load_n":["no_contact","untared"]},)"
+            R"("channels":["ml_mm","load_n"],"units":["mm","N"],"values":[[1.5,700],[-2.25,null]]})"
+            "\n");
 }
 
 TEST_F(JsonLinesTest, UnknownAgeAndGoodQuality_AreAbsentAndALeastLossIsMarked) {

@@ -40,7 +40,7 @@ inline constexpr std::array<ExitMeaning, 9> kExitMeanings{{{0, "success"},
                                                            {2, "wrong usage or invalid input"},
                                                            {3, "the daemon is not reachable"},
                                                            {4, "not allowed"},
-                                                           {5, "no such rig, device or session"},
+                                                           {5, "no such rig, topic, device or session"},
                                                            {6, "not possible in the present state"},
                                                            {7, "damaged data"},
                                                            {130, "interrupted with Ctrl-C"}}};

@@ -132,7 +132,7 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
   if (arguments_.timeout_s && silence_.count() >= *arguments_.timeout_s) {
     const client::Error error = explain();
     say(error);
-    return error.code == client::ErrorCode::Unreachable ? cli::exit_status(error.code) : cli::kFailed;
+    return cli::exit_status(error.code);
   }
   const bool is_daemon_silent = daemon_silence_ >= kSilence;
   if (is_daemon_silent ? has_reported_daemon_ : has_reported_ || silence_ < kSilence) return std::nullopt;

@@ -68,8 +68,9 @@ class DTS_API ControlClient {
   [[nodiscard]] Result<v1::ListRigsResponse> list_rigs();
   /// Returns the connected devices, and the kinds of device that a rig can use.
   [[nodiscard]] Result<v1::GetDevicesResponse> devices();
-  /// Returns statistics of each channel of the rig's device over the last second, in the channel's unit. Fails with NotFound for an unknown
-  /// rig, with DeviceGone if the device does not stream, and with WrongState in its first second.
+  /// Returns statistics of each channel of the rig's device over the last second, in the channel's unit. If the device does not stream, but
+  /// the checks of its last start are known, the answer has them, the cause in `problem`, and no channels. Fails with NotFound for an
+  /// unknown rig, with DeviceGone if the device does not stream and no checks are known, and with WrongState in its first second.
   [[nodiscard]] Result<v1::TestDeviceResponse> test_device(const std::string& rig);
   /// Starts a session and its recordings, one for each rig: `rig` leads, `companions` record at the same time. Fails with NotFound for an
   /// unknown rig, with InvalidArgument for an unknown protocol or an invalid value, with WrongState if the rig already has a session, is

@@ -139,7 +139,12 @@ class Daemon:
         return self._control.call(control_pb2.Request(get_devices=control_pb2.GetDevicesRequest())).devices
 
     def test_device(self, rig: str) -> control_pb2.TestDeviceResponse:
-        """Returns statistics of each channel of the rig's device over the last second. Raises `NotFound` for an unknown rig."""
+        """Returns statistics of each channel of the rig's device over the last second.
+
+        If the device does not stream, but the checks of its last start are known, the answer has them, the cause in `.problem`, and no
+        channels. Raises `NotFound` for an unknown rig, `DeviceGone` if the device does not stream and no checks are known, and `WrongState`
+        in its first second.
+        """
         return self._control.call(control_pb2.Request(test_device=control_pb2.TestDeviceRequest(rig=rig))).device_test
 
     # Sessions

@@ -33,7 +33,8 @@ struct ControlOptions {
 ///
 /// If no answer arrives within timeout / tries, the client sends the request again over a new socket with the same request id. The daemon
 /// executes the request only once (the "Lazy Pirate" of the ZeroMQ guide, chapter 4). Every answer is checked before it is returned: lists
-/// are within limits, numbers are finite, rates are positive. Each command fails with
+/// are within limits, durations and lengths are finite and not negative, rates are positive. Other numbers may be NaN. Each command fails
+/// with
 ///   - Unreachable: no answer arrived; the error names the endpoint and what to try,
 ///   - DataDamaged: the answer contradicts itself,
 ///   - InvalidArgument: a text of the request is not UTF-8,

@@ -17,8 +17,11 @@ namespace dts::client {
 
 /// What `Subscriber::receive` returns after the caller was slow.
 enum class Mode : std::uint8_t {
-  All,     ///< Every block in order, as long as the queue has room; `Block::lost_scans` counts the dropped scans.
-  Latest,  ///< After a pause only the newest block of each stream; the skipped scans are counted. All events are kept.
+  /// Every block in order, as long as the queue has room; `Block::lost_scans` counts the dropped scans.
+  All,
+  /// After a pause only the newest block of each stream; the skipped scans are counted. Events are kept, but if 4096 messages wait, the
+  /// oldest event is dropped: `SubscriberStatistics::dropped_events`.
+  Latest,
 };
 
 /// Options of `Subscriber::open`.

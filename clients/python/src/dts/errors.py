@@ -12,7 +12,7 @@ def _printable(text: str) -> str:
 
 
 class ErrorCode(enum.IntEnum):
-    """The numbers of dts.v1.ErrorCode, which are also exit codes of dtsctl."""
+    """The numbers of dts.v1.ErrorCode. 1 to 7 are also exit statuses of dtsctl; for the others it exits with 1."""
 
     FAILED = 1
     INVALID_ARGUMENT = 2

@@ -170,7 +170,8 @@ core::Status BoardDevice::begin(const StartOptions& options) {
     source = std::make_unique<LineSource>(*lines_, timeline_, clock_, options_.lines, options.max_block_scans);
   }
   const std::string& serial = report_.serial;
-  timeline_.start(options.rate, ticks_per_second, serial == timed_serial_, not_before_ns);
+  const bool is_same_board = !serial.empty() && serial == timed_serial_;
+  timeline_.start(options.rate, ticks_per_second, is_same_board, not_before_ns);
   timed_serial_ = serial;
   auto delivery = std::make_unique<ScanDelivery>(*source, clock_, is_interrupted_, options.max_block_scans);
   const std::lock_guard lock(report_mutex_);

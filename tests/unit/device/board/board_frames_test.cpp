@@ -729,6 +729,26 @@ TEST(BoardFrames, HostTime_FollowsTheBoardsClock) {
   }
 }
 
+/// Starts a board whose clock is 80 ppm fast until the drift is known, then another one. Returns the drift that is published first.
+double drift_of_the_next_board(const std::string& first_serial, const std::string& next_serial) {
+  BoardRig rig({.clock_ppm = 80.0, .serial = first_serial});
+  rig.start(1000.0);
+  for (const std::int64_t until_ns = rig.clock.now_ns() + 20 * kSecond; rig.clock.now_ns() < until_ns;) rig.read();
+  EXPECT_NEAR(rig.witness->block.clock_drift_ppm, 80.0, 20.0);
+  EXPECT_TRUE(rig.device->close().has_value());
+  rig.board->setup().serial = next_serial;
+  rig.board->setup().clock_ppm = -80.0;
+  rig.start(1000.0);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  return rig.witness->block.clock_drift_ppm;
+}
+
+TEST(BoardFrames, DriftIsKept_OnlyForABoardWithTheSameSerialNumber) {
+  EXPECT_NE(drift_of_the_next_board("A", "A"), 0.0);
+  EXPECT_EQ(drift_of_the_next_board("A", "B"), 0.0);
+  EXPECT_EQ(drift_of_the_next_board("", ""), 0.0) << "it may be another board";
+}
+
 TEST(BoardFrames, CountedLoss_DoesNotMoveTheTime) {
   BoardRig rig({.clock_ppm = 50.0, .loses_at_s = 20.0, .lost_scans = 500});
   rig.start(1000.0);

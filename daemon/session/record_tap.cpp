@@ -28,9 +28,11 @@ std::size_t RecordTap::waiting() const noexcept {
 
 /// Returns false if there is nothing to read of a new take.
 bool RecordTap::start_reading() noexcept {
-  const std::uint64_t done = done_.load(std::memory_order_relaxed);      // own value
-  const std::uint64_t begun = begun_.load(std::memory_order_acquire);    // pairs with begin_take()
+  const std::uint64_t done = done_.load(std::memory_order_relaxed);  // own value
+  // `closed_` first: if this thread sees the end of a take, it also sees whether the rig thread had begun it. In the other order, a whole
+  // take may lie between the two loads, and would look like one that was never begun.
   const std::uint64_t closed = closed_.load(std::memory_order_acquire);  // pairs with close()
+  const std::uint64_t begun = begun_.load(std::memory_order_acquire);    // pairs with begin_take()
   if (begun > done) {
     take_ = begun;
     reader_.start_at(begin_);

@@ -104,6 +104,7 @@ bool LocalPublisher::take_subscriptions() {
     }
   }
   if (has_new_peers) accept_peers();  // last: a new connection may get the descriptor of one that has ended
+  if (listens_again_ns_) listen_again();
   if (handshakes_ > 0) leave_late_handshakes();
   return has_new_subscription;
 }
@@ -128,12 +129,24 @@ void LocalPublisher::accept_peers() {
   for (int turn = 0; turn < kAcceptsPerTurn; ++turn) {
     const int fd = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) {
-      // Without a free descriptor the listener stays readable; it would wake this thread all the time.
-      if (errno == EMFILE || errno == ENFILE) is_listening_ = !control(epoll_, EPOLL_CTL_DEL, listener_, 0);
+      if (errno == EMFILE || errno == ENFILE) pause_listening();
       return;
     }
     accept(fd);
   }
+}
+
+/// Without a free descriptor the listener stays readable; it would wake this thread all the time.
+void LocalPublisher::pause_listening() {
+  if (!control(epoll_, EPOLL_CTL_DEL, listener_, 0)) return;
+  listens_again_ns_ = clock_.now_ns() + kAcceptPauseNs;
+  warn_once(has_warned_of_descriptors_,
+            "the data socket cannot accept a client: no file descriptor is free, and dtsd tries again every second; end clients that are "
+            "not needed");
+}
+
+void LocalPublisher::listen_again() {
+  if (clock_.now_ns() >= *listens_again_ns_ && control(epoll_, EPOLL_CTL_ADD, listener_, EPOLLIN)) listens_again_ns_.reset();
 }
 
 void LocalPublisher::accept(int fd) {
@@ -200,7 +213,6 @@ void LocalPublisher::leave(int fd) {
   static_cast<void>(control(epoll_, EPOLL_CTL_DEL, fd, 0));  // closing is not enough while a forked process has the descriptor, too
   ::close(fd);
   peers_.erase(peer);
-  if (!is_listening_) is_listening_ = control(epoll_, EPOLL_CTL_ADD, listener_, EPOLLIN);
 }
 
 void LocalPublisher::leave_late_handshakes() {

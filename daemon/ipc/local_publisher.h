@@ -49,6 +49,8 @@ class LocalPublisher final : public DataSocket {
   static constexpr std::size_t kMostLargeQueuesOfAProcess = 4;
   /// Time limit of the handshake. If no connection is free, a newcomer replaces one that has no subscription after this time.
   static constexpr std::int64_t kHandshakeNs = 2'000'000'000;
+  /// If dtsd has no free descriptor for a newcomer, it accepts nobody for this time.
+  static constexpr std::int64_t kAcceptPauseNs = 1'000'000'000;
 
   /// Binds `endpoint` ("ipc:///path"), in the place of a socket file that no program uses any more. Fails with the endpoint and the reason.
   [[nodiscard]] static core::Result<std::unique_ptr<LocalPublisher>> bind(const std::string& endpoint, const core::Clock& clock,
@@ -94,6 +96,8 @@ class LocalPublisher final : public DataSocket {
   }
   void watch(int fd);
   void accept_peers();
+  void pause_listening();
+  void listen_again();
   void accept(int fd);
   [[nodiscard]] bool make_room_for(int pid);
   [[nodiscard]] std::optional<int> replaceable(std::size_t of_newcomer) const;
@@ -127,13 +131,14 @@ class LocalPublisher final : public DataSocket {
   int bell_fd_ = -1;        ///< This and the events are of `wait` alone, until `take_subscriptions` looks at the events.
   std::array<epoll_event, 16> events_{};
   std::size_t event_count_ = 0;
-  bool is_listening_ = true;
-  std::string frames_;  ///< Reused, as the next one.
+  std::optional<std::int64_t> listens_again_ns_;  ///< Nothing: it listens.
+  std::string frames_;                            ///< Reused, as the next one.
   std::string body_;
   std::uint64_t dropped_ = 0;
   bool has_warned_of_subscriptions_ = false;
   bool has_warned_of_peers_ = false;
   bool has_warned_of_events_ = false;
+  bool has_warned_of_descriptors_ = false;
 };
 
 }  // namespace dts::ipc

@@ -7,6 +7,7 @@
 #include <signal.h>
 #include <spdlog/logger.h>
 #include <spdlog/sinks/ostream_sink.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <sys/wait.h>
@@ -566,6 +567,45 @@ TEST_F(LocalPublisherTest, NewcomerWithoutAFreeConnection_ReplacesOneThatNeverSu
   const RawPeer good = subscriber("a");
   publish("a", event(1));
   EXPECT_EQ(good.received(), message("a", event(1)));
+}
+
+/// No new descriptors while this exists.
+class WithoutFreeDescriptors {
+ public:
+  WithoutFreeDescriptors() {
+    EXPECT_EQ(::getrlimit(RLIMIT_NOFILE, &before_), 0);
+    rlimit none = before_;
+    none.rlim_cur = 0;
+    EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  }
+  ~WithoutFreeDescriptors() { EXPECT_EQ(::setrlimit(RLIMIT_NOFILE, &before_), 0); }
+  WithoutFreeDescriptors(const WithoutFreeDescriptors&) = delete;
+  WithoutFreeDescriptors& operator=(const WithoutFreeDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(LocalPublisherTest, NewcomerWithoutAFreeDescriptor_IsAcceptedWhenOneIsFreeAgain) {
+  const RawPeer peer(path_);
+  ASSERT_TRUE(peer.send(kOpening + frame("\1a")));
+  {
+    const WithoutFreeDescriptors none;
+    turns();
+    clock_.advance_ns(LocalPublisher::kAcceptPauseNs);
+    turns();
+  }
+  EXPECT_EQ(publisher_->peers(), 0U);
+  turns();
+  EXPECT_EQ(publisher_->peers(), 0U) << "it does not try all the time";
+  clock_.advance_ns(LocalPublisher::kAcceptPauseNs);
+  turns();
+  EXPECT_EQ(publisher_->peers(), 1U) << "although no other client has left";
+  publish("a", event(1));
+  EXPECT_EQ(peer.received(), kAnswer + message("a", event(1)));
+  const std::string said = said_.str();
+  EXPECT_THAT(said, HasSubstr("the data socket cannot accept a client: no file descriptor is free"));
+  EXPECT_EQ(said.find("cannot accept"), said.rfind("cannot accept")) << "once is enough";
 }
 
 TEST_F(LocalPublisherTest, AddressInUse_IsRefusedAndALeftOverFileIsReplaced) {

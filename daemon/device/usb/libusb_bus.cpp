@@ -13,6 +13,7 @@
 #include <fstream>
 #include <mutex>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -195,10 +196,15 @@ core::Result<std::unique_ptr<UsbPort>> LibusbBus::open(const UsbUnit& unit) {
   libusb_device_handle* opened = nullptr;
   if (const int error = libusb_open(*device, &opened); error != 0)
     return tl::make_unexpected(open_error(error, errno_of_opening(unit), unit));
+  std::unique_ptr<LibusbPort> port;
+  try {
+    port = std::make_unique<LibusbPort>(unit, *device, opened, state_->clock, state_->log, [state = state_.get()] {
+      state->open_ports.fetch_sub(1, std::memory_order_release);  // pairs with ~LibusbBus
+    });
+  } catch (const std::system_error& error) {  // the callers may not throw: they run on the thread of a rig
+    return core::fail_errno(error.code().value(), "cannot open " + name_of(unit), "end clients that are not needed");
+  }
   state_->open_ports.fetch_add(1, std::memory_order_relaxed);
-  auto port = std::make_unique<LibusbPort>(unit, *device, opened, state_->clock, state_->log, [state = state_.get()] {
-    state->open_ports.fetch_sub(1, std::memory_order_release);  // pairs with ~LibusbBus
-  });
   DTS_TRY(port->claim());
   return port;
 }

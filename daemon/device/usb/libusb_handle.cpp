@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <exception>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,6 +40,14 @@ void LibusbHandle::close() noexcept {
   if (handle_ != nullptr) libusb_close(std::exchange(handle_, nullptr));
 }
 
+/// Returns nullptr if memory or descriptors are used up. The callers may not throw: they run on the thread of a rig.
+std::unique_ptr<LibusbHandle::Waited> LibusbHandle::make_waited(std::size_t bytes) try {
+  auto waited = std::make_unique<Waited>(bytes);
+  return waited->transfer == nullptr ? nullptr : std::move(waited);
+} catch (const std::exception&) {
+  return nullptr;
+}
+
 void LibusbHandle::on_waited(libusb_transfer* transfer) {
   auto* waited = static_cast<Waited*>(transfer->user_data);
   waited->is_over.store(true, std::memory_order_release);  // pairs with run
@@ -72,8 +81,8 @@ UsbResult LibusbHandle::control(std::uint8_t type, const ControlRequest& request
   const std::size_t length = std::max(data.sent.size(), data.received.size());
   if (length > kMaxControlBytes) return tl::make_unexpected(UsbStatus::Failed);
   const std::lock_guard lock(mutex_);
-  auto waited = std::make_unique<Waited>(LIBUSB_CONTROL_SETUP_SIZE + length);
-  if (waited->transfer == nullptr) return tl::make_unexpected(UsbStatus::Failed);
+  auto waited = make_waited(LIBUSB_CONTROL_SETUP_SIZE + length);
+  if (waited == nullptr) return tl::make_unexpected(UsbStatus::NoMemory);
   libusb_fill_control_setup(waited->buffer.data(), type, request.request, request.value, request.index, static_cast<std::uint16_t>(length));
   std::copy(data.sent.begin(), data.sent.end(), waited->buffer.begin() + LIBUSB_CONTROL_SETUP_SIZE);
   libusb_fill_control_transfer(waited->transfer.get(), handle_, waited->buffer.data(), &LibusbHandle::on_waited, waited.get(),
@@ -83,8 +92,8 @@ UsbResult LibusbHandle::control(std::uint8_t type, const ControlRequest& request
 
 UsbResult LibusbHandle::bulk(std::uint8_t endpoint, const Data& data, int timeout_ms) {
   const std::lock_guard lock(mutex_);
-  auto waited = std::make_unique<Waited>(std::max(data.sent.size(), data.received.size()));
-  if (waited->transfer == nullptr) return tl::make_unexpected(UsbStatus::Failed);
+  auto waited = make_waited(std::max(data.sent.size(), data.received.size()));
+  if (waited == nullptr) return tl::make_unexpected(UsbStatus::NoMemory);
   std::copy(data.sent.begin(), data.sent.end(), waited->buffer.begin());
   libusb_fill_bulk_transfer(waited->transfer.get(), handle_, endpoint, waited->buffer.data(), static_cast<int>(waited->buffer.size()),
                             &LibusbHandle::on_waited, waited.get(), static_cast<unsigned>(std::max(timeout_ms, 1)));

@@ -45,6 +45,7 @@ class LibusbHandle {
 
  private:
   struct Waited;
+  [[nodiscard]] static std::unique_ptr<Waited> make_waited(std::size_t bytes);
   static void on_waited(libusb_transfer* transfer);
   [[nodiscard]] UsbResult run(std::unique_ptr<Waited> waited, std::span<std::uint8_t> received, std::size_t offset, int timeout_ms);
 

@@ -46,11 +46,11 @@ struct LibusbPort::Prepared {
 LibusbPort::LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle* handle, core::Clock& clock, core::Log log,
                        std::function<void()> on_closed)
     : unit_(std::move(unit)),
+      handle_(handle),
       device_(libusb_ref_device(device)),
       clock_(clock),
       log_(std::move(log)),
-      on_closed_(std::move(on_closed)),
-      handle_(handle) {}
+      on_closed_(std::move(on_closed)) {}
 
 LibusbPort::~LibusbPort() {
   release_transfers();

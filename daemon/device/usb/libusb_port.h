@@ -23,7 +23,8 @@ namespace dts::device::usb {
 /// thread still uses. The code in the callback does not allocate or lock; libusb does, around it and inside submit.
 class LibusbPort final : public UsbPort {
  public:
-  /// Owns `handle`, an open handle of `device`. Calls `on_closed` at the end of the destructor.
+  /// Owns `handle`, an open handle of `device`. Calls `on_closed` at the end of the destructor. Throws std::system_error if the process has
+  /// no descriptor left.
   LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle* handle, core::Clock& clock, core::Log log,
              std::function<void()> on_closed);
   /// Never frees transfers that are still in flight (a mistake of their owner).
@@ -55,15 +56,15 @@ class LibusbPort final : public UsbPort {
   [[nodiscard]] bool are_all_over() const noexcept;
 
   UsbUnit unit_;
+  LibusbHandle handle_;  ///< Before the bell: if no descriptor is left for it, the handle is closed again.
+  core::Doorbell bell_;
   libusb_device* device_;
   core::Clock& clock_;
   core::Log log_;
   std::function<void()> on_closed_;
-  LibusbHandle handle_;
   bool is_claimed_ = false;
   TransferListener* listener_ = nullptr;
   std::vector<std::unique_ptr<Prepared>> prepared_;
-  core::Doorbell bell_;
 };
 
 }  // namespace dts::device::usb

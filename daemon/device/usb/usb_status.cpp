@@ -13,7 +13,7 @@ std::string to_string(UsbStatus status) {
     case UsbStatus::Overflow: return "device sent more data than the buffer holds";
     case UsbStatus::TimedOut: return "device did not answer in time";
     case UsbStatus::Cancelled: return "cancelled";
-    case UsbStatus::NoMemory: return "the kernel has no memory left for USB transfers";
+    case UsbStatus::NoMemory: return "no memory or no file descriptor is left for USB transfers";
     case UsbStatus::Failed: return "transfer failed on the bus (cable, hub or host controller)";
   }
   return "unknown status " + std::to_string(static_cast<int>(status));
@@ -23,7 +23,8 @@ core::Error to_error(UsbStatus status, const std::string& what, std::string hint
   core::ErrorCode code = core::ErrorCode::Failed;
   if (status == UsbStatus::NoDevice) code = core::ErrorCode::DeviceGone;
   if (status == UsbStatus::TimedOut) code = core::ErrorCode::Timeout;
-  if (status == UsbStatus::NoMemory && hint.empty()) hint = "write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb";
+  if (status == UsbStatus::NoMemory && hint.empty())
+    hint = "end clients that are not needed, or write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb";
   return {code, what + ": " + to_string(status), std::move(hint)};
 }
 

@@ -17,7 +17,7 @@ enum class UsbStatus : std::uint8_t {
   Overflow,   ///< The device sent more than the buffer holds; data are lost.
   TimedOut,
   Cancelled,  ///< By the host.
-  NoMemory,   ///< No kernel memory is left for USB transfers.
+  NoMemory,   ///< No memory or file descriptor is left for USB transfers.
   Failed,     ///< CRC, protocol or host controller error.
 };
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/fsuid.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
@@ -118,6 +119,25 @@ TEST_F(LibusbBusTest, AnUnansweredRequestTimesOutAndTheNextOneWorks) {
   std::array<std::uint8_t, 4> received{};
 
   EXPECT_EQ(port->control_in({CountingDevice::kSilent}, received, 50).error(), UsbStatus::TimedOut);
+  EXPECT_TRUE(port->control_in({CountingDevice::kEcho}, received, kTimeoutMs));
+}
+
+TEST_F(LibusbBusTest, ARequestWithoutAFreeDescriptorFailsAndTheNextOneWorks) {
+  host_.plug(device_);
+  const auto port = open_port();
+  std::array<std::uint8_t, 64> received{};
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit none = before;
+  none.rlim_cur = 0;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+
+  const auto request = port->control_in({CountingDevice::kEcho}, received, kTimeoutMs);
+  const auto read = port->bulk_in(0x81, received, 20);
+
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(request.error(), UsbStatus::NoMemory);
+  EXPECT_EQ(read.error(), UsbStatus::NoMemory);
   EXPECT_TRUE(port->control_in({CountingDevice::kEcho}, received, kTimeoutMs));
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 TEST(UsbStatus, EachStatus_HasItsWordsAndItsError) {
   using enum core::ErrorCode;
-  const std::string memory = "write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb";
+  const std::string memory = "end clients that are not needed, or write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb";
   for (const auto& [status, code, words, hint] :
        {std::tuple{UsbStatus::Completed, Failed, "completed", ""},
         {UsbStatus::Stall, Failed, "device rejected it (stall)", ""},
@@ -21,7 +21,7 @@ TEST(UsbStatus, EachStatus_HasItsWordsAndItsError) {
         {UsbStatus::Overflow, Failed, "device sent more data than the buffer holds", ""},
         {UsbStatus::TimedOut, Timeout, "device did not answer in time", ""},
         {UsbStatus::Cancelled, Failed, "cancelled", ""},
-        {UsbStatus::NoMemory, Failed, "the kernel has no memory left for USB transfers", memory.c_str()},
+        {UsbStatus::NoMemory, Failed, "no memory or no file descriptor is left for USB transfers", memory.c_str()},
         {UsbStatus::Failed, Failed, "transfer failed on the bus (cable, hub or host controller)", ""},
         {static_cast<UsbStatus>(99), Failed, "unknown status 99", ""}}) {
     EXPECT_EQ(to_string(status), words);

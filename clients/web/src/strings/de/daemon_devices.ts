@@ -83,10 +83,11 @@ export const deviceMessages: readonly Message[] = [
   ['device is gone', 'Gerät ist nicht mehr da'],
   ['device sent more data than the buffer holds', 'Gerät sendete mehr Daten, als der Puffer fasst'],
   ['device did not answer in time', 'Gerät hat nicht rechtzeitig geantwortet'],
-  ['the kernel has no memory left for USB transfers', 'der Kernel hat keinen Speicher mehr für USB-Übertragungen'],
+  ['no memory or no file descriptor is left for USB transfers', 'für USB-Übertragungen fehlt Speicher oder ein freier Dateideskriptor'],
   ['transfer failed on the bus (cable, hub or host controller)', 'Übertragung auf dem Bus gescheitert (Kabel, Hub oder Controller)'],
   ['unknown status {!}', 'unbekannter Status {}'],
-  ['write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb', 'eine größere Zahl in /sys/module/usbcore/parameters/usbfs_memory_mb schreiben'],
+  ['end clients that are not needed', 'Clients beenden, die nicht gebraucht werden'],
+  ['end clients that are not needed, or write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb', 'Clients beenden, die nicht gebraucht werden, oder eine größere Zahl in /sys/module/usbcore/parameters/usbfs_memory_mb schreiben'],
   // Start checks, on the page Health
   ['scan is configured', 'Messung ist eingestellt'],
   ['single readings agree with the scan', 'Einzelmessungen stimmen mit der Messung überein'],

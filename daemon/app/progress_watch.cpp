@@ -5,6 +5,12 @@
 #include <utility>
 
 namespace dts::app {
+namespace {
+
+/// Returns a number that changes while the rig's thread runs: with scans, or while it waits for them or for room for them.
+std::uint64_t signs_of_life(const session::AcquisitionReport& acquired) noexcept { return acquired.scans_total + acquired.turns; }
+
+}  // namespace
 
 bool ProgressWatch::is_stuck(const std::string& name, std::uint64_t mark, bool has_work, std::int64_t now_ns, std::int64_t patience_ns) {
   const auto [at, is_new] = parts_.try_emplace(name, Part{.mark = mark, .moved_ns = now_ns});
@@ -18,8 +24,7 @@ void ProgressWatch::find_hung_rigs(const std::vector<session::RigState>& rigs, s
   new_hangs_.clear();
   for (const session::RigState& state : rigs) {
     const std::string& name = state.rig.config().name;
-    const std::uint64_t mark = state.acquisition.turns + state.acquisition.scans_total;
-    if (!is_stuck("opening " + name, mark, true, now_ns, kOpeningNs)) continue;
+    if (!is_stuck("opening " + name, signs_of_life(state.acquisition), true, now_ns, kOpeningNs)) continue;
     hung_rigs_.insert(name);
     if (before.contains(name)) continue;
     new_hangs_.push_back("rig '" + name + "': opening the device has not finished for " + std::to_string(kOpeningNs / 1'000'000'000) +
@@ -46,7 +51,7 @@ std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs
     const bool is_behind = state.pipeline.end.segment != acquired.segment || state.pipeline.next_scan.value != acquired.next_scan;
     // The mark changes with every scan. If two marks are equal by chance, the next call sees a different one.
     const std::uint64_t processed = (std::uint64_t{state.pipeline.end.segment} << 48U) ^ state.pipeline.next_scan.value;
-    if (is_stuck("acquire " + rig, acquired.scans_total, is_streaming, now_ns, patience_ns_)) stuck = "the device of " + rig;
+    if (is_stuck("acquire " + rig, signs_of_life(acquired), is_streaming, now_ns, patience_ns_)) stuck = "the device of " + rig;
     if (may_restart && hung_rigs_.contains(state.rig.config().name)) stuck = "the device of " + rig + ", which is being opened,";
     if (is_stuck("pipeline " + rig, processed, is_streaming && is_behind, now_ns, patience_ns_)) stuck = "a stage of " + rig;
   }

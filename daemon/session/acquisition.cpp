@@ -120,6 +120,7 @@ void Acquisition::stream() noexcept {
   while (!stop_requested_.load(std::memory_order_acquire)) {
     if (device_.describe().waits_for_reader && !sink_.has_room()) {
       clock_.sleep_until_ns(clock_.now_ns() + kRoomPauseNs);
+      note_turn();
       continue;
     }
     const std::int64_t deadline_ns = clock_.now_ns() + 2 * block_ns + kReadPatienceNs;

@@ -78,6 +78,11 @@ TEST_F(ProgressWatchTest, AFrozenAcquireThread_IsNamed) {
   EXPECT_EQ(after(5, [&] { ++turns_; }), "the device of rig 'floor'");
 }
 
+TEST_F(ProgressWatchTest, AReplayThatWaitsForTheRecorder_IsNotStuck) {
+  ASSERT_EQ(after(3, [&] { acquire(100), process(), ++turns_; }), "");
+  EXPECT_EQ(after(100, [&] { ++rig().acquisition.turns, ++turns_; }), "");
+}
+
 TEST_F(ProgressWatchTest, AFrozenPublishThread_IsNamed) {
   EXPECT_EQ(after(6, [&] { acquire(100), process(); }), "the publish thread");
 }

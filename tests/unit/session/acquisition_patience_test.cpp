@@ -107,6 +107,19 @@ TEST(AcquisitionOfAPatientDevice, RecordingFromTheMiddleOfASegment_BeginsAtItsIn
   EXPECT_EQ(bench.acquisition.report().losses.total().gaps, 1U);
 }
 
+TEST(AcquisitionOfAPatientDevice, WaitForRoom_IsASignOfLife) {
+  Bench bench(50);
+  std::vector<std::uint64_t> turns;
+  bench.clock.on_sleep = [&] {
+    turns.push_back(bench.acquisition.report().turns);
+    if (turns.size() == 5) bench.acquisition.request_stop();
+  };
+
+  bench.acquisition.run();
+
+  EXPECT_EQ(turns, (std::vector<std::uint64_t>{0, 1, 2, 3, 4}));
+}
+
 TEST(AcquisitionOfAPatientDevice, StopWhileItWaitsForRoom_IsSeenWithin100Milliseconds) {
   Bench bench(50);
   std::int64_t stopped_at_ns = 0;

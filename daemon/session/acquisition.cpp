@@ -19,6 +19,8 @@ constexpr std::int64_t kRoomPauseNs = core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
 constexpr double kProvenMs = 1000.0;  // a stream that lasted this long is restarted immediately
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
+constexpr double kCountDoubtS = 1.0;        // a counted gap may be this much shorter than the time between its ends,
+constexpr double kLargestRateError = 0.01;  // and so much of that time, because a device may be slow
 
 std::string_view restart_message(core::GapReason reason) noexcept {
   switch (reason) {
@@ -210,15 +212,20 @@ void Acquisition::note_jumps(const core::Block& block) noexcept {
   }
 }
 
+/// The counted scans may be only part of the gap; the time between the scans before and after it covers the whole gap.
+void Acquisition::compare_gap_with_time() noexcept {
+  const std::int64_t asleep_ns = clock_.suspended_ns() - suspended_at_last_scan_ns_;
+  const auto hole_ns = static_cast<double>(acquired_.block.host_time_ns - report_.last_scan_host_ns + asleep_ns);
+  const double scans = std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0);
+  const auto counted = static_cast<double>(pending_gap_.missing_scans);
+  // A count that is far too small has turned over: a device may count with 16 bits.
+  if (scans * (1.0 - kLargestRateError) > counted + report_.rate.hz() * kCountDoubtS) pending_gap_.is_exact = false;
+  if (!pending_gap_.is_exact) pending_gap_.missing_scans = std::max(pending_gap_.missing_scans, static_cast<std::uint64_t>(scans));
+}
+
 void Acquisition::open_segment() noexcept {
   if (pending_gap_.reason != core::GapReason::None) {
-    if (!pending_gap_.is_exact && has_streamed_) {
-      // The counted scans are only part of the gap; the time between the scans before and after it covers the whole gap.
-      const std::int64_t asleep_ns = clock_.suspended_ns() - suspended_at_last_scan_ns_;
-      const auto hole_ns = static_cast<double>(acquired_.block.host_time_ns - report_.last_scan_host_ns + asleep_ns);
-      const double scans = std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0);
-      pending_gap_.missing_scans = std::max(pending_gap_.missing_scans, static_cast<std::uint64_t>(scans));
-    }
+    if (has_streamed_) compare_gap_with_time();
     report_.losses.add(pending_gap_.reason, {.gaps = 1, .scans = pending_gap_.missing_scans});
     report_.last_gap = pending_gap_;
     report_.why_last_gap = std::exchange(why_pending_gap_, {});

@@ -83,6 +83,7 @@ class Acquisition {
   void note_armed(std::int64_t now_ns) noexcept;
   void note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept;
   void note_jumps(const core::Block& block) noexcept;
+  void compare_gap_with_time() noexcept;
   void open_segment() noexcept;
   void publish_report() noexcept { latest_.store(report_); }
   void note_turn() noexcept {

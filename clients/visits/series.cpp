@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -21,6 +23,10 @@ using Key = std::tuple<std::string, std::string, std::string, std::string>;
 constexpr std::size_t kMostTargets = 100;
 constexpr double kSameDurationS = 0.1;
 constexpr double kSameTargetCm = 1.0;
+constexpr const char* kMixed = "mixed";  // scales
+/// Results of a whole session that depend on the scale.
+constexpr std::array<std::string_view, 4> kOnScale{"trunk_at_critical_boundary_deg", "trunk_sd_deg", "class_agreement_share",
+                                                   "rejected_share"};
 
 /// How a result was computed, as far as its details say.
 struct Analysis {
@@ -51,6 +57,7 @@ std::string side_of(const v1::SessionRecord& session) {
 /// Measures of standing depend on the duration, so that an unknown one is like no other.
 bool is_same(const Analysis& one, const Analysis& other) {
   if (!one.profile.empty() && (!one.duration_s || !other.duration_s)) return false;
+  if (one.scale == kMixed) return false;
   return one.profile == other.profile && one.side == other.side && one.scale == other.scale && is_near(one.rate_hz, other.rate_hz, 1e-6) &&
          is_near(one.duration_s, other.duration_s, kSameDurationS) && is_near(one.target_cm, other.target_cm, kSameTargetCm);
 }
@@ -67,7 +74,25 @@ struct Value {
 std::string scale_of(const Json& target) {
   const auto own = count_in(target, "angles_on_own_scale");
   if (!own) return {};
-  return *own == 0 ? "general" : own == count_in(target, "angles") ? "own" : "mixed";
+  return *own == 0 ? "general" : own == count_in(target, "angles") ? "own" : kMixed;
+}
+
+/// Returns the targets of a session on the chair.
+Json targets_in(const Json& details) {
+  const auto targets = details.find("targets");
+  return targets != details.end() && targets->is_array() ? *targets : Json::array();
+}
+
+/// Returns the scale of the results of a whole session.
+std::string scale_of(const v1::SessionRecord& session) {
+  std::set<std::string> scales;
+  for (const v1::SessionResult& result : session.results()) {
+    if (result.name() != "targets") continue;
+    for (const Json& target : targets_in(details_of(result))) {
+      if (target.is_object() && count_in(target, "angles").value_or(0) > 0) scales.insert(scale_of(target));
+    }
+  }
+  return scales.empty() ? std::string() : scales.size() == 1 ? *scales.begin() : kMixed;
 }
 
 /// Returns the median class of the classified reaches; nothing without one.
@@ -104,6 +129,7 @@ class Collector {
  public:
   void add(const v1::SessionRecord& session) {
     if (session.is_deleted() || session.state() == "running") return;
+    const std::string scale = scale_of(session);
     for (const v1::SessionResult& result : session.results()) {
       const std::string& name = result.name();
       if (!std::isfinite(result.value())) continue;
@@ -115,7 +141,10 @@ class Collector {
       const std::size_t slash = name.rfind('/');
       const bool has_condition = slash != std::string::npos;
       add_point(session, has_condition ? name.substr(0, slash) : "", has_condition ? name.substr(slash + 1) : name, result.unit(), details,
-                {.value = result.value(), .spread = number_in(details, "sd"), .count = count_in(details, "trials")});
+                {.value = result.value(),
+                 .spread = number_in(details, "sd"),
+                 .count = count_in(details, "trials"),
+                 .scale = std::ranges::find(kOnScale, name) == kOnScale.end() ? std::string() : scale});
     }
   }
 
@@ -140,10 +169,9 @@ class Collector {
 
  private:
   void add_targets(const v1::SessionRecord& session, const Json& details) {
-    const auto targets = details.find("targets");
-    if (targets == details.end() || !targets->is_array()) return;
-    for (std::size_t index = 0; index < std::min(targets->size(), kMostTargets); ++index) {
-      const Json& target = (*targets)[index];
+    const Json targets = targets_in(details);
+    for (std::size_t index = 0; index < std::min(targets.size(), kMostTargets); ++index) {
+      const Json& target = targets[index];
       const auto condition = target.is_object() ? target.find("condition") : target.end();
       if (!target.is_object() || condition == target.end() || !condition->is_string()) continue;
       const auto name = condition->get<std::string>();

@@ -11,8 +11,9 @@
 
 namespace dts::app {
 
-/// Checks that the daemon makes progress. The daemon sends keep-alives to systemd's watchdog only while scans move from every device
-/// through its pipeline and the publish thread runs. A plain timer would keep a frozen daemon alive for ever.
+/// Checks that the daemon makes progress. The daemon sends keep-alives to systemd's watchdog only while each device delivers scans or its
+/// thread waits for them or for room for them, scans move through the pipeline, and the publish thread runs. A plain timer would keep a
+/// frozen daemon alive for ever.
 ///
 /// If a rig's thread opens a device for longer than `kOpeningNs` (a driver that does not return), its rig is hung. A hung rig counts as
 /// stuck only if no other rig has a session, because the restart would interrupt that session. The record thread is not checked: a slow

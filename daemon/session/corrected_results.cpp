@@ -74,8 +74,9 @@ core::Result<std::vector<SessionFigure>> figures_of(const record::SessionRow& se
   }
   std::ranges::move(sway_summary(standing), std::back_inserter(figures));
   if (std::ranges::any_of(standing, [](const SwayTrialResult& trial) { return trial.mean_load_n.has_value(); })) {
-    DTS_TRY_ASSIGN(const auto facts, record::read_session_facts(part.file));
-    if (const auto load = standing_load(standing, facts.fields)) figures.push_back(to_figure(*load));
+    const auto facts = record::read_session_facts(part.file);
+    const auto load = facts ? standing_load(standing, facts->fields) : std::nullopt;  // a lost file must not prevent a correction
+    if (load) figures.push_back(to_figure(*load));
   }
   return figures;
 }

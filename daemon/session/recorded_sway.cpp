@@ -156,21 +156,38 @@ void pad(posturography::CopSeries& series, std::size_t samples) {
 /// Copies the samples of every trial from the stream.
 class TrialSamples {
  public:
-  TrialSamples(std::vector<StandingTrial>& trials, const CopColumns& cop) : trials_(trials), cop_(cop) {
+  TrialSamples(std::vector<StandingTrial>& trials, const CopColumns& cop) : trials_(trials), ends_(trials.size()), cop_(cop) {
     for (StandingTrial& trial : trials_) trial.cop.rate_hz = cop.rate.hz();
   }
 
   core::Status add(const record::RecordedScans& scans) {
-    for (StandingTrial& trial : trials_) {
+    for (std::size_t index = 0; index < trials_.size(); ++index) {
+      StandingTrial& trial = trials_[index];
       if (scans.segment < trial.segment || scans.segment > trial.end_segment) continue;
-      if (trial.problem.empty()) add(scans, trial);
+      if (trial.problem.empty()) add(scans, trial, ends_[index]);
     }
     return {};
   }
+  /// Adds what is missing at the ends of trials, as CopTrace does.
+  void finish() {
+    for (std::size_t index = 0; index < trials_.size(); ++index) {
+      StandingTrial& trial = trials_[index];
+      const std::size_t size = trial.cop.ml_mm.size();
+      if (!trial.problem.empty() || ends_[index] <= size) continue;
+      const std::size_t missing = ends_[index] - size;
+      if (samples_ + missing > kMostStandingSamples) {
+        give_up(trial);
+        continue;
+      }
+      samples_ += missing;
+      pad(trial.cop, ends_[index]);
+    }
+  }
 
  private:
-  /// Locates samples by index in the trial's first segment, and by time after a gap.
-  void add(const record::RecordedScans& scans, StandingTrial& trial) {
+  /// Locates samples by index in the trial's first segment, and by time after a gap. `end_place`: how many samples the trial should have;
+  /// 0 as long as nothing of its last segment was read.
+  void add(const record::RecordedScans& scans, StandingTrial& trial, std::size_t& end_place) {
     const std::uint64_t begin = cop_index(trial.first_scan, cop_.raw_rate, cop_.rate);
     const std::uint64_t end = cop_index(trial.end_scan, cop_.raw_rate, cop_.rate);
     const bool is_first = scans.segment == trial.segment;
@@ -180,6 +197,10 @@ class TrialSamples {
     const double first = is_first ? static_cast<double>(scans.first_scan.value) - static_cast<double>(begin)
                                   : std::round((scans.first_time_s - trial.begin_s) * cop_.rate.hz());
     if (!(std::abs(first) < kMostPlaces)) return give_up(trial);
+    if (scans.segment == trial.end_segment) {
+      const double places = first + static_cast<double>(end) - static_cast<double>(scans.first_scan.value);
+      end_place = places < 0.0 ? 0 : static_cast<std::size_t>(std::min(places, kMostPlaces));
+    }
     for (std::size_t i = 0; i < scans.count; ++i) {
       if (scans.segment == trial.end_segment && scans.first_scan.value + i >= end) break;
       const auto place = static_cast<std::int64_t>(first) + static_cast<std::int64_t>(i);
@@ -200,6 +221,7 @@ class TrialSamples {
   }
 
   std::vector<StandingTrial>& trials_;
+  std::vector<std::size_t> ends_;
   CopColumns cop_;
   std::size_t samples_ = 0;
 };
@@ -297,6 +319,7 @@ core::Result<RecordedStanding> read_recorded_standing(record::Recording& recordi
   } else {
     TrialSamples reader(standing.trials, cop);
     DTS_TRY(read_samples(recording, cop, reader, progress));
+    reader.finish();
   }
   return standing;
 }

@@ -40,9 +40,13 @@ std::size_t erased_meanwhile(const v1::GetAuditResponse& trail, const MissingSes
 /// The hash covers the entry and all before it.
 std::string text_of(const v1::AuditEntry& entry) { return std::to_string(entry.number()) + " " + entry.hash(); }
 
-/// Returns false if the trail lacks an entry that it had: it is that of another catalogue, for example of one from a backup.
-bool has_entry(const v1::GetAuditResponse& trail, const std::string& known) {
-  return known.empty() || std::ranges::any_of(trail.entries(), [&known](const v1::AuditEntry& entry) { return text_of(entry) == known; });
+/// Returns true if the trail lacks an entry that it had: it is that of another catalogue, for example of one from a backup. An entry that
+/// is older than all that dtsd sends proves nothing.
+bool is_another_trail(const v1::GetAuditResponse& trail, const std::string& known) {
+  std::uint64_t number = 0;
+  std::from_chars(known.data(), known.data() + known.size(), number);
+  if (known.empty() || (!trail.entries().empty() && trail.entries(0).number() > number)) return false;
+  return std::ranges::none_of(trail.entries(), [&known](const v1::AuditEntry& entry) { return text_of(entry) == known; });
 }
 
 }  // namespace
@@ -56,7 +60,6 @@ core::Status Outbox::put_changed(const v1::ListSessionsResponse& list, std::int6
     if (!shown && shown.error().code == core::ErrorCode::NotFound) continue;  // erased since it was listed
     if (!shown) return tl::make_unexpected(shown.error());
     DTS_TRY(store_.put_session(listed, *shown, rules_, utc_ns));
-    has_new_facts_ = true;
   }
   return {};
 }
@@ -101,25 +104,28 @@ core::Status Outbox::add_unlisted(std::vector<std::string>& ids, std::int64_t ut
   return {};
 }
 
-/// Notes the newest entry after new facts, so that a trail from a backup without them lacks it. Asks for the trail only if another session
+/// While no session is missing, notes the newest entry, so that a trail from a backup lacks it. Asks for the trail only if another session
 /// is missing, or once an hour: dtsd verifies all of it for each question. An erasure is entered when it has ended, which may be after its
 /// sessions are gone.
 core::Status Outbox::look_for_erasures(const std::vector<MissingSession>& missing, std::int64_t utc_ns) {
+  const bool was_asked = utc_ns >= asked_utc_ns_ && utc_ns < asked_utc_ns_ + kAskAgainNs;
   if (missing.empty()) {
-    if (!has_new_facts_ || utc_ns < asked_utc_ns_ + kAskAgainNs) return {};
+    if (was_asked) return {};
     asked_utc_ns_ = utc_ns;
     DTS_TRY_ASSIGN(const auto newest, clinic_.audit(1));
     return note_newest_audit(newest);
   }
   std::map<std::string, std::int64_t> now;
   for (const MissingSession& session : missing) now.emplace(session.id, session.listed_utc_ns);
-  if (now == unexplained_ && utc_ns < asked_utc_ns_ + kAskAgainNs) return {};
+  if (now == unexplained_ && was_asked) return {};
   asked_utc_ns_ = utc_ns;
   DTS_TRY_ASSIGN(const auto trail, clinic_.audit(kMostListed));
   DTS_TRY_ASSIGN(const auto noted, store_.newest_audit());
-  if (trail.problem().empty() && !has_entry(trail, noted)) {
-    log_.warning("dtsd does not have " + std::to_string(missing.size()) +
-                 " session(s) any more, and its audit trail is another one than before: the centre keeps them");
+  if (trail.problem().empty() && is_another_trail(trail, noted)) {
+    for (const MissingSession& session : missing) {
+      log_.warning("dtsd does not have session " + session.id +
+                   " any more, and its audit trail is another one than before: the centre keeps it");
+    }
     DTS_TRY(store_.keep_missing());
   } else {
     DTS_TRY(explain(missing, trail));
@@ -156,10 +162,8 @@ core::Status Outbox::explain(const std::vector<MissingSession>& missing, const v
 }
 
 core::Status Outbox::note_newest_audit(const v1::GetAuditResponse& trail) {
-  if (!trail.problem().empty()) return {};
-  DTS_TRY(store_.set_newest_audit(trail.entries().empty() ? "" : text_of(*trail.entries().rbegin())));
-  has_new_facts_ = false;
-  return {};
+  if (!trail.problem().empty() || trail.entries().empty()) return {};
+  return store_.set_newest_audit(text_of(*trail.entries().rbegin()));
 }
 
 }  // namespace dts::fleet::forward

@@ -45,7 +45,6 @@ class Outbox {
   std::map<std::string, std::int64_t> unexplained_;  ///< Missing sessions that no erasure explained.
   std::int64_t completed_utc_ns_ = 0;                ///< When a list that was cut was last completed.
   std::int64_t asked_utc_ns_ = 0;                    ///< When the audit trail was read.
-  bool has_new_facts_ = true;                        ///< Sessions were stored since the newest entry of the trail was noted.
 };
 
 }  // namespace dts::fleet::forward

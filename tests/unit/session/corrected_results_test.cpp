@@ -132,6 +132,8 @@ TEST_F(CorrectedResultsTest, TheLoad_IsThatOfTheTrialsThatStillCount) {
   EXPECT_NE(load_of().details.find("about 66 kg"), std::string::npos) << load_of().details;
   session.trials[0].outcome = "rejected";
   EXPECT_DOUBLE_EQ(load_of().value, 700.0);
+  std::filesystem::remove(session.parts[0].file);
+  EXPECT_EQ(load_of().name, "") << "without the stance width nothing is said";
   session.trials[1].outcome = "rejected";
   EXPECT_EQ(load_of().name, "");
 }

@@ -163,6 +163,38 @@ TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
   EXPECT_EQ(figure.name + " " + std::to_string(figure.value) + " " + figure.unit + " " + figure.details, "a/RDIST 2.500000 mm {}");
 }
 
+/// As live: the analysis must see that the trial is shorter than it was.
+TEST(RecordedStanding, EndThatWasNotRecorded_IsMissing) {
+  using enum TrialEventKind;
+  Standing file;
+  file.event(0, 1000.0, event_of("segment_start {}"));
+  file.event(0, 1001.0, step_at(Measure, 1, 1500));
+  file.event(0, 1003.0, step_at(Done, 1, 4500));
+  file.event(0, 1003.1, step_at(Measure, 2, 4650));
+  file.event(0, 1004.0, step_at(Measure, 3, 6000));
+  file.event(0, 1009.0, step_at(Done, 2, ~std::uint64_t{0} >> 2U));  // of a damaged file
+  file.samples(0, 0, 1000.0, std::vector<bool>(280, true));
+  file.samples(0, 300, 1003.0, std::vector<bool>(200, true));
+  file.event(1, 1007.0, event_of("segment_start {}"));
+  file.event(1, 1008.0, step_at(Done, 3, 1500));
+  file.samples(1, 0, 1007.0, std::vector<bool>(60, true));
+
+  const RecordedStanding standing = file.read();
+
+  ASSERT_EQ(standing.trials.size(), 3U);
+  const auto& of_one_segment = standing.trials[0].cop.ml_mm;
+  ASSERT_EQ(of_one_segment.size(), 200U);
+  EXPECT_EQ(of_one_segment[179], 279.0);
+  EXPECT_TRUE(std::isnan(of_one_segment[180]));
+  EXPECT_TRUE(std::isnan(of_one_segment.back()));
+  EXPECT_THAT(standing.trials[1].problem, HasSubstr("samples, gaps included"));
+  const auto& divided = standing.trials[2].cop.ml_mm;
+  ASSERT_EQ(divided.size(), 400U) << "1 s, a gap of 2 s, 0.6 of 1 s";
+  EXPECT_EQ(divided[359], 1059.0);
+  EXPECT_TRUE(std::isnan(divided[360]));
+  EXPECT_TRUE(std::isnan(divided.back()));
+}
+
 /// 1 s of stepping on, 0.5 s of stepping off and 10 s between are a stretch; holes of up to 0.05 s do not divide one.
 TEST(RecordedStanding, WithoutTrials_EachStretchOf10SecondsIsOne) {
   std::vector<bool> there(3, false);

@@ -178,15 +178,24 @@ TEST(Series, AnglesOnAnotherScaleAreNotCompared) {
     add_result(session, "targets", 1, "1",
                R"({"targets":[{"condition":"120","target_cm":85,"reaches_detected":3,"angles":3,"angles_on_own_scale":)" +
                    std::to_string(on_own_scale) + R"(,"trunk_mean_deg":20,"trunk_sd_deg":2,"d2_mean_mm":1,"classes":{"minor":3}}]})");
+    for (const char* result : {"trunk_at_critical_boundary_deg", "trunk_sd_deg", "class_agreement_share", "rejected_share", "sparc_mean"})
+      add_result(session, result, 1, "1", "");
     return session;
   };
-  for (const auto& [scales, compared] :
-       {std::pair(std::vector{0, 3}, 1U), {std::vector{3, 3}, 2U}, {std::vector{0, 0}, 2U}, {std::vector{1, 3}, 1U}}) {
+  for (const auto& [scales, compared] : {std::pair(std::vector{0, 3}, 1U),
+                                         {std::vector{3, 3}, 2U},
+                                         {std::vector{0, 0}, 2U},
+                                         {std::vector{1, 3}, 1U},
+                                         {std::vector{1, 2}, 1U}}) {
     const auto all = series_of(subject_with({reaching_with(0, scales[0]), reaching_with(1, scales[1])}));
     for (const char* measure : {"trunk_mean_deg", "trunk_sd_deg", "trunk_class"}) {
       EXPECT_EQ(comparable_points(*find(all, "120", measure)).size(), compared) << measure << ' ' << scales[0] << scales[1];
     }
+    for (const char* measure : {"trunk_at_critical_boundary_deg", "trunk_sd_deg", "class_agreement_share", "rejected_share"}) {
+      EXPECT_EQ(comparable_points(*find(all, "", measure)).size(), compared) << measure << ' ' << scales[0] << scales[1];
+    }
     EXPECT_EQ(comparable_points(*find(all, "120", "d2_mean_mm")).size(), 2U) << "it has no scale";
+    EXPECT_EQ(comparable_points(*find(all, "", "sparc_mean")).size(), 2U) << "it has no scale";
   }
 }
 

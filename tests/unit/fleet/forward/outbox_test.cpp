@@ -376,6 +376,42 @@ TEST_F(OutboxTest, ErasureThatIsEnteredLate_IsSeenAnHourLater) {
   EXPECT_EQ(store_->next_erased().value(), "a");
 }
 
+/// The noted entry is older than all that dtsd sends: it proves nothing, and the trail reaches back to the last list.
+TEST_F(OutboxTest, ErasureAfterManyEntries_IsSeen) {
+  clinic_.add("a", kS);
+  look_at_all();
+  for (std::uint32_t entry = 0; entry < kMostListed; ++entry) clinic_.add_entry(kNow + 300 * kS, "login");
+  look_at_all(kNow + 600 * kS);
+  clinic_.sessions.clear();
+  enter_erasure(kNow + 700 * kS);
+  look_at_all(kNow + 1200 * kS);
+  EXPECT_EQ(store_->next_erased().value(), "a");
+}
+
+TEST_F(OutboxTest, ErasureAfterTheClockWasSetBack_IsSeen) {
+  clinic_.add("a", kS);
+  look_at_all(kNow + 100'000 * kS);
+  look_at_all();
+  clinic_.add_entry(kNow + 10 * kS, "start");
+  clinic_.sessions.clear();
+  enter_erasure(kNow + 30 * kS);
+  look_at_all(kNow + 60 * kS);
+  EXPECT_EQ(store_->next_erased().value(), "a");
+}
+
+/// The catalogue was made again: nothing is missing, and its trail is new.
+TEST_F(OutboxTest, ErasureInACatalogueThatWasMadeAgain_IsSeen) {
+  clinic_.add("a", kS);
+  look_at_all();
+  clinic_.trail.Clear();
+  clinic_.add_entry(kNow + 10 * kS, "start");
+  look_at_all(kNow + 4000 * kS);
+  clinic_.sessions.clear();
+  enter_erasure(kNow + 4100 * kS);
+  look_at_all(kNow + 4200 * kS);
+  EXPECT_EQ(store_->next_erased().value(), "a");
+}
+
 /// What looks like an erasure and is none.
 class NoErasureTest : public OutboxTest {
  protected:

@@ -14,6 +14,7 @@ constexpr double kUnknownDrift = HostTime::kCrystalPpm * 1e-6;  // largest drift
 constexpr double kDriftDoubt = 50e-6;                           // possible error and change of a measured drift
 constexpr std::int64_t kLeastLossNs = 3'500'000;
 constexpr double kBadLuckNs = 20e6;
+constexpr std::int64_t kImpossibleNs = 1'000'000'000;  // arrivals vary by less, even on a busy host
 constexpr double kRateKnownSeconds = 2.0;
 constexpr std::size_t kScatterBins = 10;
 constexpr std::size_t kEnoughBins = 3;  // with fewer the scatter is unknown
@@ -41,6 +42,11 @@ void HostTime::restart(std::optional<std::int64_t> not_before_ns) noexcept {
 
 void HostTime::add(ScanIndex newest, std::int64_t arrived_ns) noexcept {
   const std::int64_t nominal_ns = rate_.time_ns(newest);
+  // No scan arrives before it was sampled: behind a counted loss, the host's clock has stood still, and the old line says nothing about the
+  // new arrivals. Until the rate is known, the device may only be fast.
+  const bool is_behind_a_loss = is_rate_known_ && nominal_ns - rate_.time_ns(newest_) > kImpossibleNs;
+  if (is_behind_a_loss && arrived_ns < estimate_ns(newest) - kImpossibleNs) restart();
+  newest_ = newest;
   if (!has_bin_) {
     restart(not_before_ns_);
     origin_ns_ = arrived_ns - nominal_ns;
@@ -123,21 +129,25 @@ std::int64_t HostTime::uncertainty_ns() const noexcept {
   return known_ns + (not_before_ns_ && has_bin_ ? std::max<std::int64_t>(0, first_ns - *not_before_ns_) : kUnknownLatenessNs);
 }
 
-std::int64_t HostTime::at(ScanIndex index) noexcept {
-  if (!has_bin_) return 0;
-  const double time_s = nominal_s(index);
+/// Returns the time of a scan by the line. Needs a bin.
+std::int64_t HostTime::estimate_ns(ScanIndex index) const noexcept {
   // No scan arrives before it was sampled: an arrival below the line lowers the estimate at once.
   const double line = point_count_ > 0 ? line_ns(bin_.time_s) : std::numeric_limits<double>::max();
-  const double below_ns = std::min(bin_.late_ns, line) + slope_ * 1e9 * (time_s - bin_.time_s);
-  std::int64_t estimate_ns = origin_ns_ + rate_.time_ns(index) + static_cast<std::int64_t>(below_ns);
+  const double below_ns = std::min(bin_.late_ns, line) + slope_ * 1e9 * (nominal_s(index) - bin_.time_s);
+  return origin_ns_ + rate_.time_ns(index) + static_cast<std::int64_t>(below_ns);
+}
+
+std::int64_t HostTime::at(ScanIndex index) noexcept {
+  if (!has_bin_) return 0;
+  std::int64_t time_ns = estimate_ns(index);
   if (index.value > last_index_.value && last_ns_ != std::numeric_limits<std::int64_t>::min()) {
     const std::int64_t earliest_ns = last_ns_ + rate_.time_ns({index.value - last_index_.value}) / 2;
-    held_back_ns_ = std::max<std::int64_t>(0, earliest_ns - estimate_ns);
-    estimate_ns = std::max(estimate_ns, earliest_ns);
+    held_back_ns_ = std::max<std::int64_t>(0, earliest_ns - time_ns);
+    time_ns = std::max(time_ns, earliest_ns);
   }
   last_index_ = index;
-  last_ns_ = estimate_ns;
-  return estimate_ns;
+  last_ns_ = time_ns;
+  return time_ns;
 }
 
 }  // namespace dts::core

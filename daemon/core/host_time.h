@@ -24,8 +24,10 @@ namespace dts::core {
 /// The line is the edge of the lower convex hull at the middle of the window (Moon, Skelly & Towsley, INFOCOM 1999). The least
 /// late arrival of each second is kept for `kWindowSeconds`; the line is computed again once per second. In the first
 /// `kDriftKnownSeconds` of a segment the slope is that of an earlier segment, or 0. All times are of `Clock::raw_ns`, so setting or
-/// slewing the wall clock has no effect; `monotonic_of_raw_ns` converts estimates to host time. Thread: one.
-/// Realtime-safe: yes.
+/// slewing the wall clock has no effect; `monotonic_of_raw_ns` converts estimates to host time.
+///
+/// If the host sleeps or is paused, its clock stands still while a device continues and counts. If more than 1 s of scans is lost, and the
+/// next arrival is more than 1 s below the line, the estimate restarts there, and indices continue. Thread: one. Realtime-safe: yes.
 class HostTime {
  public:
   static constexpr std::size_t kWindowSeconds = 300;
@@ -45,7 +47,7 @@ class HostTime {
 
   /// Returns true if scans have arrived in this segment.
   [[nodiscard]] bool has_estimate() const noexcept { return has_bin_; }
-  /// Returns the estimated time of a scan; within a segment, a later scan never has an earlier time. 0 without an estimate.
+  /// Returns the estimated time of a scan; a later scan never has an earlier time, until the estimate restarts. 0 without an estimate.
   [[nodiscard]] std::int64_t at(ScanIndex index) noexcept;
   /// Returns the possible error of the last `at`, ns: frame, scatter of the arrivals, effect of a drift that is not known yet, and
   /// the delay that was added so that time does not run backwards.
@@ -68,6 +70,7 @@ class HostTime {
   static constexpr std::int64_t kUnknownLatenessNs = 100'000'000;
   void close_bin() noexcept;
   void draw_line() noexcept;
+  [[nodiscard]] std::int64_t estimate_ns(ScanIndex index) const noexcept;
   [[nodiscard]] double edge_slope() noexcept;
   [[nodiscard]] double steepest() const noexcept;
   [[nodiscard]] double line_ns(double time_s) const noexcept { return height_ns_ + slope_ * 1e9 * time_s; }
@@ -75,6 +78,7 @@ class HostTime {
 
   Rate rate_;
   std::int64_t frame_ns_ = 0;
+  ScanIndex newest_;  ///< Of the last arrival.
   std::int64_t origin_ns_ = 0;
   std::array<Arrival, kWindowSeconds> points_{};
   std::array<Arrival, kWindowSeconds> hull_{};

@@ -174,6 +174,27 @@ TEST(HostTime, IsNotImpressedByAStallOfTheMachine) {
   EXPECT_LT(std::abs(time.rate_error()), 0.001);
 }
 
+/// The host sleeps for 10 min. The device continues, and counts the scans that nobody reads.
+TEST(HostTime, ClockThatStoodStill_RestartsTheEstimateAndKeepsTheDrift) {
+  Machine machine{.rate = rate_1500(), .clock_error = 80e-6, .busy_ms = 1.0};
+  HostTime time(machine.rate, kFrameNs);
+  machine.run(time, 60.0);
+  const std::int64_t before_ns = time.at({machine.next - 1});
+  const double drift_ppm = time.drift_ppm();
+  machine.next += 900'000;
+  machine.lost -= 900'000;  // wraps: these indices have no time by the host's clock
+  for (int transfer = 0; transfer < 50 * 60; ++transfer) {
+    machine.step(time);
+    const std::int64_t now_ns = time.at({machine.next - 1});
+    ASSERT_GT(now_ns, before_ns);
+    ASSERT_LE(now_ns, machine.last_arrival_ns) << "transfer " << transfer;
+    ASSERT_LT(std::abs(machine.error_ms(time)), static_cast<double>(time.uncertainty_ns()) * 1e-6) << "transfer " << transfer;
+    ASSERT_LT(std::abs(time.rate_error()), 0.001);
+    ASSERT_NEAR(time.drift_ppm(), drift_ppm, 20.0);
+    ASSERT_FALSE(time.has_loss());
+  }
+}
+
 /// All that is known at many moments, against host_times.txt: of clocks that are off, a busy machine, a stall, a hole and a new segment.
 TEST(HostTime, EveryFigureOfAStory_IsThatOfItsFile) {
   std::ostringstream text;

@@ -25,7 +25,8 @@ struct TickingBoard {
   bool add(double late_s = 0.0) {
     const double time_s = static_cast<double>(number) / 1000.0 / speed + late_s;
     const auto ticks = static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::llround(time_s * ticks_per_second)));
-    const bool is_right = timeline.add(number, ticks, 10, static_cast<std::int64_t>(time_s * 1e9) + kArrivalNs);
+    arrived_ns = static_cast<std::int64_t>(time_s * 1e9) + kArrivalNs - asleep_ns;
+    const bool is_right = timeline.add(number, ticks, 10, arrived_ns);
     number += step;
     return is_right;
   }
@@ -35,6 +36,8 @@ struct TickingBoard {
   double speed = 1.0;  ///< 1.005: 0.5 % faster than nominal.
   std::uint64_t number = 0;
   std::uint64_t step = 10;
+  std::int64_t asleep_ns = 0;  ///< For how long the host's clock has stood still.
+  std::int64_t arrived_ns = 0;
 };
 
 TEST(BoardTimeline, Position_FollowsTheTicksForADay) {
@@ -89,6 +92,21 @@ TEST(BoardTimeline, CountedLoss_AcrossAWrapOfTheTicks_IsNoHole) {
   const double time_s = static_cast<double>(board.number) / 1000.0 / board.speed;
   ASSERT_TRUE(board.add());
   EXPECT_NEAR(static_cast<double>(board.timeline.position(0)) / 16e6, time_s, 1e-3);
+}
+
+TEST(BoardTimeline, CountedLossWhileTheHostSleeps_ContinuesAtTheTimeOfTheHost) {
+  for (const std::uint32_t ticks_per_second : {1'000'000U, 0U}) {
+    TickingBoard board(ticks_per_second);
+    while (board.number < 60'000) ASSERT_TRUE(board.add());
+    board.number += 600'000;
+    board.asleep_ns = 600 * core::kNanosecondsPerSecond;
+    while (board.number < 720'000) {
+      ASSERT_TRUE(board.add());
+      ASSERT_NEAR(static_cast<double>(board.timeline.raw_ns_at(board.timeline.position(9))), static_cast<double>(board.arrived_ns), 10e6);
+      ASSERT_LT(std::abs(board.timeline.host_time().rate_error()), 0.001);
+      ASSERT_LT(std::abs(board.timeline.drift_ppm()), 1.0);
+    }
+  }
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ void HostTime::add(ScanIndex newest, std::int64_t arrived_ns) noexcept {
     has_bin_ = false;
   }
   const Arrival arrival{static_cast<double>(nominal_ns) * 1e-9, static_cast<double>(arrived_ns - origin_ns_ - nominal_ns)};
-  loss_watch_.add(arrival, steepest());
+  loss_watch_.add(arrival, steepest(), steepest_steady());
   if (!has_bin_) {
     bin_end_ns_ = arrived_ns + kBinNs;
     bin_ = arrival;
@@ -76,9 +76,16 @@ void HostTime::close_bin() noexcept {
 
 std::int64_t HostTime::least_loss_ns() const noexcept { return std::max({kLeastLossNs, rate_.time_ns({1}) / 2, loss_watch_.chance_ns()}); }
 
+double HostTime::largest_drift() const noexcept { return oscillator_ == Oscillator::Crystal ? kUnknownDrift : kLargestDriftPpm * 1e-6; }
+
 /// Returns how fast the lateness may grow without a loss, seconds per second.
 double HostTime::steepest() const noexcept {
-  return is_drift_known_ ? std::clamp(slope_, -kUnknownDrift, kUnknownDrift) + kDriftDoubt : kUnknownDrift;
+  return is_drift_known_ ? std::clamp(slope_, -largest_drift(), largest_drift()) + kDriftDoubt : kUnknownDrift;
+}
+
+/// Returns how fast it may grow without a loss if it grows steadily.
+double HostTime::steepest_steady() const noexcept {
+  return oscillator_ == Oscillator::Crystal ? steepest() : std::max(steepest(), largest_drift());
 }
 
 /// Returns the slope of the edge of the lower hull at the mean time of all points: of all lines below the points, the line along this

@@ -35,9 +35,14 @@ class HostTime {
   static constexpr double kLargestDriftPpm = 10'000.0;  ///< A larger drift is a wrong rate, see `rate_error`.
   static constexpr double kCrystalPpm = 200.0;          ///< Largest error of a crystal; lateness that grows faster comes from lost scans.
 
+  /// What drives the device's clock. A ceramic resonator may be slow by 0.5 %: lateness that grows steadily is drift, up to
+  /// `kLargestDriftPpm`, and only a step is a loss.
+  enum class Oscillator : std::uint8_t { Crystal, Resonator };
+
   HostTime() = default;
   /// `frame_ns`: uncertainty of the shortest time from a scan to its arrival (USB: one frame).
-  HostTime(Rate rate, std::int64_t frame_ns) noexcept : rate_(rate), frame_ns_(frame_ns) {}
+  HostTime(Rate rate, std::int64_t frame_ns, Oscillator oscillator = Oscillator::Crystal) noexcept
+      : rate_(rate), frame_ns_(frame_ns), oscillator_(oscillator) {}
 
   /// Starts a new segment: indices restart at 0, the known drift of the clock is kept. `not_before_ns`: earliest possible time of scan 0
   /// (the time of the start request); without it the first seconds are uncertain by `kUnknownLatenessNs`.
@@ -60,7 +65,8 @@ class HostTime {
   /// Returns true if this segment has enough scans to judge their rate and to find missing scans.
   [[nodiscard]] bool is_judged() const noexcept { return is_rate_known_ && loss_watch_.has_compared(); }
   /// Returns how much the least lateness has risen, ns, beyond the effect of the clock (up to `kCrystalPpm` until the drift is known, then
-  /// drift +50 ppm). A rise means that scans were lost on the way. Found within 3 s, from the first second of a segment on.
+  /// drift +50 ppm; of a resonator also what grows steadily). A rise means that scans were lost on the way. Found within 3 s, from the
+  /// first second of a segment on.
   [[nodiscard]] std::int64_t missing_ns() const noexcept { return loss_watch_.rise_ns(); }
   /// Returns the limit above which a rise is a loss: 3.5 ms, half a scan at low rates, or the possible scatter on a very busy host.
   [[nodiscard]] std::int64_t least_loss_ns() const noexcept;
@@ -72,12 +78,15 @@ class HostTime {
   void draw_line() noexcept;
   [[nodiscard]] std::int64_t estimate_ns(ScanIndex index) const noexcept;
   [[nodiscard]] double edge_slope() noexcept;
+  [[nodiscard]] double largest_drift() const noexcept;
   [[nodiscard]] double steepest() const noexcept;
+  [[nodiscard]] double steepest_steady() const noexcept;
   [[nodiscard]] double line_ns(double time_s) const noexcept { return height_ns_ + slope_ * 1e9 * time_s; }
   [[nodiscard]] double nominal_s(ScanIndex index) const noexcept { return static_cast<double>(rate_.time_ns(index)) * 1e-9; }
 
   Rate rate_;
   std::int64_t frame_ns_ = 0;
+  Oscillator oscillator_ = Oscillator::Crystal;
   ScanIndex newest_;  ///< Of the last arrival.
   std::int64_t origin_ns_ = 0;
   std::array<Arrival, kWindowSeconds> points_{};

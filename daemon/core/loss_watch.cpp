@@ -30,11 +30,11 @@ double arrival_s(const Arrival& arrival) noexcept { return arrival.time_s + arri
 
 }  // namespace
 
-void LossWatch::add(const Arrival& arrival, double steepest) noexcept {
+void LossWatch::add(const Arrival& arrival, double steepest, double steepest_steady) noexcept {
   const double now_s = arrival_s(arrival);
   if (has_bin_ && now_s >= bin_end_s_) {
     close_bin();
-    compare(now_s, steepest);
+    compare(now_s, std::clamp(median_slope(), steepest, steepest_steady));
   }
   if (!has_bin_) {
     bin_ = arrival;
@@ -54,14 +54,25 @@ void LossWatch::close_bin() noexcept {
   has_bin_ = false;
 }
 
-void LossWatch::compare(double now_s, double steepest) noexcept {
+/// Returns the median growth of the lateness from bin to bin, seconds per second. Needs a bin.
+double LossWatch::median_slope() const noexcept {
+  std::array<double, kBins> slopes{};  // one is left over: with one bin the median is 0
+  for (std::size_t i = 1; i < bin_count_; ++i) {
+    slopes[i - 1] = (bins_[i].late_ns - bins_[i - 1].late_ns) * 1e-9 / std::max(bins_[i].time_s - bins_[i - 1].time_s, kBinSeconds / 10);
+  }
+  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(bin_count_ / 2);
+  std::nth_element(slopes.begin(), middle, slopes.begin() + static_cast<std::ptrdiff_t>(bin_count_));
+  return *middle;
+}
+
+void LossWatch::compare(double now_s, double slope) noexcept {
   Floor recent;
   Floor before;
   for (std::size_t age = 0; age < bin_count_; ++age) {
     const Arrival& bin = bins_[bin_count_ - 1 - age];
     const bool is_recent = age < kLeastRecent || now_s - arrival_s(bin) <= kRecentSeconds;
-    // Lateness that the slowest possible clock explains does not count.
-    (is_recent ? recent : before).add(bin.late_ns - steepest * 1e9 * bin.time_s);
+    // Lateness that the clock explains does not count.
+    (is_recent ? recent : before).add(bin.late_ns - slope * 1e9 * bin.time_s);
   }
   has_compared_ = before.count > 0;
   rise_ns_ = !has_compared_ ? 0 : static_cast<std::int64_t>(std::max(0.0, recent.least_ns - before.least_ns));

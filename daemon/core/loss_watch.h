@@ -24,14 +24,18 @@ struct Arrival {
 ///
 /// Keeps the least late arrival of every quarter second, and compares the last `kRecentSeconds` with the ten seconds before. A slow clock
 /// also makes scans late: a rise that the slowest possible clock explains does not count. On a busy host even the least lateness of a
-/// quarter second scatters: the larger the scatter, the larger must be the rise. Thread: one. Realtime-safe: yes.
+/// quarter second scatters: the larger the scatter, the larger must be the rise.
+///
+/// A slow clock makes every quarter second later than the one before, lost scans only some of them. So the median of these steps is the
+/// drift of a clock that may be far off. Thread: one. Realtime-safe: yes.
 class LossWatch {
  public:
   static constexpr double kRecentSeconds = 2.25;
 
   void restart() noexcept { *this = {}; }
-  /// Adds an arrival. `steepest`: how fast the lateness may grow without a loss, seconds per second. Times must not decrease.
-  void add(const Arrival& arrival, double steepest) noexcept;
+  /// Adds an arrival. How fast the lateness may grow without a loss, seconds per second: `steepest`, or, if it grows steadily, up to
+  /// `steepest_steady`, which is not less. Times must not decrease.
+  void add(const Arrival& arrival, double steepest, double steepest_steady) noexcept;
   /// Returns how much the least lateness has risen, ns; 0 in the first seconds and while it falls.
   [[nodiscard]] std::int64_t rise_ns() const noexcept { return rise_ns_; }
   /// Returns the rise that scatter alone can cause on this host, ns.
@@ -44,7 +48,8 @@ class LossWatch {
   static constexpr std::size_t kBins = 50;        // 2.5 s + 10 s
   static constexpr std::size_t kLeastRecent = 3;  // at low rates a bin holds one arrival
   void close_bin() noexcept;
-  void compare(double now_s, double steepest) noexcept;
+  void compare(double now_s, double slope) noexcept;
+  [[nodiscard]] double median_slope() const noexcept;
 
   std::array<Arrival, kBins> bins_{};  ///< Oldest first.
   std::size_t bin_count_ = 0;

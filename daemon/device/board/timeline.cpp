@@ -22,7 +22,7 @@ void Timeline::start(core::Rate rate, std::uint32_t ticks_per_second, bool is_sa
     rate_ = rate;
     ticks_per_second_ = ticks_per_second;
     const auto tick_rate = core::Rate::create(std::max<std::int64_t>(1, ticks_per_second), 1);
-    host_time_ = core::HostTime(ticks_per_second == 0 || !tick_rate ? rate : *tick_rate, kFrameNs);
+    host_time_ = core::HostTime(ticks_per_second == 0 || !tick_rate ? rate : *tick_rate, kFrameNs, core::HostTime::Oscillator::Resonator);
   }
   restart();
   host_time_.restart(not_before_ns);

@@ -167,6 +167,23 @@ TEST(LossWatch, ClockSlowerThanAnyCrystal_LooksLikeLostScans) {
   }
 }
 
+TEST(LossWatch, ClockWithAResonator_IsNoLossAndDoesNotHideOne) {
+  std::mt19937_64 random{22};
+  for (int i = 0; i < 200; ++i) {
+    LossCase tried = random_case(random);
+    if (tried.machine.waiting_percent > 50) continue;  // overloaded
+    tried.machine.clock_error *= 50.0;                 // up to 0.5 %
+    HostTime time(tried.machine.rate, kMillisecond, HostTime::Oscillator::Resonator);
+    const std::uint64_t until = tried.machine.rate.scans_in_ms(60e3);
+    while (tried.machine.next < until) {
+      tried.machine.step(time);
+      ASSERT_FALSE(time.has_loss()) << "case " << i << ", " << tried.machine.clock_error * 1e6 << " ppm, after "
+                                    << static_cast<double>(tried.machine.next) / tried.machine.rate.hz() << " s";
+    }
+    EXPECT_TRUE(is_told(tried.machine, time, tried.machine.rate.scans_in_ms(100.0))) << "case " << i;
+  }
+}
+
 TEST(LossWatch, HostThatStoppedForSeconds_IsNoLoss) {
   for (const double stop_s : {0.5, 2.0, 4.0, 20.0}) {
     Machine machine{.rate = *Rate::create(1500, 1), .scans_per_transfer = 4, .busy_ms = 0.3};

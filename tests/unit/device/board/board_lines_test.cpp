@@ -271,14 +271,31 @@ TEST(BoardLines, ForeignLine_IsNoLossIfTheTimeShowsNone) {
 }
 
 TEST(BoardLines, LossWithoutCounter_IsFoundWithin3Seconds) {
-  BoardRig rig({.speaks_lines = true, .loses_at_s = 5.0, .lost_scans = 5}, kLines);
-  rig.start();
-  const std::int64_t start_ns = rig.board->run_start_ns();
-  const ReadResult gap = rig.read_until_trouble(20.0);
-  ASSERT_EQ(gap.outcome, ReadOutcome::Gap);
-  EXPECT_FALSE(gap.gap.is_exact);
-  EXPECT_NEAR(static_cast<double>(gap.gap.missing_scans), 5.0, 1.0);
-  EXPECT_LE(static_cast<double>(rig.clock.now_ns() - start_ns) * 1e-9, 5.0 + 3.2);
+  for (const double ppm : {0.0, -5000.0}) {
+    BoardRig rig({.speaks_lines = true, .clock_ppm = ppm, .loses_at_s = 5.0, .lost_scans = 5}, kLines);
+    rig.start();
+    const std::int64_t start_ns = rig.board->run_start_ns();
+    const ReadResult gap = rig.read_until_trouble(20.0);
+    ASSERT_EQ(gap.outcome, ReadOutcome::Gap);
+    EXPECT_FALSE(gap.gap.is_exact);
+    const double doubt_scans = ppm == 0.0 ? 1.0 : 5.0;  // the drift is not known yet
+    EXPECT_NEAR(static_cast<double>(gap.gap.missing_scans), 5.0, doubt_scans) << ppm;
+    EXPECT_LE(static_cast<double>(rig.clock.now_ns() - start_ns) * 1e-9, 5.0 + 3.2) << ppm;
+  }
+}
+
+/// An Arduino Uno has a ceramic resonator.
+TEST(BoardLines, SlowClockWithoutCounter_IsDriftAndNoLoss) {
+  for (const double rate_hz : {50.0, 100.0, 500.0}) {
+    for (const double ppm : {-600.0, -1000.0, -5000.0, -9000.0}) {
+      BoardRig rig({.speaks_lines = true, .rate = {static_cast<std::uint32_t>(rate_hz), 1}, .clock_ppm = ppm},
+                   "channels=4&format=lines&rate_hz=" + std::to_string(static_cast<int>(rate_hz)));
+      rig.start(rate_hz);
+      rig.read_until_trouble(60.0);
+      EXPECT_EQ(rig.witness->gaps, 0U) << rate_hz << " Hz, " << ppm;
+      EXPECT_NEAR(rig.witness->block.clock_drift_ppm, ppm, 100.0) << rate_hz << " Hz";
+    }
+  }
 }
 
 TEST(BoardLines, ValueOutsideTheRange_IsMarkedAndKept) {

@@ -75,6 +75,7 @@ dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   out.set_block(view.block);
   out.set_of(view.of);
   out.set_condition(view.condition);
+  out.set_next_trial(view.next_trial);
   out.set_next_condition(view.next_condition);
   if (view.next_target_cm) out.set_next_target_cm(*view.next_target_cm);
   if (view.next_target_percent) out.set_next_target_percent(*view.next_target_percent);

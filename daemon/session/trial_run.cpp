@@ -266,6 +266,7 @@ TrialView TrialRun::view(std::int64_t now_ns) const {
     view.condition = plan_.conditions[places_[*current_].condition].name;
   }
   if (has_upcoming) {
+    view.next_trial = places_[upcoming_].trial;
     view.next_condition = plan_.conditions[places_[upcoming_].condition].name;
     view.next_target_cm = targets_cm_[places_[upcoming_].condition];
     view.next_target_percent = targets_percent_[places_[upcoming_].condition];

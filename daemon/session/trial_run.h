@@ -96,6 +96,7 @@ struct TrialView {
   std::uint32_t block = 1;
   std::uint32_t of = 0;  ///< Number of trials in the plan.
   std::string condition{};
+  std::uint32_t next_trial = 0;  ///< 0: none is left.
   std::string next_condition{};
   std::optional<double> next_target_cm;
   std::optional<double> next_target_percent;  ///< The same in percent of the arm length.

@@ -222,7 +222,7 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"tare { rig: 'floor' }", error("WRONG_STATE"), "local tare [ID] wrong_state"},
       {"mark { text: 'x' }", "mark { marks { rig: \"floor\" scan: ", "local mark [ID] ok"},
       {"trial { action: TRIAL_ACTION_NEXT }",
-       trial + "MEASURING trial: 1 attempt: 1 block: 1 of: 3 condition: \"a\" next_condition: \"a\" }", "local trial_next [ID] ok"},
+       trial + "MEASURING trial: 1 attempt: 1 block: 1 of: 3 condition: \"a\" next_condition: \"a\" next_trial: 2 }", "local trial_next [ID] ok"},
       {"trial { action: TRIAL_ACTION_REDO }", trial + "MEASURING trial: 1 attempt: 2", "local trial_redo [ID] ok"},
       {"trial { action: TRIAL_ACTION_NEXT rig: 'floor' }", trial + "WAITING trial: 1 attempt: 2", "local trial_next [ID] ok"},
       {"trial { action: TRIAL_ACTION_REJECT }", trial + "WAITING trial: 1", "local trial_reject [ID] ok"},

@@ -76,6 +76,7 @@ TEST_F(StatusTest, Rig_SaysAllThatItCounts) {
                                     .block = 25,
                                     .of = 26,
                                     .condition = "80",
+                                    .next_trial = 30,
                                     .next_condition = "120",
                                     .next_target_cm = 27,
                                     .remaining_s = 28};
@@ -96,7 +97,7 @@ TEST_F(StatusTest, Rig_SaysAllThatItCounts) {
       "duration_s: 17 elapsed_s: 16 settle_s: 18 message: \"m\\357\\277\\275\" "
       "recording { is_recording: true part: 22 file: \"f\\357\\277\\275\" bytes: 19 lost_scans_total: 20 problem: \"p\\357\\277\\275\" } "
       "trial { phase: TRIAL_PHASE_RESTING trial: 23 attempt: 24 block: 25 of: 26 condition: \"80\" next_condition: \"120\" "
-      "next_target_cm: 27 remaining_s: 28 } fields { key: \"a\\357\\277\\275\" value: \"1\" } fields { key: \"b\" value: \"2\" } } "
+      "next_target_cm: 27 remaining_s: 28 next_trial: 30 } fields { key: \"a\\357\\277\\275\" value: \"1\" } fields { key: \"b\" value: \"2\" } } "
       "restarts_total: 10 clock_drift_ppm: 11 host_time_uncertainty_ns: 12 lost_events_total: 14 "
       "losses { reason: GAP_REASON_SILENCE gaps_total: 4 lost_scans_total: 3 } "
       "ring_fill { frames_percent: 31 record_percent: 32 } record_lag_s: 21");

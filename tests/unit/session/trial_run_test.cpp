@@ -53,12 +53,12 @@ std::string notices_of(TrialRun& run) {
   return text.str();
 }
 
-/// "waiting 1.1a of 4, next b at 105 cm, 0 s".
+/// "waiting 1.1a of 4, next 2b at 105 cm, 0 s".
 std::string view_of(const TrialRun& run, std::int64_t now_ns) {
   const TrialView view = run.view(now_ns);
   std::ostringstream text;
   text << name(view.phase) << ' ' << view.trial << '.' << view.attempt << view.condition << " of " << view.of << " block " << view.block;
-  if (!view.next_condition.empty()) text << ", next " << view.next_condition;
+  if (view.next_trial != 0) text << ", next " << view.next_trial << view.next_condition;
   if (view.next_target_cm) text << " at " << *view.next_target_cm << " cm";
   text << ", " << view.remaining_s << " s" << (run.is_finished() ? ", finished" : "");
   return text.str();
@@ -97,82 +97,83 @@ struct Script {
 
 TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
   RecordProperty("requirement", "SES-1");
-  for (const auto& [why, plan, commands, expected, earlier] : std::vector<Script>{
-           {"waits for the first command", timed(), "tick@100", " | waiting 0.1 of 4 block 1, next a, 0 s"},
-           {"all phases", timed(), "next@0 tick@1.999999999 tick@2 tick@7 tick@27 tick@37",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next b at 105 cm, 0 s"},
-           {"settling", timed(), "next@0 tick@2", " ready 1.1a@0 go 1.1a@2 | settling 1.1a of 4 block 1, next b at 105 cm, 5 s"},
-           {"measuring", timed(), "next@0 tick@7",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 | measuring 1.1a of 4 block 1, next b at 105 cm, 20 s"},
-           {"resting", timed(), "next@0 tick@27",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | resting 1.1a of 4 block 1, next b at 105 cm, 10 s"},
-           {"remaining time", timed(), "next@0 tick@1", " ready 1.1a@0 | ready 1.1a of 4 block 1, next b at 105 cm, 1 s"},
-           {"a late tick passes through phases without drift", timed(), "next@0 tick@1000",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next b at 105 cm, 0 s"},
-           {"a block over rests for the block", timed(), "next@0 next@30 tick@57",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) ready 2.1b@30(105cm) go 2.1b@32 measure 2.1b@37 done "
-            "2.1b@57 rest 2.1b@57(60s) | resting 2.1b of 4 block 1, next a, 60 s"},
-           {"starts by itself, all but the first", by_itself(timed()), "tick@500 next@500 tick@5000",
-            " ready 1.1a@500 go 1.1a@502 measure 1.1a@507 done 1.1a@527 rest 1.1a@527(10s) ready 2.1b@537(105cm) go 2.1b@539 measure "
-            "2.1b@544 done 2.1b@564 rest 2.1b@564(60s) ready 3.1a@624 go 3.1a@626 measure 3.1a@631 done 3.1a@651 rest 3.1a@651(10s) ready "
-            "4.1b@661(105cm) go 4.1b@663 measure 4.1b@668 done 4.1b@688 finished@688 | finished 4.1b of 4 block 2, 0 s, finished"},
-           {"without times, next ends or starts a trial", untimed(), "next@1 tick@1000 next@1001 next@1002 next@1003 !next@1004",
-            " ready 1.1a@1 go 1.1a@1 measure 1.1a@1 done 1.1a@1001 ready 2.1b@1002 go 2.1b@1002 measure 2.1b@1002 done 2.1b@1003 "
-            "finished@1003 | finished 2.1b of 2 block 1, 0 s, finished"},
-           {"without times and by itself", by_itself(untimed()), "next@0 next@1",
-            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@1 ready 2.1b@1 go 2.1b@1 measure 2.1b@1 | measuring 2.1b of 2 block 1, 0 s"},
-           {"next cuts nothing but a rest", timed(), "next@0 !next@1 !next@3 !next@10 next@28",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) ready 2.1b@28(105cm) | ready 2.1b of 4 block 1, next a, "
-            "2 s"},
-           {"nothing to void yet", timed(), "!redo@0 !reject@0 abort@0", " | waiting 0.1 of 4 block 1, next a, 0 s"},
-           {"rejected under way: rests before the next", by_itself(timed()), "next@0 reject@3 tick@13",
-            " ready 1.1a@0 go 1.1a@2 rejected 1.1a@3 rest 1.1a@3(10s) ready 2.1b@13(105cm) | ready 2.1b of 4 block 1, next a, 2 s"},
-           {"rejected while resting: the rest goes on", timed(), "next@0 reject@30",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) rejected 1.1a@30 | resting 1.1a of 4 block 1, next b at "
-            "105 cm, 7 s"},
-           {"redone twice", untimed(), "next@0 redo@0 redo@0",
-            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 redone 1.2a@0 ready 1.3a@0 go "
-            "1.3a@0 measure 1.3a@0 | measuring 1.3a of 2 block 1, next b, 0 s"},
-           {"attempts count anew in the next", untimed(), "next@0 redo@0 redo@0 next@0 next@0",
-            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 redone 1.2a@0 ready 1.3a@0 go "
-            "1.3a@0 measure 1.3a@0 done 1.3a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 | measuring 2.1b of 2 block 1, 0 s"},
-           {"the last can still be redone", untimed(), "next@0 next@0 next@0 next@0 redo@1",
-            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 redone 2.1b@1 "
-            "ready 2.2b@1 go 2.2b@1 measure 2.2b@1 | measuring 2.2b of 2 block 1, 0 s"},
-           {"and is then done", untimed(), "next@0 next@0 next@0 next@0 redo@1 next@2",
-            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 redone 2.1b@1 "
-            "ready 2.2b@1 go 2.2b@1 measure 2.2b@1 done 2.2b@2 finished@2 | finished 2.2b of 2 block 1, 0 s, finished"},
-           {"the last rejected stays finished, told once", untimed(), "next@0 next@0 next@0 next@0 reject@1",
-            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 rejected "
-            "2.1b@1 | finished 2.1b of 2 block 1, 0 s, finished"},
-           {"aborted after its time: done", timed(), "next@0 abort@28",
-            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next b at 105 cm, 0 s"},
-           {"time goes back", timed(), "next@10 tick@0", " ready 1.1a@10 | ready 1.1a of 4 block 1, next b at 105 cm, 12 s"},
-           {"no plan", {}, "tick@1 abort@1", " finished@0 | finished 0.1 of 0 block 1, 0 s, finished"},
-           {"earlier parts: none shown yet, not this one's to void",
-            timed(),
-            "!redo@0",
-            " | waiting 0.1 of 4 block 1, next b at 105 cm, 0 s",
-            {{1, 1, true}, {3, 2, true}, {0, 1, true}, {99, 1, true}, {4'000'000'000U, 1, true}}},
-           {"earlier parts: passed over",
-            timed(),
-            "next@0 tick@27 next@30 tick@100",
-            " ready 2.1b@0(105cm) go 2.1b@2 measure 2.1b@7 done 2.1b@27 rest 2.1b@27(60s) ready 4.1b@30(105cm) go 4.1b@32 measure 4.1b@37 "
-            "done 4.1b@57 finished@57 | finished 4.1b of 4 block 2, 0 s, finished",
-            {{1, 1, true}, {3, 1, true}}},
-           {"earlier parts: attempts continue their numbers",
-            timed(),
-            "next@0 redo@1 undo@2 redo@2.5",
-            " ready 2.4b@0(105cm) redone 2.4b@1 ready 2.5b@1(105cm) undone 2.4b@2 redone 2.4b@2.5 ready 2.6b@2.5(105cm) | ready 2.6b of 4 "
-            "block "
-            "1, next a, 2 s",
-            {{1, 1, true}, {2, 3, false}}},
-           {"all in earlier parts",
-            untimed(),
-            "!next@0",
-            " finished@0 | finished 0.1 of 2 block 1, 0 s, finished",
-            {{2, 1, true}, {1, 5, true}}},
-       }) {
+  for (
+      const auto& [why, plan, commands, expected, earlier] : std::vector<Script>{
+          {"waits for the first command", timed(), "tick@100", " | waiting 0.1 of 4 block 1, next 1a, 0 s"},
+          {"all phases", timed(), "next@0 tick@1.999999999 tick@2 tick@7 tick@27 tick@37",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next 2b at 105 cm, 0 s"},
+          {"settling", timed(), "next@0 tick@2", " ready 1.1a@0 go 1.1a@2 | settling 1.1a of 4 block 1, next 2b at 105 cm, 5 s"},
+          {"measuring", timed(), "next@0 tick@7",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 | measuring 1.1a of 4 block 1, next 2b at 105 cm, 20 s"},
+          {"resting", timed(), "next@0 tick@27",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | resting 1.1a of 4 block 1, next 2b at 105 cm, 10 s"},
+          {"remaining time", timed(), "next@0 tick@1", " ready 1.1a@0 | ready 1.1a of 4 block 1, next 2b at 105 cm, 1 s"},
+          {"a late tick passes through phases without drift", timed(), "next@0 tick@1000",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next 2b at 105 cm, 0 s"},
+          {"a block over rests for the block", timed(), "next@0 next@30 tick@57",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) ready 2.1b@30(105cm) go 2.1b@32 measure 2.1b@37 done "
+           "2.1b@57 rest 2.1b@57(60s) | resting 2.1b of 4 block 1, next 3a, 60 s"},
+          {"starts by itself, all but the first", by_itself(timed()), "tick@500 next@500 tick@5000",
+           " ready 1.1a@500 go 1.1a@502 measure 1.1a@507 done 1.1a@527 rest 1.1a@527(10s) ready 2.1b@537(105cm) go 2.1b@539 measure "
+           "2.1b@544 done 2.1b@564 rest 2.1b@564(60s) ready 3.1a@624 go 3.1a@626 measure 3.1a@631 done 3.1a@651 rest 3.1a@651(10s) ready "
+           "4.1b@661(105cm) go 4.1b@663 measure 4.1b@668 done 4.1b@688 finished@688 | finished 4.1b of 4 block 2, 0 s, finished"},
+          {"without times, next ends or starts a trial", untimed(), "next@1 tick@1000 next@1001 next@1002 next@1003 !next@1004",
+           " ready 1.1a@1 go 1.1a@1 measure 1.1a@1 done 1.1a@1001 ready 2.1b@1002 go 2.1b@1002 measure 2.1b@1002 done 2.1b@1003 "
+           "finished@1003 | finished 2.1b of 2 block 1, 0 s, finished"},
+          {"without times and by itself", by_itself(untimed()), "next@0 next@1",
+           " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@1 ready 2.1b@1 go 2.1b@1 measure 2.1b@1 | measuring 2.1b of 2 block 1, 0 s"},
+          {"next cuts nothing but a rest", timed(), "next@0 !next@1 !next@3 !next@10 next@28",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) ready 2.1b@28(105cm) | ready 2.1b of 4 block 1, next 3a, "
+           "2 s"},
+          {"nothing to void yet", timed(), "!redo@0 !reject@0 abort@0", " | waiting 0.1 of 4 block 1, next 1a, 0 s"},
+          {"rejected under way: rests before the next", by_itself(timed()), "next@0 reject@3 tick@13",
+           " ready 1.1a@0 go 1.1a@2 rejected 1.1a@3 rest 1.1a@3(10s) ready 2.1b@13(105cm) | ready 2.1b of 4 block 1, next 3a, 2 s"},
+          {"rejected while resting: the rest goes on", timed(), "next@0 reject@30",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) rejected 1.1a@30 | resting 1.1a of 4 block 1, next 2b at "
+           "105 cm, 7 s"},
+          {"redone twice", untimed(), "next@0 redo@0 redo@0",
+           " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 redone 1.2a@0 ready 1.3a@0 go "
+           "1.3a@0 measure 1.3a@0 | measuring 1.3a of 2 block 1, next 2b, 0 s"},
+          {"attempts count anew in the next", untimed(), "next@0 redo@0 redo@0 next@0 next@0",
+           " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 redone 1.2a@0 ready 1.3a@0 go "
+           "1.3a@0 measure 1.3a@0 done 1.3a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 | measuring 2.1b of 2 block 1, 0 s"},
+          {"the last can still be redone", untimed(), "next@0 next@0 next@0 next@0 redo@1",
+           " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 redone 2.1b@1 "
+           "ready 2.2b@1 go 2.2b@1 measure 2.2b@1 | measuring 2.2b of 2 block 1, 0 s"},
+          {"and is then done", untimed(), "next@0 next@0 next@0 next@0 redo@1 next@2",
+           " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 redone 2.1b@1 "
+           "ready 2.2b@1 go 2.2b@1 measure 2.2b@1 done 2.2b@2 finished@2 | finished 2.2b of 2 block 1, 0 s, finished"},
+          {"the last rejected stays finished, told once", untimed(), "next@0 next@0 next@0 next@0 reject@1",
+           " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 rejected "
+           "2.1b@1 | finished 2.1b of 2 block 1, 0 s, finished"},
+          {"aborted after its time: done", timed(), "next@0 abort@28",
+           " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next 2b at 105 cm, 0 s"},
+          {"time goes back", timed(), "next@10 tick@0", " ready 1.1a@10 | ready 1.1a of 4 block 1, next 2b at 105 cm, 12 s"},
+          {"no plan", {}, "tick@1 abort@1", " finished@0 | finished 0.1 of 0 block 1, 0 s, finished"},
+          {"earlier parts: none shown yet, not this one's to void",
+           timed(),
+           "!redo@0",
+           " | waiting 0.1 of 4 block 1, next 2b at 105 cm, 0 s",
+           {{1, 1, true}, {3, 2, true}, {0, 1, true}, {99, 1, true}, {4'000'000'000U, 1, true}}},
+          {"earlier parts: passed over",
+           timed(),
+           "next@0 tick@27 next@30 tick@100",
+           " ready 2.1b@0(105cm) go 2.1b@2 measure 2.1b@7 done 2.1b@27 rest 2.1b@27(60s) ready 4.1b@30(105cm) go 4.1b@32 measure 4.1b@37 "
+           "done 4.1b@57 finished@57 | finished 4.1b of 4 block 2, 0 s, finished",
+           {{1, 1, true}, {3, 1, true}}},
+          {"earlier parts: attempts continue their numbers",
+           timed(),
+           "next@0 redo@1 undo@2 redo@2.5",
+           " ready 2.4b@0(105cm) redone 2.4b@1 ready 2.5b@1(105cm) undone 2.4b@2 redone 2.4b@2.5 ready 2.6b@2.5(105cm) | ready 2.6b of 4 "
+           "block "
+           "1, next 3a, 2 s",
+           {{1, 1, true}, {2, 3, false}}},
+          {"all in earlier parts",
+           untimed(),
+           "!next@0",
+           " finished@0 | finished 0.1 of 2 block 1, 0 s, finished",
+           {{2, 1, true}, {1, 5, true}}},
+      }) {
     TrialRun run(plan, 1, kArm, earlier);
     EXPECT_EQ(told(run, commands), expected) << why;
   }
@@ -182,7 +183,7 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
   RecordProperty("requirement", "SES-3");
   const std::string to_measuring = " ready 1.1a@0 go 1.1a@2 measure 1.1a@7";
   const std::string to_rest = to_measuring + " done 1.1a@27 rest 1.1a@27(10s)";
-  const std::string next_b = " of 4 block 1, next b at 105 cm, ";
+  const std::string next_b = " of 4 block 1, next 2b at 105 cm, ";
   for (const auto& [why, plan, commands, expected, earlier] : std::vector<Script>{
            {"nothing to take back", timed(), "!undo@0 next@0 !undo@1", " ready 1.1a@0 | ready 1.1a" + next_b + "1 s"},
            {"measuring continues", timed(), "next@0 reject@10 undo@12 tick@27",
@@ -198,7 +199,7 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
            {"after 5 s", timed(), "next@0 reject@10 !undo@15",
             to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) | resting 1.1a" + next_b + "5 s"},
            {"after the next trial has begun", timed(), "next@0 reject@10 next@11 !undo@12",
-            to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) ready 2.1b@11(105cm) | ready 2.1b of 4 block 1, next a, 1 s"},
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) ready 2.1b@11(105cm) | ready 2.1b of 4 block 1, next 3a, 1 s"},
            {"twice", timed(), "next@0 reject@10 undo@11 !undo@12",
             to_measuring + " rejected 1.1a@10 rest 1.1a@10(10s) undone 1.1a@11 | measuring 1.1a" + next_b + "15 s"},
            {"after the session", timed(), "next@0 reject@10 abort@11 !undo@12",
@@ -210,7 +211,7 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
            {"redo whose attempt has ended", untimed(), "next@0 redo@0 next@1 !undo@2",
             " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 done 1.2a@1 | waiting 1.2a of 2 "
             "block "
-            "1, next b, 0 s"},
+            "1, next 2b, 0 s"},
            {"a rest continues", timed(), "next@0 reject@30 undo@31",
             to_rest + " rejected 1.1a@30 undone 1.1a@31 rest 1.1a@31(7s) | resting 1.1a" + next_b + "7 s"},
            {"the end of the plan", untimed(), "next@0 next@0 next@0 reject@1 undo@2 next@3",
@@ -218,11 +219,11 @@ TEST(TrialRun, Undo_ContinuesTheAttemptAsIfNothingHadHappened) {
             "2.1b@2 "
             "done 2.1b@3 finished@3 | finished 2.1b of 2 block 1, 0 s, finished"},
            {"a plan that starts by itself waits for it", by_itself(with_rest(timed(), 1)), "next@0 reject@10 tick@14.9 tick@15 !undo@15",
-            to_measuring + " rejected 1.1a@10 rest 1.1a@10(5s) ready 2.1b@15(105cm) | ready 2.1b of 4 block 1, next a, 2 s"},
+            to_measuring + " rejected 1.1a@10 rest 1.1a@10(5s) ready 2.1b@15(105cm) | ready 2.1b of 4 block 1, next 3a, 2 s"},
            {"also during a rest", by_itself(with_rest(timed(), 1)), "next@0 reject@27.5 tick@32.4 tick@32.5",
             to_measuring +
                 " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 rest 1.1a@27.5(5s) ready 2.1b@32.5(105cm) | ready 2.1b of 4 block 1, "
-                "next a, 2 s"},
+                "next 3a, 2 s"},
            {"a rest that was over meanwhile continues, too", by_itself(with_rest(timed(), 1)), "next@0 reject@27.5 undo@30",
             to_measuring +
                 " done 1.1a@27 rest 1.1a@27(1s) rejected 1.1a@27.5 rest 1.1a@27.5(5s) undone 1.1a@30 rest 1.1a@30(0.5s) | resting 1.1a" +
@@ -314,12 +315,12 @@ TEST(TrialRun, RedoRejectAndAbort_InEachPhase) {
     };
     EXPECT_EQ(after("redo# tick@1000 next@1000"), " redone 1.1a" + at(0) + " ready 1.2a" + at(0) + " go 1.2a" + at(2) + " measure 1.2a" +
                                                       at(7) + " done 1.2a" + at(27) + " rest 1.2a" + at(27) +
-                                                      "(10s) ready 2.1b@1000 | ready 2.1b of 4 block 1, next a, 2 s");
+                                                      "(10s) ready 2.1b@1000 | ready 2.1b of 4 block 1, next 3a, 2 s");
     EXPECT_EQ(after("reject# !reject# !redo# next# redo#"), " rejected 1.1a" + at(0) + (second < 27 ? " rest 1.1a" + at(0) + "(10s)" : "") +
                                                                 " ready 2.1b" + at(0) + " redone 2.1b" + at(0) + " ready 2.2b" + at(0) +
-                                                                " | ready 2.2b of 4 block 1, next a, 2 s");
+                                                                " | ready 2.2b of 4 block 1, next 3a, 2 s");
     EXPECT_EQ(after("abort# abort# !next# !redo# !reject# tick@1000"),
-              (second < 27 ? " aborted 1.1a" + at(0) : "") + " | waiting 1.1a of 4 block 1, next b, 0 s");
+              (second < 27 ? " aborted 1.1a" + at(0) : "") + " | waiting 1.1a of 4 block 1, next 2b, 0 s");
   }
 }
 

@@ -74,6 +74,7 @@ class ControlClient:
         return max(_TIMEOUT_S, COMMANDS[command].timeout_s) if self._timeout_s is None else self._timeout_s
 
     def _exchange(self, request: control_pb2.Request, timeout_s: float) -> control_pb2.Response:
+        check_open(self._context)
         probe(self._endpoint)
         request.request_id = secrets.token_hex(16)
         self._ignored = 0
@@ -107,7 +108,6 @@ class ControlClient:
 
     def _reopen(self) -> None:
         self._close_socket()
-        check_open(self._context)
         socket = self._context.socket(zmq.DEALER)
         socket.setsockopt(zmq.LINGER, 0)
         socket.setsockopt(zmq.MAXMSGSIZE, 4 * MAX_ANSWER_BYTES)

@@ -68,7 +68,10 @@ class Daemon:
         self._control = ControlClient(self._context, endpoints.control, timeout)
 
     def close(self) -> None:
-        """Closes the connection and all streams. Later commands and iterations raise `InvalidArgument`."""
+        """Closes the connection and all streams. Later commands and iterations raise `InvalidArgument`.
+
+        Call it when no other thread waits for a stream: closing a socket under a waiting thread ends that wait with an error of libzmq.
+        """
         self._control.close()
         self._context.destroy(linger=0)
 

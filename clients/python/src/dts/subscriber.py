@@ -51,8 +51,7 @@ class Subscriber:
 
     @property
     def statistics(self) -> Statistics:
-        """Counters since the subscription."""
-        self._note_interruptions()
+        """Counters since the subscription. `interruptions` is as of the last wait."""
         return self._inbox.statistics
 
     def silence_s(self) -> float:
@@ -131,7 +130,7 @@ class Subscriber:
     def _note_interruptions(self) -> None:
         """Counts the connections that have ended. Each wait calls it, because libzmq stops if nobody reads its messages about them."""
         while self._monitor is not None and not self._monitor.closed and self._monitor.poll(0) != 0:
-            self._monitor.recv_multipart()
+            self._monitor.recv_multipart(zmq.NOBLOCK)
             self._inbox.statistics.interruptions += 1
 
     def _open_socket(self) -> "zmq.Socket[bytes]":

@@ -23,6 +23,20 @@ export const pathIn = ({ pathname, hash }: Pick<Location, 'pathname' | 'hash'>):
 };
 
 const present = signal(pathIn(location));
-addEventListener('hashchange', () => (present.value = pathIn(location)));
+
+/** The newest address of each live page that names a rig: back from another page, the operator is at the same rig. */
+const live = new Map<string, string>();
+const remember = ([page = '', rig]: readonly string[]): void => {
+  if ((page === 'floor' || page === 'chair') && rig !== undefined) live.set(page, `#/${page}/${encodeURIComponent(rig)}`);
+};
+remember(present.peek());
+addEventListener('hashchange', () => {
+  const next = pathIn(location);
+  remember(next);
+  present.value = next;
+});
+
+/** Returns the address to which the tab of a page leads. */
+export const addressOf = (page: string): string => live.get(page) ?? `#/${page}`;
 
 export const path: ReadonlySignal<string[]> = present;

@@ -14,7 +14,7 @@ import type { Language } from '../strings/language';
 import { changeLanguage, language, languages } from '../strings/language';
 import { conditionOf } from './condition';
 import { hasResults } from './results';
-import { path } from './route';
+import { addressOf, path } from './route';
 import type { ThemeChoice } from './theme';
 import { themeChoice, themeChoices } from './theme';
 
@@ -32,7 +32,7 @@ const Tabs = ({ link }: { link: Link }): JSX.Element => {
   return (
     <nav aria-label={words.navigation} class="tabs">
       {pages.map((page) => (
-        <a key={page} href={`#/${page}`} class="tab" aria-current={page === shown ? 'page' : undefined} data-testid={`tab-${page}`}>
+        <a key={page} href={addressOf(page)} class="tab" aria-current={page === shown ? 'page' : undefined} data-testid={`tab-${page}`}>
           {words.pages[page]}
         </a>
       ))}

@@ -4,7 +4,6 @@ import type { JSX } from 'preact';
 import type { RigStatus } from '../../generated/dts/v1/control_pb';
 import type { Link } from '../../link/types';
 import { Live } from '../../parts/live';
-import { nextTrial } from '../../parts/next_trial';
 import { PatientButton } from '../../parts/patient_button';
 import { RigPage } from '../../parts/rig_page';
 import { useStartForm } from '../../parts/start_form';
@@ -47,7 +46,7 @@ const Chair = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
         </Live>
       </div>
       <div class="chair-below">
-        <Prompt examination={shown} session={session} next={nextTrial(shown.of, trials.value)} restS={restS} isGuiding={isGuiding} />
+        <Prompt examination={shown} session={session} restS={restS} isGuiding={isGuiding} />
         <ClassResult
           movement={shown.movement}
           reach={shown.reach}
@@ -58,7 +57,7 @@ const Chair = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
           isGuiding={isGuiding}
         />
         <AngleGauge movement={shown.movement} isOfLastTrial={shown.step === 'ready'} />
-        <Trials protocol={session?.protocol ?? ''} trials={trials.value ?? []} isOver={shown.step === 'finished' || shown.step === 'free'} />
+        <Trials protocol={session?.protocol ?? ''} trials={trials.value} isOver={shown.step === 'finished' || shown.step === 'free'} />
       </div>
       {!isGuiding ? null : session !== undefined && running ? (
         <TrialControls key={session.sessionId} link={link} rig={rig} session={session} examination={shown}>

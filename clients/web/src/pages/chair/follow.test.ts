@@ -41,14 +41,14 @@ test('useFollowed.Another session forgets the lines and loads its own trials', a
   const { now, trial, lines } = openChair();
   [READY, GO, DONE].forEach((kind) => trial(kind));
   await answered();
-  const before = now().trials.value?.map(({ condition }) => condition);
+  const before = now().trials.value.map(({ condition }) => condition);
 
   trial(READY, 1, 's2');
   const between = now().trials.value;
   await answered();
 
-  expect([before, between, lines()]).toEqual([['s1'], undefined, []]);
-  expect(now().trials.value?.map(({ condition }) => condition)).toEqual(['s2']);
+  expect([before, between, lines()]).toEqual([['s1'], [], []]);
+  expect(now().trials.value.map(({ condition }) => condition)).toEqual(['s2']);
 });
 
 test('useFollowed.Rest is counted down in whole seconds; the status names the session', () => {

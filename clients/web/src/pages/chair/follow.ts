@@ -18,8 +18,8 @@ export interface Followed {
   readonly ring: TransientRing;
   readonly ghosts: Ghosts;
   readonly examination: ReadonlySignal<Examination>;
-  /** Trials of the shown session, from the catalogue; undefined until it has answered. */
-  readonly trials: ReadonlySignal<readonly TrialRecord[] | undefined>;
+  /** Trials of the shown session, from the catalogue. */
+  readonly trials: ReadonlySignal<readonly TrialRecord[]>;
   /** Whole seconds of rest left. */
   readonly restS: ReadonlySignal<number>;
 }
@@ -33,8 +33,10 @@ const keepLines = (ghosts: Ghosts, ring: TransientRing, before: Examination, { e
   if (step === TrialEventKind.REDONE || step === TrialEventKind.REJECTED) ghosts.drop(trial);
 };
 
+const none: readonly TrialRecord[] = [];
+
 /** Loads the trials from the catalogue after each change: the tab itself may have missed earlier ones. */
-const useTrials = (link: Link, examination: ReadonlySignal<Examination>): ReadonlySignal<readonly TrialRecord[] | undefined> => {
+const useTrials = (link: Link, examination: ReadonlySignal<Examination>): ReadonlySignal<readonly TrialRecord[]> => {
   const answered = useSignal<{ readonly sessionId: string; readonly trials: readonly TrialRecord[] }>({ sessionId: '', trials: [] });
   const sessionId = useComputed(() => examination.value.sessionId);
   const changes = useComputed(() => examination.value.changes);
@@ -53,8 +55,8 @@ const useTrials = (link: Link, examination: ReadonlySignal<Examination>): Readon
       isWanted = false;
     };
   });
-  // Until the catalogue answers, a new session has no trials: those of the session before are not its own.
-  return useComputed(() => (answered.value.sessionId === sessionId.value ? answered.value.trials : undefined));
+  // Until the catalogue answers, a new session shows no trials: those of the session before are not its own.
+  return useComputed(() => (answered.value.sessionId === sessionId.value ? answered.value.trials : none));
 };
 
 export const useFollowed = (link: Link, rig: string): Followed => {

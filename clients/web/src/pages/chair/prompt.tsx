@@ -62,17 +62,16 @@ const TargetLine = ({ examination, session }: { examination: Examination; sessio
 interface PromptProps {
   examination: Examination;
   session: SessionInfo | undefined;
-  /** The trial that is next before any has begun in this part of the session. */
-  next: number | undefined;
   /** Whole seconds of rest left. */
   restS: ReadonlySignal<number>;
   /** False at a centre: nobody there can follow a hint. */
   isGuiding: boolean;
 }
 
-export const Prompt = ({ examination, session, next, restS, isGuiding }: PromptProps): JSX.Element => {
+export const Prompt = ({ examination, session, restS, isGuiding }: PromptProps): JSX.Element => {
   const { words, hints, readyForTrial, trialOf, attempt, rest } = strings.chair.prompt;
   const { step, trial, of } = examination;
+  const next = session?.trial?.nextTrial ?? 0;
   const outcome = session?.trial === undefined || !between.has(step) ? undefined : lastOutcome(session.trial);
   return (
     <section class={`chair-prompt chair-prompt-${step}`} aria-labelledby="chair-prompt-head">
@@ -88,7 +87,7 @@ export const Prompt = ({ examination, session, next, restS, isGuiding }: PromptP
         <>
           <TargetLine examination={examination} session={session} />
           <div class="chair-counter" data-testid="trial-counter">
-            {trial > 0 ? trialOf(whole(trial), whole(of)) : next !== undefined && readyForTrial(whole(next), whole(of))}
+            {trial > 0 ? trialOf(whole(trial), whole(of)) : next > 0 && readyForTrial(whole(next), whole(of))}
             {examination.attempt > 1 && `, ${attempt(whole(examination.attempt))}`}
           </div>
           {outcome !== undefined && (

@@ -7,6 +7,6 @@ export interface Attempt {
   readonly attempt: number;
 }
 
-/** Returns whether two are the same attempt. Running values name no attempt, so they are of none. */
+/** Returns whether two are the same attempt. Running values have no attempt number: they are never of the same one. */
 export const isSameAttempt = (one: Partial<Attempt> | undefined, other: Attempt | undefined): boolean =>
   other !== undefined && one?.sessionId === other.sessionId && one.trial === other.trial && one.attempt === other.attempt;

@@ -13,7 +13,6 @@ import type { Commands } from '../../parts/controls';
 import { CommandNotice, Tile, useCommands } from '../../parts/controls';
 import { Live, useIsOld } from '../../parts/live';
 import { conditionName, protocolName } from '../../parts/names';
-import { nextTrial } from '../../parts/next_trial';
 import { fixed, whole } from '../../parts/numbers';
 import { lastOutcome } from '../../parts/outcomes';
 import { RigPage } from '../../parts/rig_page';
@@ -75,20 +74,17 @@ const Guidance = ({ link, status, floor }: { link: Link; status: RigStatus; floo
   );
 };
 
-/** Returns the heading of a session: the trial, or which one is next, or else the protocol. */
-const titleOf = ({ protocol, trial: status }: SessionInfo, records: readonly TrialRecord[] | undefined): string => {
-  const { trial = 0, of = 0, condition = '' } = status ?? {};
+/** Returns the heading of a session with trials: the trial, or which one is next, or else the protocol. */
+const trialTitle = (protocol: string, { trial, nextTrial, of, condition }: TrialStatus): string => {
   if (trial > 0) return words.trialOf(conditionName(protocol, condition), whole(trial), whole(of));
-  const next = nextTrial(of, records);
-  return next === undefined ? protocolName(protocol) : words.readyForTrial(whole(next), whole(of));
+  return nextTrial > 0 ? words.readyForTrial(whole(nextTrial), whole(of)) : protocolName(protocol);
 };
 
-/** `records`: undefined until they have arrived. */
-const TrialHead = ({ session, records }: { session: SessionInfo | undefined; records: readonly TrialRecord[] | undefined }): JSX.Element => {
+const TrialHead = ({ session, records }: { session: SessionInfo | undefined; records: readonly TrialRecord[] }): JSX.Element => {
   if (!isActive(session)) return <h1 data-testid="trial-head">{words.noSession}</h1>;
   const { trial } = session;
   const protocol = protocolName(session.protocol);
-  const title = titleOf(session, records);
+  const title = trial === undefined ? protocol : trialTitle(session.protocol, trial);
   const attempt = trial !== undefined && trial.attempt > 1 ? words.attempt(whole(trial.attempt)) : '';
   return (
     <div>
@@ -96,7 +92,7 @@ const TrialHead = ({ session, records }: { session: SessionInfo | undefined; rec
       <p class="session-line" data-testid="session-id">
         {[title === protocol ? '' : protocol, session.subject, session.label, attempt].filter((part) => part !== '').join(' · ')}
       </p>
-      {trial !== undefined && <TrialStrip trial={trial} records={records ?? []} />}
+      {trial !== undefined && <TrialStrip trial={trial} records={records} />}
     </div>
   );
 };
@@ -130,7 +126,7 @@ const Side = ({ link, status, floor, form, commands, marking }: SideProps): JSX.
   return (
     <div class={`floor-side${isOld ? ' floor-side-old' : ''}`}>
       <div class={`floor-head${isActive(session) ? ' floor-head-session' : ''}`}>
-        <TrialHead session={session} records={record?.sessionId === session?.sessionId ? record?.trials : undefined} />
+        <TrialHead session={session} records={record?.sessionId === session?.sessionId ? (record?.trials ?? []) : []} />
         {isActive(session) && <Countdown link={link} session={session} />}
       </div>
       <SwayTiles floor={floor}>

@@ -123,6 +123,31 @@ test.each<[string, number, number | undefined]>([
   expect(floor.sway.value?.sway.trial).toBe(expected);
 });
 
+test('LiveFloor.ResultFromTheCatalogue that came too early is shown when the status allows it', () => {
+  const { floor, trial, status } = openFloor();
+  trial(TrialEventKind.DONE, 1000, 2);
+  trial(TrialEventKind.REJECTED, 1500, 2);
+
+  floor.recall(recalled(2)); // this tab missed the Undo
+  const before = floor.sway.value;
+  status(4000, sessionId, 2);
+
+  expect(before).toBeUndefined();
+  expect(floor.sway.value?.sway.trial).toBe(2);
+});
+
+test('LiveFloor.After a boot of the other computer its status is believed, although its clock begins again', () => {
+  const { fake, floor, trial, session } = openFloor();
+  trial(TrialEventKind.DONE, 900_000, 4);
+  session(SessionState.STARTING);
+
+  const rigs = [{ rig: { name: 'floor' }, session: { sessionId, state: SessionState.RUNNING, trial: { trial: 1, attempt: 1, lastOutcome: TrialOutcome.DONE } } }];
+  fake.link.status.value = create(StatusSnapshotSchema, { instanceId: 2n, hostTimeNs: hostNs(60_000), rigs });
+  floor.recall(recalled(1));
+
+  expect(floor.sway.value?.sway.trial).toBe(1);
+});
+
 test('LiveFloor.ResultFromTheCatalogue of a rejected trial is shown only after Undo', () => {
   const { floor, sway, trial } = openFloor();
   trial(TrialEventKind.DONE, 0, 4);

@@ -77,8 +77,11 @@ export class LiveFloor {
   #present: Attempt | undefined;
   /** The attempt that became void last, unless that was undone. Neither its result nor the decision about it may be shown. */
   #void: Attempt | undefined;
-  /** Host time of the newest event of a trial. */
+  /** A result from the catalogue that may not be shown yet: the status or an event may be behind it. */
+  #recalled: Sway | undefined;
+  /** Host time of the newest event of a trial, and the run of the daemon that it is of. */
   #changedNs = 0n;
+  #instanceId = 0n;
   #rateHz = 0;
   #loadN = NaN;
   #updatedMs = 0;
@@ -105,7 +108,15 @@ export class LiveFloor {
 
   /** Shows a final result from the catalogue as if it had just arrived, unless another trial has begun meanwhile, or this one became void. */
   recall(sway: Sway): void {
-    if (isSameAttempt(sway, this.#present) && !isSameAttempt(sway, this.#void)) this.#addSway(sway, this.#measuredSpan(sway));
+    this.#recalled = sway;
+    this.#showRecalled();
+  }
+
+  #showRecalled(): void {
+    const sway = this.#recalled;
+    if (sway === undefined || !isSameAttempt(sway, this.#present) || isSameAttempt(sway, this.#void)) return;
+    this.#recalled = undefined;
+    this.#addSway(sway, this.#measuredSpan(sway));
   }
 
   /** Returns when the measurement of an attempt began, in ms of performance.now(). Undefined if it has not, or if this tab did not see it. */
@@ -152,7 +163,7 @@ export class LiveFloor {
         return this.#addTrial(body.value, timeMs, event.hostTimeNs ?? 0n);
       case 'session':
         if (body.value.state !== SessionState.STARTING) return;
-        [this.#present, this.#measured] = [undefined, undefined];
+        [this.#present, this.#measured, this.#recalled] = [undefined, undefined, undefined];
         this.#showSway(undefined);
         return;
     }
@@ -171,6 +182,7 @@ export class LiveFloor {
   /** Learns what this tab missed: a hidden tab receives no events, and a new connection repeats none of a trial. */
   #follow(status: StatusSnapshot | undefined): void {
     if (status === undefined) return;
+    if (status.instanceId !== this.#instanceId) [this.#instanceId, this.#changedNs] = [status.instanceId, 0n]; // host time begins again at a boot
     const session = this.#sessionIn(status);
     const sessionId = session?.sessionId ?? '';
     if (includesEvent(status.hostTimeNs, this.#changedNs)) {
@@ -179,9 +191,10 @@ export class LiveFloor {
       this.#void = lastOutcome === TrialOutcome.DONE ? undefined : { sessionId, trial: lastTrial, attempt: lastAttempt };
     }
     const shown = this.sway.peek()?.sway;
-    if (shown?.isPreliminary !== false) return;
     // The page shows the result under the subject ID of this session.
-    if (shown.sessionId !== sessionId || isSameAttempt(shown, this.#void)) this.#showSway(undefined);
+    const isOfAnother = shown?.isPreliminary === false && (shown.sessionId !== sessionId || isSameAttempt(shown, this.#void));
+    if (isOfAnother) this.#showSway(undefined);
+    this.#showRecalled();
   }
 
   /** Running values describe the time before their event; the final ones the trial. */

@@ -168,7 +168,7 @@ const ChairScreen = ({ link, status, tones }: TaskProps): JSX.Element => {
   const shown = examination.value;
   const state = sittingState({ isOld, isRunning: isRunning(status), isSomebody, step: shown.step, trial: shown.trial });
   // A screen that was opened between two trials has not seen the reach: the catalogue has it.
-  const last = useComputed(() => trials.value?.at(-1)).value;
+  const last = useComputed(() => trials.value.at(-1)).value;
   const isSeen = shown.movement !== undefined || shown.isWithoutReach || state === 'back';
   const result = isSeen ? shown : { movement: last?.result?.movement, isWithoutReach: last?.result !== undefined && last.result.reach === undefined };
   const isPause = state === 'rest' || state === 'done';

@@ -27,11 +27,11 @@ interface Found {
   readonly leftOut: number;
 }
 
-const askSessions = async (link: Link, compared: Compared): Promise<Found> => {
+const askSessions = async (link: Link, compared: Compared, signal: AbortSignal): Promise<Found> => {
   if ('ids' in compared) return { sessions: await Promise.all(compared.ids.map((id) => askSession(link, id))), leftOut: 0 };
   const answer = await link.send({ case: 'listSessions', value: { subject: compared.subject, limit: mostListed } });
   const listed = answer.case === 'sessions' ? answer.value.sessions : [];
-  const sessions = await comparable(listed, (id) => askSession(link, id));
+  const sessions = await comparable(listed, (id) => askSession(link, id), signal);
   return { sessions, leftOut: listed.length - sessions.length };
 };
 
@@ -178,7 +178,7 @@ const Compare = ({ comparison }: { comparison: Comparison }): JSX.Element => {
 export const ComparePage = ({ link, compared }: { link: Link; compared: Compared }): JSX.Element => {
   const words = strings.sessions.compare;
   const key = link.state.value === 'up' ? JSON.stringify(compared) : '';
-  const asked = useAsked(key, () => askSessions(link, compared)).value;
+  const asked = useAsked(key, (signal) => askSessions(link, compared, signal)).value;
   const { answer, error } = asked;
   return (
     <div class="column">

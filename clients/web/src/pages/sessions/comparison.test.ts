@@ -72,8 +72,8 @@ test('compare.Result of one part of a resumed session is that of the session; re
   expect(cautions).toMatchObject([{ kind: 'resumed' }]);
 });
 
-const idsOfComparable = async (sessions: readonly SessionRecord[]): Promise<readonly string[]> => {
-  const found = await comparable(sessions, (id) => Promise.resolve(sessions.find(({ sessionId }) => sessionId === id)!));
+const idsOfComparable = async (sessions: readonly SessionRecord[], signal = new AbortController().signal): Promise<readonly string[]> => {
+  const found = await comparable(sessions, (id) => Promise.resolve(sessions.find(({ sessionId }) => sessionId === id)!), signal);
   return found.map(({ sessionId }) => sessionId);
 };
 
@@ -82,6 +82,7 @@ test('comparable.SessionsOfOtherRigs and without results are left out', async ()
   const sessions = [session('empty', 4, []), session('newest', 3, [mvelo(1)], chair), session('floor', 2, [mvelo(1)]), session('oldest', 1, [mvelo(1)], chair)];
 
   expect(await idsOfComparable(sessions)).toEqual(['newest', 'oldest']);
+  expect(await idsOfComparable(sessions, AbortSignal.abort())).toEqual([]);
 });
 
 test('comparable.Sessions that are left out take no place', async () => {

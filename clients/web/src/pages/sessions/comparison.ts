@@ -35,17 +35,20 @@ export interface Comparison {
 
 /**
  * Returns a subject's newest sessions with results, on the rig of the newest of them: a chair and a platform have no results in common. `listed` is
- * newest first and has no results; `ask` returns a session with its results.
+ * newest first and has no results; `ask` returns a session with its results. Asks for as many at a time as can be compared, until `signal`.
  */
-export const comparable = async (listed: readonly SessionRecord[], ask: (sessionId: string) => Promise<SessionRecord>): Promise<readonly SessionRecord[]> => {
-  const found: SessionRecord[] = [];
-  for (const { sessionId, rig } of listed) {
-    if (found.length === mostCompared) break;
-    if (found[0] !== undefined && rig !== found[0].rig) continue;
-    const session = await ask(sessionId);
-    if (session.results.length > 0) found.push(session);
+export const comparable = async (
+  listed: readonly SessionRecord[],
+  ask: (sessionId: string) => Promise<SessionRecord>,
+  signal: AbortSignal,
+): Promise<readonly SessionRecord[]> => {
+  let found: readonly SessionRecord[] = [];
+  for (let begin = 0; begin < listed.length && found.length < mostCompared && !signal.aborted; begin += mostCompared) {
+    const group = await Promise.all(listed.slice(begin, begin + mostCompared).map(({ sessionId }) => ask(sessionId)));
+    const all = [...found, ...group.filter(({ results }) => results.length > 0)];
+    found = all.filter(({ rig }) => rig === all[0]?.rig);
   }
-  return found;
+  return found.slice(0, mostCompared);
 };
 
 export const difference = (one: number | undefined, other: number | undefined): number | undefined =>

@@ -11,6 +11,7 @@ test.each([
   ['romberg', ['floor', 'plate']],
   ['reaching-short', ['chair']],
   ['free', ['floor', 'plate', 'chair']],
+  ['that-dtsd-does-not-have', []],
 ])('rigsFor.%s runs on %j, also if a session runs there', (protocol, expected) => {
   const kinds = { romberg: 'floor', 'reaching-short': 'chair', free: '' };
   protocols.value = Object.entries(kinds).map(([name, rigKind]) => create(ProtocolInfoSchema, { name, rigKind }));

@@ -37,9 +37,9 @@ interface Rig {
 const rigsOf = (link: Link): readonly Rig[] =>
   (link.status.value?.rigs ?? []).map(({ rig, session }) => ({ name: rig?.name ?? '', kind: rig?.kind ?? '', isBusy: isActive(session) }));
 
-/** Returns the rigs for which a protocol is made, also those in a session. */
+/** Returns the rigs for which a protocol is made, also those in a session. None if dtsd does not have the protocol. */
 export const rigsFor = (link: Link, protocol: string): readonly Rig[] => {
-  const kind = protocols.value.find(({ name }) => name === protocol)?.rigKind ?? '';
+  const kind = protocols.value.find(({ name }) => name === protocol)?.rigKind;
   return rigsOf(link).filter((rig) => kind === '' || rig.kind === kind);
 };
 

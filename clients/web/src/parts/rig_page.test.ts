@@ -23,17 +23,17 @@ const shownFor = (kind: 'floor' | 'chair', rigName: string | undefined, isFleet 
   return shown;
 };
 
-test.each<['floor' | 'chair', string | undefined, readonly string[]]>([
-  ['floor', undefined, ['plate']],
-  ['chair', undefined, ['left']],
-  ['chair', 'left', ['left']],
-  ['chair', 'right', ['right']],
-  ['chair', 'gone', []],
-  ['floor', 'gone', []],
-  ['chair', 'plate', []],
-])('RigPage.%s %s shows %j', (kind, name, expected) => {
-  expect(shownFor(kind, name)).toEqual(expected);
-  expect(shownFor(kind, name, true)).toEqual(expected);
+test('RigPage.Without a name shows the first rig of the kind', () => {
+  expect([shownFor('floor', undefined), shownFor('chair', undefined)]).toEqual([['plate'], ['left']]);
+});
+
+// requirement: UI-17
+test('RigPage.With a name shows that rig or none', () => {
+  for (const isFleet of [false, true]) {
+    const shown = ['left', 'right', 'gone', 'plate'].map((name) => shownFor('chair', name, isFleet));
+    expect(shown).toEqual([['left'], ['right'], [], []]);
+    expect(shownFor('floor', 'gone', isFleet)).toEqual([]);
+  }
 });
 
 test.each<[string, number, string | undefined, readonly string[]]>([

@@ -469,7 +469,7 @@ TEST_F(NoErasureTest, ErasureOfFewerSessionsThanAreMissing) {
 }
 
 TEST_F(NoErasureTest, CatalogueFromABackupInWhichAnErasureIsRepeated) {
-  RecordProperty("requirement", "FLEET-3");
+  RecordProperty("requirement", "FLEET-6");
   const auto backup = clinic_.sessions;
   const auto trail_of_backup = clinic_.trail;
   clinic_.sessions.clear();

@@ -148,6 +148,7 @@ test('LiveFloor.After a boot of the other computer its status is believed, altho
   expect(floor.sway.value?.sway.trial).toBe(1);
 });
 
+// requirement: UI-16
 test('LiveFloor.ResultFromTheCatalogue of a rejected trial is shown only after Undo', () => {
   const { floor, sway, trial } = openFloor();
   trial(TrialEventKind.DONE, 0, 4);

@@ -43,7 +43,7 @@ class English final : public Sentences {
   }
   [[nodiscard]] std::string classes_as_expected(std::uint32_t agreed, std::uint32_t compared) const override {
     return "The trunk class was as expected for the target in " + std::to_string(agreed) + " of " + std::to_string(compared) +
-           (compared == 1 ? " trial" : " trials") + " (without a reach, if the target needs no trunk movement, counts as expected).";
+           (compared == 1 ? " trial." : " trials.") + " A trial without a reach counts if its target needs no trunk movement.";
   }
   [[nodiscard]] std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const override {
     return "The trunk class is missing for " + std::to_string(rejected) + " of " + std::to_string(classified) +

@@ -52,7 +52,7 @@ class German final : public Sentences {
   [[nodiscard]] std::string classes_as_expected(std::uint32_t agreed, std::uint32_t compared) const override {
     return "Die Rumpfklasse entsprach in " + std::to_string(agreed) + " von " + std::to_string(compared) +
            (compared == 1 ? " Durchgang" : " Durchgängen") +
-           " dem Ziel (ohne Reichbewegung, wenn das Ziel keine Rumpfbewegung braucht, zählt als erwartet).";
+           " dem Ziel. Ein Durchgang ohne Reichbewegung zählt mit, wenn sein Ziel keine Rumpfbewegung braucht.";
   }
   [[nodiscard]] std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const override {
     return "Bei " + std::to_string(rejected) + " von " + std::to_string(classified) +

@@ -136,7 +136,7 @@ core::Status Outbox::look_for_erasures(const std::vector<MissingSession>& missin
 /// Sets those sessions to erased of which the trail proves it.
 core::Status Outbox::explain(const std::vector<MissingSession>& missing, const v1::GetAuditResponse& trail) {
   std::vector<MissingSession> gone;
-  std::map<std::int64_t, std::size_t> counts;  // of those that the same list lacked first
+  std::map<std::int64_t, std::size_t> counts;  // missing sessions by the time of the first list without them
   for (const MissingSession& session : missing) {
     const auto shown = clinic_.show(session.id);
     if (shown) continue;  // restored, or beyond what was listed

@@ -143,7 +143,7 @@ TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
           {"and is then done", untimed(), "next@0 next@0 next@0 next@0 redo@1 next@2",
            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 redone 2.1b@1 "
            "ready 2.2b@1 go 2.2b@1 measure 2.2b@1 done 2.2b@2 finished@2 | finished 2.2b of 2 block 1, 0 s, finished"},
-          {"the last rejected stays finished, told once", untimed(), "next@0 next@0 next@0 next@0 reject@1",
+          {"the last rejected stays finished, reported once", untimed(), "next@0 next@0 next@0 next@0 reject@1",
            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 rejected "
            "2.1b@1 | finished 2.1b of 2 block 1, 0 s, finished"},
           {"aborted after its time: done", timed(), "next@0 abort@28",

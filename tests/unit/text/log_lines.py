@@ -6,7 +6,7 @@
 
 A message stands between backticks before the colon of its list entry, or anywhere in the entry between double quotes. A program may join it from pieces:
 what the document has between its places (capital letters, "...") must be in a string of the C++ sources. Pieces of one word count only if there is no
-longer one. Exit status 0: all are found, 1: a list of those that are not.
+longer one. Exit status 0: all are found, 1: a list of the others.
 """
 import errno
 import os

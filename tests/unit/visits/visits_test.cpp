@@ -307,8 +307,8 @@ TEST(PlainWords, SayWhatTheTrunkDid) {
   EXPECT_EQ(
       words_of_session(reaching_on(0, 12.14), english(), titles_of(protocols, english())),
       (std::vector<std::string>{"120 % of arm length: the trunk bent 12.1° on average, in 3 reaches.",
-                                "The trunk class was as expected for the target in 6 of 8 trials (without a reach, if the target needs no "
-                                "trunk movement, counts as expected).",
+                                "The trunk class was as expected for the target in 6 of 8 trials. A trial without a reach counts if its "
+                                "target needs no trunk movement.",
                                 "The trunk class is missing for 1 of 9 reaches.",
                                 "At the same target the trunk angle varied by 2.0° from reach to reach (standard deviation)."}));
   EXPECT_EQ(words_of_session(reaching_on(0, 12.14), german()).front(),

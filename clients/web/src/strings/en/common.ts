@@ -83,7 +83,7 @@ export const common = {
     steppedOff: 'stepped off',
     feetMoved: 'feet moved',
     noReach: 'no reach',
-    noValues: 'no result',
+    noValues: 'no values',
   },
   trialEnded: {
     done: (trial: string) => `Trial ${trial} done`,
@@ -93,7 +93,7 @@ export const common = {
     steppedOff: (trial: string) => `Trial ${trial}: person stepped off`,
     feetMoved: (trial: string) => `Trial ${trial}: feet moved`,
     noReach: (trial: string) => `Trial ${trial}: no reach`,
-    noValues: (trial: string) => `Trial ${trial}: no result`,
+    noValues: (trial: string) => `Trial ${trial}: no values`,
   },
   undo: {
     undo: 'Undo',

@@ -20,7 +20,7 @@
 namespace dts::ctl {
 namespace {
 
-constexpr std::uint32_t kMostCompared = 12;  // a wider table would not fit on a page
+constexpr std::size_t kMostCompared = 12;  // a wider table would not fit on a page
 
 /// One result of all sessions: one value each, or none.
 struct Row {
@@ -45,32 +45,38 @@ struct Comparison {
   std::vector<std::string> warnings;
 };
 
-/// Keeps only a subject's sessions on one rig, the rig of the newest session with results: sessions on a chair and on a platform have no
-/// common results. Returns how many were removed.
-std::size_t keep_comparable(std::vector<v1::SessionRecord>& sessions) {
-  const auto has_results = [](const v1::SessionRecord& session) { return session.results_size() > 0; };
-  const auto newest = std::ranges::find_if(sessions, has_results);
-  const std::string rig = newest == sessions.end() ? std::string() : newest->rig();
-  return std::erase_if(sessions, [&](const v1::SessionRecord& session) { return !has_results(session) || session.rig() != rig; });
+/// Asks for a subject's newest sessions with results, on the rig of the newest of them: a chair and a platform have no results in common.
+/// Adds to `left_out` the sessions between them that are none of these.
+client::Result<std::vector<v1::SessionRecord>> ask_comparable(client::ControlClient& dts, const SessionArguments& wishes,
+                                                              std::size_t& left_out) {
+  v1::ListSessionsRequest request;
+  request.set_subject(wishes.subject);
+  request.set_protocol(wishes.protocol);
+  DTS_TRY_ASSIGN(const auto listed, dts.list_sessions(request));
+  std::vector<v1::SessionRecord> comparable;
+  for (const v1::SessionRecord& listed_session : listed.sessions()) {
+    if (comparable.size() == kMostCompared) break;
+    DTS_TRY_ASSIGN(auto session, dts.show_session(listed_session.session_id()));
+    const bool is_comparable = session.results_size() > 0 && (comparable.empty() || session.rig() == comparable[0].rig());
+    if (is_comparable) {
+      comparable.push_back(std::move(session));
+    } else {
+      ++left_out;
+    }
+  }
+  return comparable;
 }
 
 client::Result<std::vector<v1::SessionRecord>> ask_sessions(client::ControlClient& dts, const SessionArguments& wishes,
                                                             std::size_t& left_out) {
-  std::vector<std::string> ids = wishes.ids;
-  if (ids.empty()) {
-    v1::ListSessionsRequest request;
-    request.set_subject(wishes.subject);
-    request.set_protocol(wishes.protocol);
-    request.set_limit(kMostCompared);
-    DTS_TRY_ASSIGN(const auto listed, dts.list_sessions(request));
-    for (const v1::SessionRecord& session : listed.sessions()) ids.push_back(session.session_id());
-  }
   std::vector<v1::SessionRecord> sessions;
-  for (const std::string& id : ids) {
+  if (wishes.ids.empty()) {
+    DTS_TRY_ASSIGN(sessions, ask_comparable(dts, wishes, left_out));
+  }
+  for (const std::string& id : wishes.ids) {
     DTS_TRY_ASSIGN(auto session, dts.show_session(id));
     sessions.push_back(std::move(session));
   }
-  if (wishes.ids.empty()) left_out = keep_comparable(sessions);
   std::ranges::stable_sort(sessions, {}, [](const v1::SessionRecord& session) { return session.started_utc_ns(); });
   return sessions;
 }

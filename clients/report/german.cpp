@@ -16,24 +16,25 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Werten, keine Überwachung von Patienten."},
     // Decision of the steadiness model
     {kDecisionLimit, "Keine Aussage über Gesundheit oder Sturzgefahr."},
-    {"Decision of the steadiness model, recorded live", "Zuordnung durch das Schwankungsmodell, live aufgezeichnet"},
+    {"Decision of the steadiness model, recorded live", "Zuordnung durch das Modell der Standruhe, live aufgezeichnet"},
     {"Model", "Modell"},
-    {"Sway resembles", "Ähnlichkeit des Schwankens"},
-    {"like {!}, p {#}", "wie {}, p {}"},
+    {"Sway resembles", "Schwankung ähnlich"},
+    {"like {!}, p {#}", "wie {}, Wahrscheinlichkeit {}"},
+    {"p {#}", "Wahrsch. {}"},
     {"like {!}", "wie {}"},
-    {"no decision: {!} is outside of the training", "keine Zuordnung: {} liegt außerhalb des Trainings"},
-    {"no decision: {!} are outside of the training", "keine Zuordnung: {} liegen außerhalb des Trainings"},
+    {"no decision: {!} is outside of the training", "keine Zuordnung: {} liegt außerhalb der Lerndaten des Modells"},
+    {"no decision: {!} are outside of the training", "keine Zuordnung: {} liegen außerhalb der Lerndaten des Modells"},
     {"no decision: {!} is missing", "keine Zuordnung: {} fehlt"},
     {"no decision: {!} are missing", "keine Zuordnung: {} fehlen"},
     {"no decision: the trial is not valid (stepped off or moved the feet)",
      "keine Zuordnung: Der Durchgang ist nicht gültig (Platte verlassen oder Füße bewegt)"},
     {"no decision: the trial has another rate, filter or duration than the training",
-     "keine Zuordnung: Der Durchgang hat eine andere Abtastrate, Filterung oder Dauer als das Training"},
+     "keine Zuordnung: Der Durchgang hat eine andere Abtastrate, Filterung oder Dauer als die Lerndaten"},
     {"no decision: unknown reason", "keine Zuordnung: Grund unbekannt"},
     {"{!}: trained on {#} people ({!}); AUC in people left out of it: {#} ({}; 0.50 is chance).",
-     "{}: mit {} Personen trainiert ({}); AUC bei anderen Personen: {} ({}; 0,50 ist Zufall)."},
+     "{}: Modell aus Daten von {} Personen gelernt ({}); AUC bei anderen Personen: {} ({}; 0,50 ist Zufall)."},
     {"{!}: trained on {#} people; AUC in people left out of it: {#} ({}; 0.50 is chance).",
-     "{}: mit {} Personen trainiert; AUC bei anderen Personen: {} ({}; 0,50 ist Zufall)."},
+     "{}: Modell aus Daten von {} Personen gelernt; AUC bei anderen Personen: {} ({}; 0,50 ist Zufall)."},
     {"{#}..{#}", "{}..{}"},
     {"Better than one measure, {!} ({#}).", "Besser als eine Kenngröße allein, {} ({})."},
     {"No better than one measure, {!} ({#}).", "Nicht besser als eine Kenngröße allein, {} ({})."},
@@ -48,7 +49,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Rig", "Messplatz"},
     {"Protocol", "Protokoll"},
     {"Condition", "Bedingung"},
-    {"Labels", "Merkmale"},
+    {"Labels", "Stichworte"},
     {"Outcome", "Ausgang"},
     {"Started", "Beginn"},
     {"Measured from", "Gemessen ab"},
@@ -60,12 +61,13 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Trials", "Durchgänge"},
     {"unknown", "unbekannt"},
     {"none", "keine"},
+    {"no filter", "kein Filter"},
     {"None.", "Keine."},
     {"{#} of {#} valid", "{} von {} gültig"},
     {"{#} valid", "{} gültig"},
     {"{} (corrected; recorded: {})", "{} (berichtigt; aufgezeichnet: {})"},
     {" (corrected; recorded: {!})", " (berichtigt; aufgezeichnet: {})"},  // after a text of a person
-    {" (corrected; recorded: none)", " (berichtigt; aufgezeichnet: keine)"},
+    {" (corrected; recorded: none)", " (berichtigt; aufgezeichnet: leer)"},
     {"{} s, N = {} at {} Hz", "{} s, N = {} bei {} Hz"},
     {"{#} years", "{} Jahre"},
     {"{} kg, corrected for two feet with the stated stance width of {} mm",
@@ -81,7 +83,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"attempt {#}", "Versuch {}"},
     {"standing {#}", "Stehen {}"},
     {"standing", "Stehen"},
-    {"no condition", "ohne Bedingung"},
+    {"no condition", "keine Bedingung"},
     {"{} (n = {})", "{} (n = {})"},
     {"eyes open", "Augen offen"},
     {"eyes closed", "Augen geschlossen"},
@@ -150,22 +152,23 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"checksum wrong", "falsche Prüfsumme"},
     {"the index does not fit the file", "das Verzeichnis passt nicht zur Datei"},
     {"the index lists {#} bytes more than the file has", "das Verzeichnis nennt {} Bytes mehr, als die Datei hat"},
-    {"{#} scans were dropped: the queue to the recorder was full", "{} Abtastungen verworfen: Die Warteschlange der Aufzeichnung war voll"},
+    {"{#} scans were dropped: the queue to the recorder was full",
+     "verworfene Abtastungen: {}; die Warteschlange der Aufzeichnung war voll"},
     {"{!} ends before its file header", "{} endet vor dem Dateikopf"},
     {"stopped at {#} of {#} bytes", "angehalten bei {} von {} Bytes"},
     // Why a trial has no values
-    {"no samples arrived during the measurement", "während der Messung kamen keine Werte an"},
-    {"the session ended before the last samples of the trial arrived", "die Untersuchung endete vor den letzten Werten des Durchgangs"},
+    {"no samples arrived during the measurement", "während der Messung kamen keine Messwerte an"},
+    {"the session ended before the last samples of the trial arrived", "die Untersuchung endete vor den letzten Messwerten des Durchgangs"},
     {"{}: analyse the recording with dtslab sway", "{}: die Aufzeichnung mit dtslab sway auswerten"},
-    {"samples were dropped before the analysis", "vor der Auswertung gingen Werte verloren"},
+    {"samples were dropped before the analysis", "vor der Auswertung gingen Messwerte verloren"},
     {"longer than 10 min", "länger als 10 min"},
     {"dtsd was too busy", "dtsd war zu beschäftigt"},
-    {"there is no sample of the centre of pressure", "es gibt keinen Wert des Druckmittelpunkts"},
+    {"there is no sample of the centre of pressure", "es gibt keinen Messwert des Druckmittelpunkts"},
     {"check that a person stood on the plate and that samples were recorded",
-     "prüfen, ob eine Person auf der Platte stand und Werte aufgezeichnet wurden"},
+     "prüfen, ob eine Person auf der Platte stand und Messwerte aufgezeichnet wurden"},
     {"only {#} samples ({#} s) are left of the centre of pressure, and {#} are needed",
-     "nur {} Werte ({} s) des Druckmittelpunkts sind übrig, {} sind nötig"},
-    {"record for longer, or shorten the settling time", "länger aufzeichnen oder die Beruhigungszeit kürzen"},
+     "nur {} Messwerte ({} s) des Druckmittelpunkts sind übrig, {} sind nötig"},
+    {"record for longer, or shorten the settling time", "länger aufzeichnen oder die Vorlaufzeit kürzen"},
     {"the columns of the centre of pressure are not equally long", "die Spalten des Druckmittelpunkts sind verschieden lang"},
     {"a centre of pressure sampled at {}", "ein Druckmittelpunkt mit {}"},
     {"rates of 10 to 100000 Hz can be analysed", "10 bis 100000 Hz können ausgewertet werden"},
@@ -173,8 +176,8 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"use the profile asis", "das Profil asis verwenden"},
     {"unknown profile", "unbekanntes Profil"},
     {"the rate of the analysis is not valid", "die Abtastrate der Auswertung ist nicht gültig"},
-    {"the settling time is not valid", "die Beruhigungszeit ist nicht gültig"},
-    {"the trial has more than {#} samples, gaps included", "der Durchgang hat mehr als {} Werte, Lücken eingeschlossen"},
+    {"the settling time is not valid", "die Vorlaufzeit ist nicht gültig"},
+    {"the trial has more than {#} samples, gaps included", "der Durchgang hat mehr als {} Messwerte, Lücken eingeschlossen"},
     {"the trials with eyes open are not equally long", "die Durchgänge mit offenen Augen sind verschieden lang"},
     {"the trials with eyes closed are not equally long", "die Durchgänge mit geschlossenen Augen sind verschieden lang"},
     {"the trials with eyes open last {#} s, those with eyes closed {#} s",
@@ -184,7 +187,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"No values: {}.", "Keine Werte: {}."},
     {"Invalid: the subject stepped off or moved the feet. Do not use the values to judge steadiness.",
      "Ungültig: Die Person hat die Platte verlassen oder die Füße bewegt. Die Werte nicht zur Beurteilung der Standruhe verwenden."},
-    {"{} more stabilograms are only on the pages of their trials.", "{} weitere Stabilogramme stehen nur auf den Seiten ihrer Durchgänge."},
+    {"{} more stabilograms are only on the pages of their trials.", "Weitere Stabilogramme, nur auf den Seiten ihrer Durchgänge: {}."},
     {"This page is full; the HTML page shows everything.", "Diese Seite ist voll; die HTML-Seite zeigt alles."},
     {"The reference ranges are from trials of {} s; this trial has {} s. Distances, ranges, areas and frequencies depend on the duration: "
      "do "
@@ -203,7 +206,7 @@ constexpr auto kTexts = std::to_array<Translated>({
      "abgeleitete "
      "Kenngrößen hängen vom Filter ab."},
     {"Live values of the daemon and values computed now differ: {} measures ({!}).",
-     "Live-Werte des Dienstes und jetzt berechnete Werte weichen voneinander ab: {} Kenngrößen ({})."},
+     "Live-Werte des Dienstes und jetzt berechnete Werte weichen voneinander ab. Kenngrößen: {} ({})."},
     // Sections
     {"Core measures", "Wichtigste Kenngrößen"},
     {"All measures", "Alle Kenngrößen"},
@@ -216,7 +219,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Duration, s", "Dauer, s"},
     {"Mean per condition, valid trials", "Mittel je Bedingung, gültige Durchgänge"},
     {"Mean freq.", "Mittl. Freq."},
-    {"{} more trials are only on their own pages.", "{} weitere Durchgänge stehen nur auf ihren eigenen Seiten."},
+    {"{} more trials are only on their own pages.", "Weitere Durchgänge, nur auf ihren eigenen Seiten: {}."},
     {"No trial to analyse: no one stood still on the plate for 10 s without a break.",
      "Kein Durchgang auszuwerten: Niemand stand 10 s ohne Unterbrechung ruhig auf der Platte."},
     {"Romberg quotient", "Romberg-Quotient"},
@@ -231,9 +234,9 @@ constexpr auto kTexts = std::to_array<Translated>({
      "people aged 60 or more, illness allowed. Computed from Santos & Duarte 2016, PeerJ 4:e2648 (CC BY 4.0), another device. Not "
      "comparable "
      "with one foot, foam or other durations.",
-     "Veröffentlicht: Median (5-95 %), zwei Füße, fester Untergrund, 60 s; (1) 36 Personen von 20 bis 38 Jahren, keine Krankheit, "
-     "Behinderung "
-     "oder Sturz angegeben; (2) 76 Personen ab 60 Jahren, Krankheiten zugelassen. Berechnet aus Santos & Duarte 2016, PeerJ 4:e2648 (CC BY "
+     "Veröffentlicht: Median (5-95 %), zwei Füße, fester Untergrund, 60 s; (1) 36 Personen von 20 bis 38 Jahren, weder Krankheit "
+     "noch Behinderung noch Sturz angegeben; (2) 76 Personen ab 60 Jahren, Krankheiten zugelassen. Berechnet aus Santos & Duarte 2016, "
+     "PeerJ 4:e2648 (CC BY "
      "4.0), anderes Gerät. Nicht vergleichbar mit einem Fuß, Schaumstoff oder anderer Dauer."},
     {"{} The trials of this session have {} s: do not compare them with the published values.",
      "{} Die Durchgänge dieser Untersuchung haben {} s: nicht mit den veröffentlichten Werten vergleichen."},
@@ -242,33 +245,33 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"invalid: the subject stepped off or moved the feet", "ungültig: Die Person hat die Platte verlassen oder die Füße bewegt"},
     {"Trial {}: samples are missing; only the longest part without a gap was analysed: {} s. The trial is in a mean only if every trial of "
      "its condition has missing samples.",
-     "Durchgang {}: Abtastungen fehlen; ausgewertet wurde nur der längste Teil ohne Lücke: {} s. Der Durchgang steht nur in einem Mittel, "
-     "wenn jedem Durchgang seiner Bedingung Abtastungen fehlen."},
-    {"{} of {} planned trials have no valid result: {}.", "{} von {} geplanten Durchgängen haben kein gültiges Ergebnis: {}."},
-    {"No Romberg quotient for {}: {}.", "Kein Romberg-Quotient für {}: {}."},
+     "Durchgang {}: Messwerte fehlen; ausgewertet wurde nur der längste Teil ohne Lücke: {} s. Der Durchgang geht nur dann in ein "
+     "Mittel ein, wenn in jedem Durchgang seiner Bedingung Messwerte fehlen."},
+    {"{} of {} planned trials have no valid result: {}.", "Durchgänge ohne gültiges Ergebnis: {} von {} geplanten ({})."},
+    {"No Romberg quotient for {}: {}.", "Kein Romberg-Quotient ({}): {}."},
     {"No Romberg quotient: {}.", "Kein Romberg-Quotient: {}."},
     {"With feedback: the subject saw the own COP. Do not compare this trial with trials without feedback.",
      "Mit Rückmeldung: Die Person hat den eigenen Druckmittelpunkt (COP) gesehen. Diesen Durchgang nicht mit Durchgängen ohne Rückmeldung "
      "vergleichen."},
-    {"there are several conditions with eyes {}", "es gibt mehrere Bedingungen mit Augen {}"},
-    {"no trial with eyes {} counts", "kein Durchgang mit Augen {} zählt"},
+    {"there are several conditions with eyes {}", "es gibt mehrere Bedingungen „Augen {}“"},
+    {"no trial with eyes {} counts", "kein Durchgang „Augen {}“ zählt"},
     {"open", "offen"},
     {"closed", "geschlossen"},
     {"Corrections", "Berichtigungen"},
     {"More corrections: dtsctl session show ID.", "Weitere Berichtigungen: dtsctl session show ID."},
     {"outcome of trial {#}, attempt {#}: {} -> {}, {!} UTC, {!}: {!}.", "Ausgang von Durchgang {}, Versuch {}: {} -> {}, {} UTC, {}: {}."},
     {"{}: {!} -> {!}, {!} UTC, {!}: {!}.", "{}: {} -> {}, {} UTC, {}: {}."},
-    {"{}: none -> {!}, {!} UTC, {!}: {!}.", "{}: keine -> {}, {} UTC, {}: {}."},
-    {"{}: {!} -> none, {!} UTC, {!}: {!}.", "{}: {} -> keine, {} UTC, {}: {}."},
+    {"{}: none -> {!}, {!} UTC, {!}: {!}.", "{}: leer -> {}, {} UTC, {}: {}."},
+    {"{}: {!} -> none, {!} UTC, {!}: {!}.", "{}: {} -> leer, {} UTC, {}: {}."},
     {"{}: [removed] -> {!}, {!} UTC, {!}: {!}.", "{}: [entfernt] -> {}, {} UTC, {}: {}."},
-    {"{}: [removed] -> none, {!} UTC, {!}: {!}.", "{}: [entfernt] -> keine, {} UTC, {}: {}."},
+    {"{}: [removed] -> none, {!} UTC, {!}: {!}.", "{}: [entfernt] -> leer, {} UTC, {}: {}."},
     {"subject ID", "Personen-ID"},
     {"label", "Stichwort"},
     {"notes", "Notizen"},
     {"outcome", "Ausgang"},
     {"Live values of the daemon and values computed now differ by more than 1e-9 in {} of {} trials and {} results of the session.",
-     "Live-Werte des Dienstes und jetzt berechnete Werte weichen um mehr als 1e-9 ab: in {} von {} Durchgängen und {} Ergebnissen der "
-     "Untersuchung."},
+     "Live-Werte des Dienstes und jetzt berechnete Werte weichen um mehr als 1e-9 ab. Durchgänge: {} von {}; Ergebnisse der "
+     "Untersuchung: {}."},
     {"Live and recomputed values match in {} trial.", "Live-Werte und neu berechnete Werte stimmen überein, in {} Durchgang."},
     {"Live and recomputed values match in {} trials.", "Live-Werte und neu berechnete Werte stimmen überein, in {} Durchgängen."},
     {"Live and recomputed values match.", "Live-Werte und neu berechnete Werte stimmen überein."},
@@ -296,7 +299,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Two feet: load and position are corrected for a person on two feet",
      "Zwei Füße: Last und Lage sind für eine Person auf zwei Füßen korrigiert"},
     {"Two feet: not corrected: on two feet the load reads too low and sway slightly too small",
-     "Zwei Füße: nicht korrigiert; auf zwei Füßen ist die Last zu klein und die Schwankung etwas zu klein"},
+     "Zwei Füße: nicht korrigiert; auf zwei Füßen wird die Last zu niedrig und die Schwankung etwas zu klein gemessen"},
     {"Methods, for a paper", "Methoden, für eine Veröffentlichung"},
     {"The data are synthetic, no person was measured: {}", "Die Daten sind synthetisch, es wurde keine Person gemessen: {}"},
     {"the centre of pressure was simulated for {} at {}, filtered ({}) and analysed at {}. Gaps of up to 50 ms were interpolated linearly, "
@@ -308,7 +311,8 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Der Druckmittelpunkt wurde simuliert für {} bei {}, gefiltert ({}) und ausgewertet bei {}. Lücken bis 50 ms wurden linear "
      "interpoliert, "
      "und das Mittel jedes Durchgangs wurde abgezogen. AP ist nach vorn positiv, ML nach rechts. Kenngrößen im Zeitbereich und im Spektrum "
-     "sind wie in Prieto et al. (1996) definiert, die 95-%-Prognoseellipse wie in Schubert und Kirchner (2014), die Stabilogramm-Diffusion "
+     "sind wie in Prieto et al. (1996) definiert, die 95-%-Vorhersageellipse wie in Schubert und Kirchner (2014), die "
+     "Stabilogramm-Diffusion "
      "wie "
      "in Collins und De Luca (1993). Alle Kenngrößen wurden mit {} berechnet."},
     {"The centre of pressure was recorded with {} at {}, filtered ({}) and analysed at {}. Gaps of up to 50 ms were interpolated linearly, "
@@ -317,13 +321,14 @@ constexpr auto kTexts = std::to_array<Translated>({
      "defined as in Prieto et al. (1996), the 95 % prediction ellipse as in Schubert and Kirchner (2014), stabilogram diffusion as in "
      "Collins "
      "and De Luca (1993). All measures were computed with {!}.",
-     "Der Druckmittelpunkt wurde aufgezeichnet mit {} bei {}, gefiltert ({}) und ausgewertet bei {}. Lücken bis 50 ms wurden linear "
+     "Der Druckmittelpunkt wurde über {} bei {} aufgezeichnet, gefiltert ({}) und ausgewertet bei {}. Lücken bis 50 ms wurden linear "
      "interpoliert, und das Mittel jedes Durchgangs wurde abgezogen. AP ist nach vorn positiv, ML nach rechts. Kenngrößen im Zeitbereich "
      "und "
-     "im Spektrum sind wie in Prieto et al. (1996) definiert, die 95-%-Prognoseellipse wie in Schubert und Kirchner (2014), die "
+     "im Spektrum sind wie in Prieto et al. (1996) definiert, die 95-%-Vorhersageellipse wie in Schubert und Kirchner (2014), die "
      "Stabilogramm-Diffusion wie in Collins und De Luca (1993). Alle Kenngrößen wurden mit {} berechnet."},
     {"{}, data acquisition by {!},", "{}, Datenerfassung mit {},"},
-    {"{} Hz and {} Hz", "{} Hz und {} Hz"},
+    {"{#} and {#} Hz", "{} und {} Hz"},
+    {"{#} and {#}", "{} und {}"},
     {"{} Hz ({!})", "{} Hz ({})"},
     {"a force plate", "eine Kraftmessplatte"},
     {"a platform", "eine Plattform"},
@@ -332,7 +337,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Quality and notes", "Qualität und Hinweise"},
     {"No problem found: the trial is long enough and has no gap, no jump and no doubtful sensor.",
      "Kein Problem gefunden: Der Durchgang ist lang genug, ohne Lücke, ohne Sprung und ohne zweifelhaften Sensor."},
-    {"{} of {} samples are missing; {} of them were interpolated.", "{} von {} Abtastungen fehlen; {} davon wurden interpoliert."},
+    {"{} of {} samples are missing; {} of them were interpolated.", "{} von {} Messwerten fehlen; {} davon wurden interpoliert."},
     {"AP: anterior-posterior, front is positive. ML: medio-lateral, right is positive. RD: distance from the mean. Unit 1: no unit. exp.: "
      "experimental, no agreed definition.",
      "AP: anterior-posterior, vorn ist positiv. ML: mediolateral, rechts ist positiv. RD: Abstand vom Mittel. Einheit 1: ohne Einheit. "
@@ -353,11 +358,11 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"field {!}", "Angabe {}"},
     {"not defined: the COP does not move", "nicht definiert: Der COP bewegt sich nicht"},
     {"the COP does not move", "der COP bewegt sich nicht"},
-    {"needs 10 s and 200 samples", "braucht 10 s und 200 Abtastungen"},
+    {"needs 10 s and 200 samples", "braucht 10 s und 200 Messwerte"},
     {"needs {} s", "braucht {} s"},
     {"not defined: the COP moves along one axis only", "nicht definiert: Der COP bewegt sich nur entlang einer Achse"},
     {"defined only if D-S > D-L and the lines cross below 10 s", "nur definiert, wenn D-S > D-L und die Geraden sich unter 10 s schneiden"},
-    {"lag above half the duration", "Verzögerung über der halben Dauer"},
+    {"lag above half the duration", "Zeitabstand über der halben Dauer"},
     {"not defined for this record", "für diese Aufzeichnung nicht definiert"},
     {"the trial was not analysed", "der Durchgang wurde nicht ausgewertet"},
     {"no spectrum: {}", "kein Spektrum: {}"},
@@ -371,7 +376,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Ref. {#}: median (5-95 % range) of {}; {}; median of three trials; computed for dtsd from {!}.",
      "Vgl. {}: Median (5-95-%-Bereich) von {}; {}; Median aus drei Durchgängen; für dtsd berechnet aus {}."},
     {"36 people of 20 to 38 years, no illness, disability or fall reported",
-     "36 Personen von 20 bis 38 Jahren, keine Krankheit, Behinderung oder Sturz angegeben"},
+     "36 Personen von 20 bis 38 Jahren, weder Krankheit noch Behinderung noch Sturz angegeben"},
     {"76 people aged 60 or more, illness allowed (6 of them free of every condition): not a norm of healthy elderly people",
      "76 Personen ab 60 Jahren, Krankheiten zugelassen (6 davon ohne jede Krankheit): keine Norm gesunder älterer Menschen"},
     {"eyes open, firm surface, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis",
@@ -381,12 +386,12 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"eyes closed, foam, 60 s, force plate at 100 Hz, low-passed at 10 Hz by its authors, profile asis",
      "Augen geschlossen, Schaumstoff, 60 s, Kraftmessplatte mit 100 Hz, von den Autoren bei 10 Hz tiefpassgefiltert, Profil asis"},
     // Flags of an analysis
-    {"Under 10 s or 200 samples: time-domain values only.", "Unter 10 s oder 200 Abtastungen: nur Werte im Zeitbereich."},
+    {"Under 10 s or 200 samples: time-domain values only.", "Unter 10 s oder 200 Messwerte: nur Werte im Zeitbereich."},
     {"Under 20 s: no median and 95 % frequency.", "Unter 20 s: keine Medianfrequenz und keine 95-%-Frequenz."},
     {"Under 30 s: no stabilogram diffusion.", "Unter 30 s: keine Stabilogramm-Diffusion."},
-    {"More than 1 % of the samples are missing.", "Mehr als 1 % der Abtastungen fehlen."},
+    {"More than 1 % of the samples are missing.", "Mehr als 1 % der Messwerte fehlen."},
     {"Samples are missing for more than 50 ms: only the longest clean stretch was analysed.",
-     "Abtastungen fehlen für mehr als 50 ms: Ausgewertet wurde nur die längste saubere Strecke."},
+     "Messwerte fehlen für mehr als 50 ms: Ausgewertet wurde nur die längste saubere Strecke."},
     {"The time stamps are uneven: interpolated linearly.", "Die Zeitstempel sind ungleichmäßig: linear interpoliert."},
     {"The time stamps are very uneven: averaged over sliding windows.",
      "Die Zeitstempel sind sehr ungleichmäßig: über gleitende Fenster gemittelt."},
@@ -428,11 +433,11 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Average over windows of {} s of the largest velocity", "Mittel der größten Geschwindigkeit in Fenstern von {} s"},
     {"Mean frequency", "Mittlere Frequenz"},
     {"Area and shape", "Fläche und Form"},
-    {"95 % prediction ellipse", "95-%-Prognoseellipse"},
+    {"95 % prediction ellipse", "95-%-Vorhersageellipse"},
     {"95 % ellipse", "95-%-Ellipse"},
     {"The same by chi-square", "Dasselbe nach Chi-Quadrat"},
     {"Area of the 95 % prediction ellipse, by the chi-square distribution",
-     "Fläche der 95-%-Prognoseellipse nach der Chi-Quadrat-Verteilung"},
+     "Fläche der 95-%-Vorhersageellipse nach der Chi-Quadrat-Verteilung"},
     {"95 % confidence ellipse", "95-%-Konfidenzellipse"},
     {"95 % confidence circle", "95-%-Konfidenzkreis"},
     {"Area of the 95 % confidence circle (Prieto)", "Fläche des 95-%-Konfidenzkreises (Prieto)"},
@@ -447,16 +452,16 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Standard deviation along the minor axis of the ellipse", "Standardabweichung entlang der Nebenachse der Ellipse"},
     {"Major axis from ML", "Hauptachse gegen ML"},
     {"Angle of the major axis of the ellipse, from the subject's right towards the front",
-     "Winkel der Hauptachse der Ellipse, von rechts der Person nach vorn"},
-    {"Path over ellipse area", "Weg durch Ellipsenfläche"},
-    {"Path length over area of the 95 % prediction ellipse", "Weglänge durch Fläche der 95-%-Prognoseellipse"},
+     "Winkel der Hauptachse der Ellipse, gemessen von der rechten Seite der Person nach vorn"},
+    {"Path over ellipse area", "Weglänge / Ellipsenfläche"},
+    {"Path length over area of the 95 % prediction ellipse", "Weglänge geteilt durch die Fläche der 95-%-Vorhersageellipse"},
     {"Fractal dimension, circle", "Fraktale Dimension, Kreis"},
     {"Fractal dimension, ellipse", "Fraktale Dimension, Ellipse"},
     {"Fractal dimension of the path, by the confidence circle", "Fraktale Dimension des Wegs, nach dem Konfidenzkreis"},
     {"Fractal dimension of the path, by the confidence ellipse", "Fraktale Dimension des Wegs, nach der Konfidenzellipse"},
     {"Spectrum, 0.15-5 Hz, 8 sine tapers (first column: RD)", "Spektrum, 0,15-5 Hz, 8 Sinusfenster (erste Spalte: RD)"},
-    {"POWER", "Leistung"},
-    {"Power", "Leistung"},
+    {"POWER", "Spektrale Leistung"},
+    {"Power", "Spektrale Leistung"},
     {"Power between 0.15 and 5 Hz", "Leistung zwischen 0,15 und 5 Hz"},
     {"Median frequency", "Medianfrequenz"},
     {"Frequency with 95 % of power", "Frequenz mit 95 % der Leistung"},
@@ -470,7 +475,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Frequency dispersion: 0 for one frequency, near 1 for many", "Frequenzstreuung: 0 bei einer Frequenz, nahe 1 bei vielen"},
     {"The same, both axes, Welch", "Dasselbe, beide Achsen, Welch"},
     {"resultant distance", "resultierender Abstand"},
-    {"Random walk (MSD: mean square displacement)", "Irrfahrt (MSD: mittlere quadratische Verschiebung)"},
+    {"Random walk (MSD: mean square displacement)", "Zufallsbewegung (Random Walk; MSD: mittlere quadratische Verschiebung)"},
     {"MSD after {} s", "MSD nach {} s"},
     {"Mean square displacement after {} s", "Mittlere quadratische Verschiebung nach {} s"},
     {"Short-term diffusion", "Kurzzeit-Diffusion"},
@@ -505,7 +510,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"plate, {} x", "der Platte, {} x"},
     {"{} mm, front up", "{} mm, vorn ist oben"},
     {"COP path", "COP-Weg"},
-    {"prediction", "Prognose-"},
+    {"prediction", "Vorhersage-"},
     {"ellipse, semi-axes", "ellipse, Halbachsen"},
     {"major axis {}", "Hauptachse {}"},
     {"deg from ML", "Grad gegen ML"},
@@ -514,9 +519,9 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"{} x life size", "{} x Originalgröße"},
     {"on A4", "auf A4"},
     {"time since the start of the measurement, s", "Zeit seit Beginn der Messung, s"},
-    {"no samples", "keine Abtastungen"},
-    {"the trial has no samples", "der Durchgang hat keine Abtastungen"},
-    {"the session has too many samples for one report", "die Untersuchung hat zu viele Abtastungen für einen Bericht"},
+    {"no samples", "keine Messwerte"},
+    {"the trial has no samples", "der Durchgang hat keine Messwerte"},
+    {"the session has too many samples for one report", "die Untersuchung hat zu viele Messwerte für einen Bericht"},
     {"{}, part {}", "{}, Teil {}"},
     // Chair
     {"reaching", "Reichaufgabe"},
@@ -533,7 +538,7 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"scans missing {#}", "Abtastungen fehlen {}"},
     {"no reach {#}", "keine Reichbewegung {}"},
     {"no target", "kein Ziel"},
-    {"No trunk class: {}.", "Keine Rumpfklasse: {}."},
+    {"No trunk class: {}.", "Rumpfklasse nicht bestimmbar: {}."},
     {"A minor reach gets at most the class minor.", "Eine geringe Reichbewegung bekommt höchstens die Klasse gering."},
     {"No doubt about the reach.", "Kein Zweifel an der Reichbewegung."},
     {"About the reach: {}.", "Zur Reichbewegung: {}."},
@@ -541,10 +546,10 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Live values of the daemon and values computed now differ.",
      "Live-Werte des Dienstes und jetzt berechnete Werte weichen voneinander ab."},
     {"Live values of the daemon and values computed now differ in {} of {} trials and {} results of the session.",
-     "Live-Werte des Dienstes und jetzt berechnete Werte weichen voneinander ab: in {} von {} Durchgängen und {} "
-     "Ergebnissen der Untersuchung."},
+     "Live-Werte des Dienstes und jetzt berechnete Werte weichen voneinander ab. Durchgänge: {} von {}; Ergebnisse "
+     "der Untersuchung: {}."},
     {"{} reaches were found in the whole session, inside or outside trials.",
-     "{} Reichbewegungen wurden in der ganzen Untersuchung gefunden, innerhalb und außerhalb von Durchgängen."},
+     "Gefundene Reichbewegungen in der ganzen Untersuchung, innerhalb und außerhalb von Durchgängen: {}."},
     {"Deflection of the seat: grey as recorded, blue mean over 50 ms; shaded: reach initiation",
      "Durchbiegung des Sitzes: grau wie aufgezeichnet, blau Mittel über 50 ms; schattiert: Einleitung der Reichbewegung"},
     {"Trunk angle with its 90 % interval", "Rumpfwinkel mit seinem 90-%-Intervall"},
@@ -557,7 +562,7 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Dieses PDF hat die Seiten der ersten {} von {} Durchgängen. Der HTML-Bericht hat alle Seiten."},
     {"mean deflection of the seat, mm", "mittlere Durchbiegung des Sitzes, mm"},
     {"time after the cue, s", "Zeit nach dem Startsignal, s"},
-    {"cue", "Start"},
+    {"cue", "Startsignal"},
     {"trunk angle at P3, \u00B0 forward; grey: expected for this target",
      "Rumpfwinkel bei P3, \u00B0 nach vorn; grau: bei diesem Ziel erwartet"},
     {"trunk angle at P3, \u00B0", "Rumpfwinkel bei P3, \u00B0"},
@@ -617,10 +622,10 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Hold, median", "Halten, Median"},
     {"Trunk angle, from body measures", "Rumpfwinkel, aus Körpermaßen"},
     {"The classes and angles on this page use this scale.", "Die Klassen und Winkel auf dieser Seite verwenden diesen Maßstab."},
-    {"Rejected reaches: no trunk class", "Verworfene Reichbewegungen: keine Rumpfklasse"},
+    {"Rejected reaches: no trunk class", "Verworfene Reichbewegungen: Rumpfklasse nicht bestimmbar"},
     {"Most probable class", "Wahrscheinlichste Klasse"},
     {"Reasons", "Gründe"},
-    {"{} more rejected reaches are in the table of trials.", "{} weitere verworfene Reichbewegungen stehen in der Tabelle der Durchgänge."},
+    {"{} more rejected reaches are in the table of trials.", "Weitere verworfene Reichbewegungen, in der Tabelle der Durchgänge: {}."},
     {"Trunk movement", "Rumpfbewegung"},
     {"Quantity", "Größe"},
     {"Expected for this target", "Bei diesem Ziel erwartet"},
@@ -675,12 +680,12 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"no dip at the start: P2 equals P1", "keine Senke am Anfang: P2 gleich P1"},
     {"Targets", "Ziele"},
     {"Trials with a reach", "Durchgänge mit Reichbewegung"},
-    {"Reaches without a trunk class", "Reichbewegungen ohne Rumpfklasse"},
+    {"Reaches without a trunk class", "Reichbewegungen mit nicht bestimmbarer Rumpfklasse"},
     {"Trunk class as expected", "Rumpfklasse wie erwartet"},
-    {"share of 1", "Anteil an 1"},
+    {"share of 1", "Anteil (0 bis 1)"},
     {"Trunk angle at the limit of the arm's reach", "Rumpfwinkel an der Grenze der Armreichweite"},
-    {"Trunk angle, SD within a target", "Rumpfwinkel, SD innerhalb eines Ziels"},
-    {"Rise of the seat (d2), SD within a target", "Anstieg des Sitzes (d2), SD innerhalb eines Ziels"},
+    {"Trunk angle, SD within a target", "Rumpfwinkel, SD bei gleichem Ziel"},
+    {"Rise of the seat (d2), SD within a target", "Anstieg des Sitzes (d2), SD bei gleichem Ziel"},
     {"Smoothness of the reach, nearer 0 is smoother", "Glattheit der Reichbewegung, näher an 0 ist glatter"},
     {"Model of trunk movement: none in the recording: the recorded classes are shown",
      "Modell der Rumpfbewegung: keines in der Aufzeichnung; gezeigt werden die aufgezeichneten Klassen"},
@@ -691,15 +696,15 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"Accuracy: not measured for this model of trunk movement.", "Genauigkeit: für dieses Modell der Rumpfbewegung nicht gemessen."},
     {"Accuracy of the general model for people who were not in its training: {} % of the reaches get a class, and {} % of "
      "these classes are right. {}",
-     "Genauigkeit des allgemeinen Modells bei Personen, die nicht zum Lernen gehörten: {} % der Reichbewegungen bekommen "
+     "Genauigkeit des allgemeinen Modells bei Personen, die nicht in den Lerndaten waren: {} % der Reichbewegungen bekommen "
      "eine Klasse, und {} % dieser Klassen sind richtig. {}"},
     {"Accuracy of the general model for people who were not in its training: {} % of the reaches get a class, and {} % of "
      "these classes are right; RMS error of the angle {} \u00B0.",
-     "Genauigkeit des allgemeinen Modells bei Personen, die nicht zum Lernen gehörten: {} % der Reichbewegungen bekommen "
+     "Genauigkeit des allgemeinen Modells bei Personen, die nicht in den Lerndaten waren: {} % der Reichbewegungen bekommen "
      "eine Klasse, und {} % dieser Klassen sind richtig; RMS-Fehler des Winkels {} \u00B0."},
     {"Accuracy of the general model for people who were not in its training: {} % of the reaches get a class, and {} % of "
      "these classes are right; RMS error of the angle {} \u00B0. {}",
-     "Genauigkeit des allgemeinen Modells bei Personen, die nicht zum Lernen gehörten: {} % der Reichbewegungen bekommen "
+     "Genauigkeit des allgemeinen Modells bei Personen, die nicht in den Lerndaten waren: {} % der Reichbewegungen bekommen "
      "eine Klasse, und {} % dieser Klassen sind richtig; RMS-Fehler des Winkels {} \u00B0. {}"},
     {"All these people were simulated: the accuracy for real people is not known.",
      "Alle diese Personen waren simuliert: Die Genauigkeit bei echten Personen ist nicht bekannt."},
@@ -716,8 +721,8 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Abschnitt 5.3.3); d1 = P1 - P2, d2 = P3 - P1. Die Glattheit ist die spektrale Bogenlänge der Geschwindigkeit der "
      "Transiente von P1 bis P3, bis 10 Hz, Amplitudenschwelle 0,05 (Balasubramanian et al. 2012, 2015). Sie gilt dem Sitz, "
      "nicht der Hand: nicht mit veröffentlichten Werten von Handbewegungen vergleichen. Der Rumpfwinkel bei P3 ist eine "
-     "Regression auf Merkmale der Transiente; die Klasse ist keine, gering (unter 15,25 \u00B0), mäßig oder maximal (ab "
-     "42,2 \u00B0). Alle Werte wurden mit {} berechnet."},
+     "Regression auf Merkmale der Transiente; die Klasse ist „keine“, „gering“ (unter 15,25 \u00B0), „mäßig“ oder „maximal“ "
+     "(ab 42,2 \u00B0). Alle Werte wurden mit {} berechnet."},
     {"The deflection of the seat was recorded with an instrumented chair{}. The transient is the mean deflection at four "
      "sensors; reaches were found in its means over 50 ms at 100 Hz. P1 is the start of the reach, P2 the minimum of the "
      "reach initiation, P3 the maximum (thesis on distributive tactile sensing, section 5.3.3); d1 = P1 - P2, d2 = P3 - P1. "
@@ -731,8 +736,8 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Abschnitt 5.3.3); d1 = P1 - P2, d2 = P3 - P1. Die Glattheit ist die spektrale Bogenlänge der Geschwindigkeit der "
      "Transiente von P1 bis P3, bis 10 Hz, Amplitudenschwelle 0,05 (Balasubramanian et al. 2012, 2015). Sie gilt dem Sitz, "
      "nicht der Hand: nicht mit veröffentlichten Werten von Handbewegungen vergleichen. Der Rumpfwinkel bei P3 ist eine "
-     "Regression auf Merkmale der Transiente; die Klasse ist keine, gering (unter 15,25 \u00B0), mäßig oder maximal (ab "
-     "42,2 \u00B0). Alle Werte wurden mit {} berechnet."},
+     "Regression auf Merkmale der Transiente; die Klasse ist „keine“, „gering“ (unter 15,25 \u00B0), „mäßig“ oder „maximal“ "
+     "(ab 42,2 \u00B0). Alle Werte wurden mit {} berechnet."},
     {", data acquisition by {!}, at {} Hz ({!})", ", Datenerfassung mit {}, bei {} Hz ({})"},
     {" at {} Hz ({!})", " bei {} Hz ({})"},
     {", data acquisition by {!}, at {} Hz", ", Datenerfassung mit {}, bei {} Hz"},

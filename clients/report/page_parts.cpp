@@ -91,7 +91,7 @@ std::string stance_text(const std::string& stance) {
 }
 
 std::string filter_text(const posturography::Analysis& analysis) {
-  if (analysis.profile == posturography::Profile::AsIs) return "none";
+  if (analysis.profile == posturography::Profile::AsIs) return "no filter";
   return "Butterworth low-pass of 4th order, 10 Hz, forward and backward";
 }
 

@@ -24,7 +24,7 @@ class German final : public Sentences {
   [[nodiscard]] std::string label(const std::string& name, const std::string& value) const override {
     if (name == "feet" && value == "one") return "ein Fuß";
     if (name == "feet" && value == "two") return "zwei Füße";
-    if (name == "surface" && value == "firm") return "fester Boden";
+    if (name == "surface" && value == "firm") return "fester Untergrund";
     if (name == "surface" && value == "foam") return "Schaumstoff";
     return {};
   }
@@ -50,16 +50,16 @@ class German final : public Sentences {
     return mean + ", bei " + std::to_string(angles) + (angles == 1 ? " Reichbewegung." : " Reichbewegungen.");
   }
   [[nodiscard]] std::string classes_as_expected(std::uint32_t agreed, std::uint32_t compared) const override {
-    return "Die Rumpfklasse entsprach in " + std::to_string(agreed) + " von " + std::to_string(compared) +
+    return "Die Rumpfklasse war in " + std::to_string(agreed) + " von " + std::to_string(compared) +
            (compared == 1 ? " Durchgang" : " Durchgängen") +
-           " dem Ziel. Ein Durchgang ohne Reichbewegung zählt mit, wenn sein Ziel keine Rumpfbewegung braucht.";
+           " wie bei diesem Ziel erwartet. Ein Durchgang ohne Reichbewegung zählt mit, wenn für sein Ziel keine Rumpfbewegung nötig ist.";
   }
   [[nodiscard]] std::string reaches_without_class(std::uint32_t rejected, std::uint32_t classified) const override {
     return "Bei " + std::to_string(rejected) + " von " + std::to_string(classified) +
            (classified == 1 ? " Reichbewegung" : " Reichbewegungen") + " fehlt die Rumpfklasse.";
   }
   [[nodiscard]] std::string trunk_consistency(double sd_deg) const override {
-    return "Am selben Ziel schwankte der Rumpfwinkel von Mal zu Mal um " + de(sd_deg, 1) + "° (Standardabweichung).";
+    return "Am selben Ziel streute der Rumpfwinkel von Mal zu Mal um " + de(sd_deg, 1) + "° (Standardabweichung).";
   }
 
   [[nodiscard]] std::string ellipse_since(const std::string& condition, const Change& mm2, const std::string& day) const override {
@@ -76,8 +76,8 @@ class German final : public Sentences {
   }
   [[nodiscard]] std::string velocity_ml_since(const std::string& condition, const Change& mm_s, const std::string& day) const override {
     const std::string values = " am " + de_day(day) + " (" + de(mm_s.to, 1) + " gegenüber " + de(mm_s.from, 1) + " mm/s).";
-    if (mm_s.is_same()) return condition + ": Die mittlere Geschwindigkeit zur Seite ist so hoch wie" + values;
-    return condition + ": Die mittlere Geschwindigkeit zur Seite ist " + std::to_string(mm_s.percent()) + " % " +
+    if (mm_s.is_same()) return condition + ": Die mittlere Geschwindigkeit in seitlicher Richtung ist so hoch wie" + values;
+    return condition + ": Die mittlere Geschwindigkeit in seitlicher Richtung ist " + std::to_string(mm_s.percent()) + " % " +
            (mm_s.is_rise() ? "höher" : "niedriger") + " als" + values;
   }
   [[nodiscard]] std::string trunk_since(const std::string& condition, double from_deg, double to_deg,
@@ -90,19 +90,20 @@ class German final : public Sentences {
   [[nodiscard]] std::string trunk_spread_since(const std::string& condition, double from_deg, double to_deg,
                                                const std::string& day) const override {
     const std::string values = " am " + de_day(day) + " (Standardabweichung " + de(to_deg, 1) + "° gegenüber " + de(from_deg, 1) + "°).";
-    if (de(from_deg, 1) == de(to_deg, 1)) return condition + ": Der Rumpfwinkel schwankte so stark wie" + values;
-    return condition + ": Der Rumpfwinkel schwankte " + (to_deg > from_deg ? "mehr" : "weniger") + " als" + values;
+    if (de(from_deg, 1) == de(to_deg, 1)) return condition + ": Der Rumpfwinkel streute so stark wie" + values;
+    return condition + ": Der Rumpfwinkel streute " + (to_deg > from_deg ? "stärker" : "weniger") + " als" + values;
   }
   [[nodiscard]] std::string within_retest(double percent) const override {
-    return "Das liegt innerhalb der Schwankung zwischen zwei Tagen, die von Menschen über 65 und Durchgängen von 45 s bekannt ist (" +
-           de(percent, 0) + " % des Mittels beider).";
+    return "Das liegt innerhalb der Streuung von Tag zu Tag, die für Menschen über 65 und Durchgänge von 45 s bekannt ist (" +
+           de(percent, 0) + " % des Mittels beider Werte).";
   }
   [[nodiscard]] std::string beyond_retest(double percent) const override {
-    return "Das ist mehr als die Schwankung zwischen zwei Tagen, die von Menschen über 65 und Durchgängen von 45 s bekannt ist (" +
-           de(percent, 0) + " % des Mittels beider).";
+    return "Das ist mehr als die Streuung von Tag zu Tag, die für Menschen über 65 und Durchgänge von 45 s bekannt ist (" + de(percent, 0) +
+           " % des Mittels beider Werte).";
   }
   [[nodiscard]] std::string no_retest_known() const override {
-    return "Für Kenngrößen ohne diesen Hinweis ist hier keine veröffentlichte Schwankung bekannt: Der Unterschied kann Zufall sein.";
+    return "Für Kenngrößen ohne diesen Hinweis ist hier keine veröffentlichte Streuung von Tag zu Tag bekannt: Der Unterschied kann Zufall "
+           "sein.";
   }
 };
 

@@ -43,10 +43,10 @@ const languages = {
   },
   de: {
     locale: 'de-DE',
-    band: 'Bekannte Schwankung zwischen zwei Tagen, Augen offen: bis zu 65 % vom Mittel beider Besuche',
+    band: 'Bekannte Streuung von Tag zu Tag, Augen offen: bis zu 65 % des Mittels beider Termine',
     steadier: /Augen offen: Die mittlere Geschwindigkeit zur Seite ist (\d+) % niedriger als am/,
-    within: 'Das liegt innerhalb der Schwankung zwischen zwei Tagen',
-    beyond: 'Das ist mehr als die Schwankung zwischen zwei Tagen',
+    within: 'Das liegt innerhalb der Streuung von Tag zu Tag',
+    beyond: 'Das ist mehr als die Streuung von Tag zu Tag',
     upright: /^150 % der Armlänge: Der Rumpf beugte sich um [\d,]+° weniger als am/,
     pdf: { floor: 'Mittlere Geschwindigkeit', chair: /Rumpfklasse/i },
     classHead: 'Rumpfklasse',

@@ -134,9 +134,10 @@ TEST_F(GermanReport, DecisionsHaveNoEnglishText) {
 
   EXPECT_THAT(english_texts(made), ElementsAre("group60", "group60", "group60", "group60", "group60", "group60", "group60", "group60"));
   const std::string session = pages(write(made), Language::German).front().text;
-  for (const char* part : {"wie under60, p 0,83", "keine Zuordnung: MVELO liegt außerhalb des Trainings", "mit 124 Personen trainiert",
-                           "(0,73..0,88; 0,50 ist Zufall)", "Körpergröße mit Geschlecht unterscheidet ohne Platte ebenso gut (0,83)",
-                           "Keine Aussage über Gesundheit oder Sturzgefahr."}) {
+  for (const char* part :
+       {"wie under60, Wahrscheinlichkeit 0,83", "MVELO liegt außerhalb der Lerndaten", "aus Daten von 124 Personen gelernt",
+        "(0,73..0,88; 0,50 ist Zufall)", "Körpergröße mit Geschlecht unterscheidet ohne Platte ebenso gut (0,83)",
+        "Keine Aussage über Gesundheit oder Sturzgefahr."}) {
     EXPECT_THAT(session, HasSubstr(part));
   }
 }
@@ -162,10 +163,13 @@ TEST(ReportTranslation, FindsTheClosestTextAndTranslatesItsParts) {
   const Translation german(Language::German, {});
   EXPECT_EQ(german("done, not valid: feet moved"), "fertig, nicht gültig: Füße bewegt");
   EXPECT_EQ(german("No Romberg quotient for feet two: no trial with eyes closed counts."),
-            "Kein Romberg-Quotient für zwei Füße: kein Durchgang mit Augen geschlossen zählt.");
+            "Kein Romberg-Quotient (zwei Füße): kein Durchgang „Augen geschlossen“ zählt.");
   EXPECT_EQ(german("subject ID: none -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None."),
-            "Personen-ID: keine -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None.");
+            "Personen-ID: leer -> left, 2026-11-21 14:45:25 UTC, ward 1.5: None.");
   EXPECT_EQ(german("1.11 (0.80-1.32)"), "1,11 (0,80-1,32)");
+  EXPECT_EQ(german("100.0 and 1000 Hz"), "100,0 und 1000 Hz");
+  EXPECT_EQ(german("100.0 and 1000 Hz (maker's program 1.2)"), "100,0 und 1000 Hz (maker's program 1.2)");
+  EXPECT_EQ(german("minor, p 0.42"), "gering, Wahrsch. 0,42");
   EXPECT_EQ(german("a text that nobody has translated 0.2.0 sim:a?b=0.5"), "a text that nobody has translated 0.2.0 sim:a?b=0.5");
   EXPECT_EQ(Translation(Language::English, {})("1.5 done"), "1.5 done");
 }
@@ -176,13 +180,13 @@ TEST(ReportTranslation, CorrectionsHaveNoEnglishWordOfTheProgram) {
   EXPECT_EQ(german("outcome of trial 1, attempt 2: done -> rejected, 2026-11-21 14:45:25 UTC, anna: done."),
             "Ausgang von Durchgang 1, Versuch 2: fertig -> verworfen, 2026-11-21 14:45:25 UTC, anna: done.");
   EXPECT_EQ(german("label: [removed] -> none, 2026-11-21 14:45:25 UTC, anna: open."),
-            "Stichwort: [entfernt] -> keine, 2026-11-21 14:45:25 UTC, anna: open.");
+            "Stichwort: [entfernt] -> leer, 2026-11-21 14:45:25 UTC, anna: open.");
   PageContent page;
   page.facts = {{.name = "Subject ID", .value = "done (corrected; recorded: open)"},
                 {.name = "Label", .value = "open (corrected; recorded: none)"}};
   const PageContent translated = german(page);
   EXPECT_EQ(translated.facts[0].value, "done (berichtigt; aufgezeichnet: open)");  // what a person typed stays
-  EXPECT_EQ(translated.facts[1].value, "open (berichtigt; aufgezeichnet: keine)");
+  EXPECT_EQ(translated.facts[1].value, "open (berichtigt; aufgezeichnet: leer)");
 }
 
 TEST(ReportTranslation, DamageAndGapsHaveNoEnglishText) {
@@ -198,18 +202,18 @@ TEST(ReportTranslation, DamageAndGapsHaveNoEnglishText) {
             "Die Aufzeichnung a.xdf hat Lücken: 12 Abtastungen verloren in 1 Lücke: Puffer des Geräts voll 1.");
   EXPECT_EQ(german("40 scans lost in 3 gaps: unplugged 2, ring_full 1"),
             "40 Abtastungen verloren in 3 Lücken: Gerät abgezogen 2, Verarbeitung oder Datenträger zu langsam 1");
-  EXPECT_EQ(german("the trial has no samples"), "der Durchgang hat keine Abtastungen");
-  EXPECT_EQ(german("the session has too many samples for one report"), "die Untersuchung hat zu viele Abtastungen für einen Bericht");
+  EXPECT_EQ(german("the trial has no samples"), "der Durchgang hat keine Messwerte");
+  EXPECT_EQ(german("the session has too many samples for one report"), "die Untersuchung hat zu viele Messwerte für einen Bericht");
 }
 
 TEST(ReportTranslation, ReasonsOfATrialWithoutValuesHaveNoEnglishText) {
   const Translation german(Language::German, {});
   EXPECT_EQ(german("No values: samples were dropped before the analysis: analyse the recording with dtslab sway."),
-            "Keine Werte: vor der Auswertung gingen Werte verloren: die Aufzeichnung mit dtslab sway auswerten.");
+            "Keine Werte: vor der Auswertung gingen Messwerte verloren: die Aufzeichnung mit dtslab sway auswerten.");
   EXPECT_EQ(german("No values: only 12 samples (0.12 s) are left of the centre of pressure, and 20 are needed."),
-            "Keine Werte: nur 12 Werte (0,12 s) des Druckmittelpunkts sind übrig, 20 sind nötig.");
+            "Keine Werte: nur 12 Messwerte (0,12 s) des Druckmittelpunkts sind übrig, 20 sind nötig.");
   EXPECT_EQ(german("No Romberg quotient for feet two: the trials with eyes open last 20 s, those with eyes closed 12.5 s."),
-            "Kein Romberg-Quotient für zwei Füße: die Durchgänge mit offenen Augen dauern 20 s, die mit geschlossenen 12,5 s.");
+            "Kein Romberg-Quotient (zwei Füße): die Durchgänge mit offenen Augen dauern 20 s, die mit geschlossenen 12,5 s.");
 }
 
 /// No reason for a gap stays English, whichever is added.

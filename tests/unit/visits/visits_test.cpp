@@ -335,9 +335,9 @@ TEST(PlainWords, ADifferenceWithinTheKnownVariationSaysSo) {
   const auto words = words_of_changes(series, german());
   ASSERT_FALSE(words.empty());
   EXPECT_EQ(words.front(),
-            "Augen offen: Die mittlere Geschwindigkeit zur Seite ist 20 % niedriger als am 18.11.2026 (4,0 gegenüber 5,0 mm/s). Das liegt "
-            "innerhalb der Schwankung zwischen zwei Tagen, die von Menschen über 65 und Durchgängen von 45 s bekannt ist (65 % des Mittels "
-            "beider).");
+            "Augen offen: Die mittlere Geschwindigkeit in seitlicher Richtung ist 20 % niedriger als am 18.11.2026 (4,0 gegenüber 5,0 "
+            "mm/s). Das liegt innerhalb der Streuung von Tag zu Tag, die für Menschen über 65 und Durchgänge von 45 s bekannt ist (65 % "
+            "des Mittels beider Werte).");
 }
 
 TEST(PlainWords, OneVisitHasNoChange) {

@@ -60,7 +60,7 @@ test.each([
   ['dtsd was too busy for the results; compute them again from the file', 'dtsd war zu beschäftigt für die Ergebnisse; sie aus der Datei neu berechnen'],
   ['dtsd is writing its catalogue again, because a subject was erased', 'dtsd schreibt seinen Katalog neu, weil eine Person endgültig gelöscht wurde'],
   ['dtsd is making repaired copies of recordings', 'dtsd erstellt reparierte Kopien von Aufzeichnungen'],
-  ['dtsd is stopping: it continues the erasure when it starts again', 'dtsd wird beendet: Es setzt das Löschen beim nächsten Start fort'],
+  ['dtsd is stopping: it continues the erasure when it starts again', 'dtsd wird beendet: Es setzt das endgültige Löschen beim nächsten Start fort'],
   ['dtsctl tare --rig chair', 'dtsctl tare --rig chair'], // a command to type
 ])('asSentence.In German %j is %j', async (message, expected) => {
   vi.resetModules();

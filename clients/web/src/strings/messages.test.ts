@@ -14,7 +14,7 @@ test.each([
   ['this command needs the role operator; local has viewer', 'dieser Befehl braucht die Rolle Bedienung; local hat Ansicht'],
   ['start one: dtsctl session start --rig floor --protocol NAME', 'eine starten: dtsctl session start --rig floor --protocol NAME'],
   ['trial 3 is under way (measuring)', 'Durchgang 3 läuft (bei der Messung)'],
-  ['the session is settling, not running', 'die Untersuchung läuft nicht, sie ist in der Beruhigung'],
+  ['the session is settling, not running', 'die Untersuchung läuft nicht, sie ist im Vorlauf'],
   ['this subject has no planned session 4', 'diese Person hat keine geplante Untersuchung 4'],
   ['stop it first: dtsctl session stop --rig floor', 'zuerst beenden: dtsctl session stop --rig floor'], // "floor" is a name here
   ["tare rejected: the plate of rig 'floor' is loaded", 'Tarieren abgelehnt: Die Platte des Messplatzes „floor“ ist belastet'],

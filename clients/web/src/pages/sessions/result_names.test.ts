@@ -7,7 +7,7 @@ test.each([
   ['MVELO', 'Mean velocity'],
   ['eyes-open/RANGE_AP', 'Eyes open: range, front-back'],
   ['eyes-closed-two-feet/MSD_RES_1s', 'Eyes closed two feet: mean square displacement after 1 s, both axes'],
-  ['romberg/feet=two/PF50_ML_MT8', 'Romberg ratio, eyes closed / open, feet two: median frequency, left-right'],
+  ['romberg/feet=two/PF50_ML_MT8', 'Romberg ratio, eyes closed / open, two feet: median frequency, left-right'],
   ['romberg/MVELO', 'Romberg ratio, eyes closed / open: mean velocity'],
   ['trunk_sd_deg', 'Trunk angle, SD within a target'],
   ['of_a_later_version', 'Of a later version'],

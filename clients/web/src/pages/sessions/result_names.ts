@@ -16,10 +16,17 @@ const measureName = (symbol: string): string => {
   return wordOf(symbol) ?? spoken(symbol);
 };
 
+/** "feet=two,surface=firm" in words; a label of another protocol is shown as it is. */
+const stanceText = (stance: string): string =>
+  stance
+    .split(',')
+    .map((label) => words.labels[label] ?? label.replace('=', ' '))
+    .join(', ');
+
 /** "romberg/feet=two" and "eyes-open" in words. */
 const conditionName = (condition: string): string => {
   const [first, ...stance] = condition.split('/');
-  return first === 'romberg' ? words.romberg(stance.join(', ').replaceAll('=', ' ').replaceAll(',', ', ')) : capitalised(spoken(condition));
+  return first === 'romberg' ? words.romberg(stanceText(stance.join(','))) : (words.conditions[condition] ?? capitalised(spoken(condition)));
 };
 
 /** Returns a result's name without the part at its end ("MVELO_part_2"), and the part: each part of a resumed session has its own results. */

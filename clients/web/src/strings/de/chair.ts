@@ -12,7 +12,7 @@ export const chair: typeof english = {
   picture: {
     transient: 'Durchbiegung des Sitzes (Transiente) in mm',
     afterGo: 'Sekunden nach Los',
-    ago: 'vergangene Sekunden',
+    ago: 'Sekunden vor jetzt',
     rest: 'Ruhelage vor Los',
     description: (now, points) => `Durchbiegung des Sitzes (Transiente) jetzt ${now} mm. ${points}`,
     point: (name, mm, isFinal) => `${name} ${mm} mm, ${isFinal ? 'endgültig' : 'vorläufig'}`,
@@ -29,13 +29,13 @@ export const chair: typeof english = {
   },
   prompt: {
     head: 'Jetzt zu tun',
-    words: { free: 'Ruhe', waiting: 'Warten', ready: 'Bereit', go: 'LOS', back: 'Zurück', resting: 'Pause', finished: 'Fertig' },
+    words: { free: 'Nicht aktiv', waiting: 'Warten', ready: 'Bereit', go: 'LOS', back: 'Zurück', resting: 'Pause', finished: 'Fertig' },
     hints: {
       free: 'Keine Untersuchung. Gefundene Reichbewegungen werden angezeigt. Zum Messen einer Person eine Untersuchung starten.',
       freeElsewhere: 'Keine Untersuchung. Gefundene Reichbewegungen werden angezeigt.',
       waiting: 'Ziel aufstellen, dann den Durchgang starten.',
       ready: 'Hände auf die Oberschenkel, anlehnen, auf Los warten.',
-      go: 'Zum Ziel greifen.',
+      go: 'Die Hand zum Ziel strecken.',
       back: 'Reichbewegung gefunden. Hand zurück auf den Oberschenkel.',
       resting: 'Nächstes Ziel aufstellen.',
       finished: 'Alle Durchgänge fertig. Den letzten wiederholen oder die Untersuchung beenden.',
@@ -113,7 +113,7 @@ export const chair: typeof english = {
     tare: 'Leeren Stuhl tarieren',
     tared: 'Stuhl tariert: Der leere Stuhl zeigt null.',
     first: 'Starten',
-    next: 'OK, weiter',
+    next: 'Übernehmen, nächster',
     startNext: 'Nächsten starten',
     redo: 'Wiederholen',
     reject: 'Verwerfen',

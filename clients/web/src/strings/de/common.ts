@@ -6,7 +6,7 @@ import type { common as english } from '../en/common';
 export const common: typeof english = {
   documentTitle: 'Taktile Messung (dtsd)',
   language: 'Sprache',
-  pages: { floor: 'Boden live', chair: 'Stuhl live', sessions: 'Untersuchungen', subjects: 'Personen', health: 'Zustand', clinics: 'Kliniken', trends: 'Verläufe' },
+  pages: { floor: 'Boden live', chair: 'Stuhl live', sessions: 'Untersuchungen', subjects: 'Personen', health: 'Systemzustand', clinics: 'Kliniken', trends: 'Verläufe' },
   navigation: 'Seiten',
   intendedUse:
     'Für Forschung, Lehre und Training unter Aufsicht. Keine Diagnose, keine Entscheidung über eine Behandlung allein nach diesen Werten, keine Überwachung von Patienten.',
@@ -22,7 +22,7 @@ export const common: typeof english = {
   logIn: 'Anmelden',
   login: {
     title: 'Anmeldung',
-    sentence: 'Diese Seiten zeigen Messungen an Personen. Bitte mit dem Namen und dem Passwort der Klinik anmelden.',
+    sentence: 'Diese Seiten zeigen Messungen an Personen. Bitte mit dem Namen und dem Passwort anmelden, die die Klinik vergeben hat.',
     user: 'Name',
     password: 'Passwort',
     wrong: 'Name oder Passwort ist falsch.',
@@ -65,7 +65,7 @@ export const common: typeof english = {
     noDataSince: (time) => `Keine Daten seit ${time}`,
     age: (age) => `Daten ${age} ms alt`,
     ageInSeconds: (age) => `Daten ${age} s alt`,
-    reasonRig: 'Der Messplatz sendet keine Daten. Sein Kabel prüfen, dann die Seite Zustand.',
+    reasonRig: 'Der Messplatz sendet keine Daten. Sein Kabel prüfen, dann die Seite Systemzustand.',
   },
   command: {
     noAnswer: (seconds) => `Keine Antwort innerhalb von ${seconds} s`,
@@ -85,7 +85,7 @@ export const common: typeof english = {
     steppedOff: 'Platte verlassen',
     feetMoved: 'Füße bewegt',
     noReach: 'keine Reichbewegung',
-    noValues: 'kein Ergebnis',
+    noValues: 'keine Werte',
   },
   trialEnded: {
     done: (trial) => `Durchgang ${trial} fertig`,
@@ -95,7 +95,7 @@ export const common: typeof english = {
     steppedOff: (trial) => `Durchgang ${trial}: Platte verlassen`,
     feetMoved: (trial) => `Durchgang ${trial}: Füße bewegt`,
     noReach: (trial) => `Durchgang ${trial}: keine Reichbewegung`,
-    noValues: (trial) => `Durchgang ${trial}: kein Ergebnis`,
+    noValues: (trial) => `Durchgang ${trial}: keine Werte`,
   },
   undo: {
     undo: 'Rückgängig',
@@ -131,7 +131,7 @@ export const common: typeof english = {
     companions: 'Diese Messplätze in derselben Untersuchung aufzeichnen',
     companionsHint: 'Durchgänge und Ergebnisse sind die dieses Messplatzes',
     withUnit: (label, unit) => `${label} (${unit})`,
-    optional: 'Freiwillig',
+    optional: 'Kann leer bleiben',
     range: (minimum, maximum) => `${minimum} bis ${maximum}`,
     choose: 'Wählen',
     submit: 'Untersuchung starten',
@@ -148,7 +148,7 @@ export const common: typeof english = {
   help: {
     title: 'Tasten',
     everywhere: 'Überall',
-    pages: ['1 2 3 4 5', 'Boden live, Stuhl live, Untersuchungen, Personen, Zustand'],
+    pages: ['1 2 3 4 5', 'Boden live, Stuhl live, Untersuchungen, Personen, Systemzustand'],
     fleetPages: ['1 2 3', 'Kliniken, Untersuchungen, Verläufe'],
     entries: [
       ['?', 'Diese Liste zeigen oder ausblenden'],

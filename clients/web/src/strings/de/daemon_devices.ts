@@ -445,5 +445,5 @@ export const deviceMessages: readonly Message[] = [
   ['{} was killed by signal {!}', '{} wurde durch Signal {} beendet'],
   ['{} has not ended yet: the kernel does not let it end', '{} ist noch nicht beendet: Der Kernel lässt es nicht enden'],
   ['{}; its last words: {!}', '{}; letzte Ausgabe: {}'],
-  ['{!} (before it, {} lines of its stderr were not logged)', '{} (davor stehen {} Zeilen seiner Fehlerausgabe nicht im Protokoll)'],
+  ['{!} (before it, {} lines of its stderr were not logged)', '{} (davor stehen {} Zeilen seiner Fehlerausgabe nicht im Log)'],
 ];

@@ -20,7 +20,7 @@ export const fleetMessages: readonly Message[] = [
   ['the database of the centre does not answer', 'die Datenbank des Zentrums antwortet nicht'],
   ['check PostgreSQL on the computer of the centre', 'PostgreSQL auf dem Computer des Zentrums prüfen'],
   ['the database of the centre rejects the dashboard', 'die Datenbank des Zentrums lässt dts-fleet-gateway nicht zu'],
-  ['the log of dts-fleet-gateway has the reason', 'der Grund steht im Protokoll von dts-fleet-gateway'],
+  ['the log of dts-fleet-gateway has the reason', 'der Grund steht im Log von dts-fleet-gateway'],
   ['the database of the centre needed too long', 'die Datenbank des Zentrums brauchte zu lange'],
   ['choose a shorter time or one clinic', 'eine kürzere Zeit oder eine einzelne Klinik auswählen'],
   ['too many pages are requested at once', 'zu viele Seiten werden gleichzeitig angefordert'],

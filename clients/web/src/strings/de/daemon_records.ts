@@ -35,8 +35,8 @@ export const recordMessages: readonly Message[] = [
     'start a new session; do not touch a file while dtsd records into it',
     'eine neue Untersuchung starten; eine Datei nicht anfassen, während dtsd in sie aufzeichnet',
   ],
-  ['{} scans were dropped: the queue to the recorder was full', '{} Abtastungen verworfen: Die Warteschlange der Aufzeichnung war voll'],
-  ['{} events were dropped: the queue to the recorder was full', '{} Ereignisse verworfen: Die Warteschlange der Aufzeichnung war voll'],
+  ['{} scans were dropped: the queue to the recorder was full', 'verworfene Abtastungen: {}; die Warteschlange der Aufzeichnung war voll'],
+  ['{} events were dropped: the queue to the recorder was full', 'verworfene Ereignisse: {}; die Warteschlange der Aufzeichnung war voll'],
   ['the daemon stopped before the recording ended', 'der Dienst wurde vor dem Ende der Aufzeichnung beendet'],
   ['the daemon was stopped', 'der Dienst wurde beendet'],
   ['the daemon or the power failed during the recording', 'der Dienst oder der Strom fiel während der Aufzeichnung aus'],
@@ -90,20 +90,20 @@ export const recordMessages: readonly Message[] = [
   ['{!}: {}; what is whole is exported', '{}: {}; exportiert wird, was vollständig ist'],
   ['The bundle has no PDF: {}', 'Das Bündel hat kein PDF: {}'],
   // Results of a trial
-  ['no samples arrived during the measurement', 'während der Messung kamen keine Werte an'],
-  ['the session ended before the last samples of the trial arrived', 'die Untersuchung endete vor den letzten Werten des Durchgangs'],
+  ['no samples arrived during the measurement', 'während der Messung kamen keine Messwerte an'],
+  ['the session ended before the last samples of the trial arrived', 'die Untersuchung endete vor den letzten Messwerten des Durchgangs'],
   [
     'samples were dropped before the analysis: analyse the recording with dtslab sway',
-    'vor der Auswertung gingen Werte verloren: die Aufzeichnung mit dtslab sway auswerten',
+    'vor der Auswertung gingen Messwerte verloren: die Aufzeichnung mit dtslab sway auswerten',
   ],
   ['longer than 10 min: analyse the recording with dtslab sway', 'länger als 10 min: die Aufzeichnung mit dtslab sway auswerten'],
   ['dtsd was too busy: analyse the recording with dtslab sway', 'dtsd war zu beschäftigt: die Aufzeichnung mit dtslab sway auswerten'],
   ['{}: analyse the recording with dtslab sway', '{}: die Aufzeichnung mit dtslab sway auswerten'],
   ['dtsd was too busy for the results; compute them again from the file', 'dtsd war zu beschäftigt für die Ergebnisse; sie aus der Datei neu berechnen'],
-  ['there is no sample of the centre of pressure', 'es gibt keinen Wert des Druckmittelpunkts'],
-  ['check that a person stood on the plate and that samples were recorded', 'prüfen, ob eine Person auf der Platte stand und Werte aufgezeichnet wurden'],
-  ['only {} samples ({} s) are left of the centre of pressure, and {} are needed', 'nur {} Werte ({} s) des Druckmittelpunkts sind übrig, {} sind nötig'],
-  ['record for longer, or shorten the settling time', 'länger aufzeichnen oder die Beruhigungszeit kürzen'],
+  ['there is no sample of the centre of pressure', 'es gibt keinen Messwert des Druckmittelpunkts'],
+  ['check that a person stood on the plate and that samples were recorded', 'prüfen, ob eine Person auf der Platte stand und Messwerte aufgezeichnet wurden'],
+  ['only {} samples ({} s) are left of the centre of pressure, and {} are needed', 'nur {} Messwerte ({} s) des Druckmittelpunkts sind übrig, {} sind nötig'],
+  ['record for longer, or shorten the settling time', 'länger aufzeichnen oder die Vorlaufzeit kürzen'],
   ['the columns of the centre of pressure are not equally long', 'die Spalten des Druckmittelpunkts sind verschieden lang'],
   ['a centre of pressure sampled at {}', 'ein Druckmittelpunkt mit {}'],
   ['rates of 10 to 100000 Hz can be analysed', '10 bis 100000 Hz können ausgewertet werden'],
@@ -111,7 +111,7 @@ export const recordMessages: readonly Message[] = [
   ['use the profile asis', 'das Profil asis verwenden'],
   ['unknown profile', 'unbekanntes Profil'],
   ['the rate of the analysis is not valid', 'die Abtastrate der Auswertung ist nicht gültig'],
-  ['the settling time is not valid', 'die Beruhigungszeit ist nicht gültig'],
+  ['the settling time is not valid', 'die Vorlaufzeit ist nicht gültig'],
   ['the result of a trial of session {!} cannot be read', 'das Ergebnis eines Durchgangs der Untersuchung {} ist nicht lesbar'],
   ['the recording has no stream "cop"', 'die Aufzeichnung hat keinen Strom „cop“'],
   ['stream "cop" has no channels ml_mm and ap_mm', 'der Strom „cop“ hat keine Kanäle ml_mm und ap_mm'],
@@ -123,7 +123,7 @@ export const recordMessages: readonly Message[] = [
   ],
   ['more than {} samples of standing', 'mehr als {} Werte des Stehens'],
   ['record trials, or a shorter session', 'Durchgänge oder eine kürzere Untersuchung aufzeichnen'],
-  ['the trial has more than {} samples, gaps included', 'der Durchgang hat mehr als {} Werte, Lücken eingeschlossen'],
+  ['the trial has more than {} samples, gaps included', 'der Durchgang hat mehr als {} Messwerte, Lücken eingeschlossen'],
   // Reports
   [
     'This PDF has the pages of the first {} of {} trials. The HTML report has all pages.',
@@ -136,8 +136,8 @@ export const recordMessages: readonly Message[] = [
     'eine Untersuchung einer Bodenplattform oder eines Stuhls wählen: dtsctl session list',
   ],
   ['the recording has no stream "transient": it is no session of a chair', 'die Aufzeichnung hat keinen Strom „transient“: keine Untersuchung eines Stuhls'],
-  ['the session has too many samples for one report', 'die Untersuchung hat zu viele Werte für einen Bericht'],
-  ['the trial has no samples', 'der Durchgang hat keine Werte'],
+  ['the session has too many samples for one report', 'die Untersuchung hat zu viele Messwerte für einen Bericht'],
+  ['the trial has no samples', 'der Durchgang hat keine Messwerte'],
   ['cannot make a PDF: rsvg-convert does not start', 'kein PDF möglich: rsvg-convert startet nicht'],
   ['no memory for the PDF', 'kein Speicher für das PDF'],
   // Catalogue
@@ -219,8 +219,8 @@ export const recordMessages: readonly Message[] = [
     'die Rechte des Ordners der Aufzeichnungen prüfen und ob der Datenträger voll oder schreibgeschützt ist',
   ],
   // Erasure of a subject
-  ["'{!}', which describes an erasure that was interrupted, is damaged", '„{}“, die Beschreibung eines unterbrochenen Löschens, ist beschädigt'],
-  ['remove this file, then erase the subject again: dtsctl subject erase ID', 'diese Datei entfernen, dann die Person erneut löschen: dtsctl subject erase ID'],
+  ["'{!}', which describes an erasure that was interrupted, is damaged", '„{}“, die Beschreibung eines unterbrochenen endgültigen Löschens, ist beschädigt'],
+  ['remove this file, then erase the subject again: dtsctl subject erase ID', 'diese Datei entfernen, dann die Person erneut endgültig löschen: dtsctl subject erase ID'],
   [
     'check the permissions of the state folder and whether its disk is full or read-only, then restart dtsd',
     'die Rechte des Zustandsordners prüfen und ob sein Datenträger voll oder schreibgeschützt ist, dann dtsd neu starten',
@@ -232,11 +232,11 @@ export const recordMessages: readonly Message[] = [
   ["the recording '{!}' is missing; if it is elsewhere, remove it there", 'die Aufzeichnung „{}“ fehlt; ist sie anderswo, dort entfernen'],
   [
     'the recordings of session {!} were recorded with this subject ID, and the session now has none: to erase them, give this session an ID of its own (dtsctl session edit {!} --subject ID --reason TEXT), then erase that ID',
-    'die Aufzeichnungen der Untersuchung {} entstanden mit dieser Personen-ID, und die Untersuchung hat jetzt keine: zum Löschen dieser Untersuchung eine eigene ID geben (dtsctl session edit {} --subject ID --reason TEXT), dann diese ID löschen',
+    'die Aufzeichnungen der Untersuchung {} entstanden mit dieser Personen-ID, und die Untersuchung hat jetzt keine: um sie endgültig zu löschen, dieser Untersuchung eine eigene ID geben (dtsctl session edit {} --subject ID --reason TEXT), dann diese ID endgültig löschen',
   ],
   [
     'the recordings of session {!} were recorded with this subject ID, and the session now has another one: to erase them, give this session an ID of its own (dtsctl session edit {!} --subject ID --reason TEXT), then erase that ID',
-    'die Aufzeichnungen der Untersuchung {} entstanden mit dieser Personen-ID, und die Untersuchung hat jetzt eine andere: zum Löschen dieser Untersuchung eine eigene ID geben (dtsctl session edit {} --subject ID --reason TEXT), dann diese ID löschen',
+    'die Aufzeichnungen der Untersuchung {} entstanden mit dieser Personen-ID, und die Untersuchung hat jetzt eine andere: um sie endgültig zu löschen, dieser Untersuchung eine eigene ID geben (dtsctl session edit {} --subject ID --reason TEXT), dann diese ID endgültig löschen',
   ],
   ['the recordings of session {!} have this subject ID in their label', 'die Aufzeichnungen der Untersuchung {} haben diese Personen-ID im Stichwort'],
   [
@@ -247,7 +247,7 @@ export const recordMessages: readonly Message[] = [
   ["the notes in '{!}' cannot be read; look there for this subject ID", 'die Notizen in „{}“ sind nicht lesbar; dort nach dieser Personen-ID suchen'],
   [
     'the log of the catalogue still has removed rows, because another program reads it: end that program and restart dtsd',
-    'das Protokoll des Katalogs enthält noch entfernte Zeilen, weil ein anderes Programm es liest: jenes Programm beenden und dtsd neu starten',
+    'das Log des Katalogs enthält noch entfernte Zeilen, weil ein anderes Programm es liest: jenes Programm beenden und dtsd neu starten',
   ],
   ['the erasure has begun, and its files are still being removed', 'das endgültige Löschen hat begonnen, und Dateien werden noch entfernt'],
   [
@@ -256,7 +256,7 @@ export const recordMessages: readonly Message[] = [
   ],
   [
     'Backups and copies still have this subject. Replace each backup by a new one, or note the subject ID in the list of erasures that your clinic keeps apart from this machine, and erase the subject again after you restore a backup. Reports, exports and copies that people saved elsewhere must be deleted by them. A gateway that does not run drops its cached reports and exports when it starts.',
-    'Sicherungen und Kopien enthalten diese Person noch. Jede Sicherung durch eine neue ersetzen, oder die Personen-ID in der Liste der Löschungen notieren, die die Klinik getrennt von diesem Computer führt, und die Person nach jedem Zurückspielen erneut löschen. Berichte, Exporte und Kopien, die Personen anderswo gespeichert haben, müssen diese selbst löschen. Ein Gateway, das nicht läuft, verwirft seine gespeicherten Berichte und Exporte beim Start.',
+    'Sicherungen und Kopien enthalten diese Person noch. Jede Sicherung durch eine neue ersetzen, oder die Personen-ID in der Liste der Löschungen notieren, die die Klinik getrennt von diesem Computer führt, und die Person nach jedem Zurückspielen erneut endgültig löschen. Berichte, Exporte und Kopien, die jemand anderswo gespeichert hat, muss er oder sie selbst löschen. Ein Gateway, das nicht läuft, verwirft seine gespeicherten Berichte und Exporte beim Start.',
   ],
   // Errors of the system
   ['Permission denied', 'keine Berechtigung'],

@@ -4,7 +4,7 @@ import { byKey } from '../by_key';
 import type { health as english } from '../en/health';
 
 export const health: typeof english = {
-  title: 'Zustand',
+  title: 'Systemzustand',
   noStatus: 'Noch kein Zustand. Die Statuszeile zeigt, ob das Gateway und das Messprogramm dtsd erreichbar sind.',
   noRig: 'Kein Messplatz eingerichtet',
   noRigHint: 'Einen Messplatz in dtsd.toml eintragen, dann dtsd neu starten.',
@@ -25,7 +25,7 @@ export const health: typeof english = {
     pipeline: 'Rechenzeit je Abtastung',
     lost: 'Verlorene Abtastungen',
     gaps: 'Lücken',
-    reconnects: 'Neue Verbindungen',
+    reconnects: 'Wiederverbindungen',
     restarts: 'Neustarts',
     droppedBlocks: 'Verworfene Blöcke (Warteschlange voll)',
     lostEvents: 'Verlorene Ereignisse',
@@ -51,7 +51,7 @@ export const health: typeof english = {
     5: 'abgelehnt: Sensor gestört',
   }),
   diskStates: byKey({ 1: 'in Ordnung', 2: 'fast voll', 3: 'voll', 4: 'nicht beschreibbar' }),
-  gap: (time, reason, scans, isExact) => `${time}: ${reason}, ${isExact ? '' : 'etwa '}${scans} Abtastungen verloren`,
+  gap: (time, reason, scans, isExact) => `${time}: ${reason}, ${isExact ? '' : 'etwa '}${scans} ${scans === '1' ? 'Abtastung' : 'Abtastungen'} verloren`,
   gapReasons: byKey({
     0: 'Grund unbekannt',
     1: 'Puffer des Geräts voll',
@@ -63,7 +63,7 @@ export const health: typeof english = {
   }),
   notPublished: (sensors) => `Keine Live-Werte der ${sensors} Sensoren dieses Messplatzes`,
   notPublishedHint:
-    'Der Messplatz veröffentlicht seinen Rohdatenstrom nicht ([publish] in der Messplatzdatei). Gerät prüfen misst jeden Kanal 1 s lang.',
+    'Der Messplatz veröffentlicht seinen Rohdatenstrom nicht ([publish] in der Messplatzdatei). Mit „Gerät prüfen“ wird jeder Kanal 1 s lang gemessen.',
   pipeline: 'Verarbeitungsstufen',
   sensors: {
     heads: {
@@ -100,7 +100,7 @@ export const health: typeof english = {
     sentence: 'Alter der neuesten Daten beim Eintreffen auf dieser Seite. Balken: Anteil der Datenpakete nach Alter in ms.',
     description: (median, p95) => `Die Hälfte innerhalb von ${median}, 95 % innerhalb von ${p95}.`,
     bar: (end, share) => `bis ${end} ms: ${share} %`,
-    more: 'mehr',
+    more: 'darüber',
     median: 'Median',
     p95: '95 % innerhalb von',
     blocks: 'Empfangene Blöcke',

@@ -3,14 +3,14 @@
 import type { steadinessDecision as english } from '../en/steadiness_decision';
 
 export const steadinessDecision: typeof english = {
-  title: 'Das Schwanken ähnelt',
+  title: 'Schwankung ähnlich',
   none: 'Keine Zuordnung',
   probability: (percent) => `Wahrscheinlichkeit ${percent} %`,
-  outside: (measures) => `Außerhalb des Trainings: ${measures}`,
-  notValid: 'Durchgang ungültig: abgestiegen oder Füße bewegt',
+  outside: (measures) => `Außerhalb der Lerndaten: ${measures}`,
+  notValid: 'Durchgang nicht gültig: Platte verlassen oder Füße bewegt',
   missing: (measures) => `Fehlt: ${measures}`,
-  notComparable: 'Andere Abtastrate, anderer Filter oder andere Dauer als im Training',
-  people: (people, condition) => `Trainiert mit ${people} Personen${condition === '' ? '' : `, ${condition}`}`,
+  notComparable: 'Andere Abtastrate, anderer Filter oder andere Dauer als in den Lerndaten',
+  people: (people, condition) => `Gelernt aus Daten von ${people} Personen${condition === '' ? '' : `, ${condition}`}`,
   conditionOf: (condition) => condition.replace(/^condition=/, 'Bedingung '),
   auc: (auc, low, high) => `Richtige Reihenfolge bei einem Anteil von ${auc} der Paare (${low} bis ${high}); Zufall ist 0,50`,
   oneMeasure: (name, auc) => `Nicht besser als eine Kenngröße allein: ${name} (${auc})`,

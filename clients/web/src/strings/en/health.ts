@@ -50,7 +50,7 @@ export const health = {
     5: 'rejected: faulty sensor',
   }),
   diskStates: byKey({ 1: 'fine', 2: 'low', 3: 'full', 4: 'not writable' }),
-  gap: (time: string, reason: string, scans: string, isExact: boolean) => `${time}: ${reason}, ${isExact ? '' : 'about '}${scans} scans lost`,
+  gap: (time: string, reason: string, scans: string, isExact: boolean) => `${time}: ${reason}, ${isExact ? '' : 'about '}${scans} ${scans === '1' ? 'scan' : 'scans'} lost`,
   gapReasons: byKey({
     0: 'unknown reason',
     1: "device's buffer full",

@@ -80,7 +80,7 @@ export const sessions = {
     confirmWrong: (subject: string) => `Type exactly ${subject}`,
     eraseIt: 'Erase for ever',
     needsEngineer: 'Requires the role engineer',
-    erased: (subject: string, sessions: string, files: string) => `Subject ${subject} erased: ${sessions} ${sessions === '1' ? 'session' : 'sessions'}, ${files} files`,
+    erased: (subject: string, sessions: string, files: string) => `Subject ${subject} erased: ${sessions} ${sessions === '1' ? 'session' : 'sessions'}, ${files} ${files === '1' ? 'file' : 'files'}`,
     left: 'dtsd could not remove everything',
   },
   filters: { subject: 'Subject ID', protocol: 'Protocol', state: 'State', from: 'From', to: 'To', all: 'all', deleted: 'Deleted sessions' },
@@ -142,6 +142,8 @@ export const sessions = {
     ofCondition: (condition: string, what: string) => `${condition}: ${what}`,
     ofPart: (what: string, part: string) => `${what}, part ${part}`,
     romberg: (stance: string) => (stance === '' ? 'Romberg ratio, eyes closed / open' : `Romberg ratio, eyes closed / open, ${stance}`),
+    conditions: byKey({ 'eyes-open': 'Eyes open', 'eyes-closed': 'Eyes closed' }),
+    labels: byKey({ 'feet=one': 'one foot', 'feet=two': 'two feet', 'surface=firm': 'firm surface', 'surface=foam': 'foam' }),
     units: byKey({ '1': '', mm2: 'mm²', 'mm2/s': 'mm²/s', deg: '°', 'deg/s': '°/s' }),
     // By name without condition and axis.
     words: byKey({

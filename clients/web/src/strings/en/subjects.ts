@@ -8,7 +8,7 @@ export const subjects = {
   asking: 'Loading subjects …',
   none: 'No subjects yet. The first session with a subject ID adds one.',
   needsOperator: 'Subjects require the role operator',
-  more: (count: string) => `${count} more subjects are not listed. Open one by its ID in the page Sessions.`,
+  more: (count: string) => `More subjects, not listed: ${count}. Open one by its ID in the page Sessions.`,
   search: 'Subject ID contains',
   heads: { subject: 'Subject ID', last: 'Last visit', visits: 'Visits', rigs: 'Rigs' },
   start: {
@@ -32,7 +32,7 @@ export const subjects = {
     measure: 'Measure',
     condition: (rig: string, protocol: string) => `${rig}: ${protocol}`,
     whole: 'Whole session',
-    plot: (measure: string, visits: string) => `${measure} over ${visits} visits`,
+    plot: (measure: string, visits: string) => `${measure} over ${visits} ${visits === '1' ? 'visit' : 'visits'}`,
     heads: { visit: 'Visit', condition: 'Condition', value: 'Value', sd: 'SD', trials: 'Trials', note: 'Note' },
     notComparable: 'other settings: do not compare',
     band: (percent: string, condition: string) => `Known variation between two days, ${condition}: up to ${percent} % of the mean of both visits`,

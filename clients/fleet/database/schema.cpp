@@ -448,7 +448,7 @@ core::Status migrate(Database& database) {
     auto applied = database.transaction([&] { return migrate_once(database); });
     if (!applied && applied.error().code == core::ErrorCode::NotAllowed) {
       applied.error().hint =
-          "let the database's user create roles and schemas: ALTER ROLE dts_hub CREATEROLE, and make it the owner of the database";
+          "let the database's user create roles and schemas: ALTER ROLE \"dts-hub\" CREATEROLE, and make it the owner of the database";
     }
     DTS_TRY(applied);
     if (!*applied) return {};

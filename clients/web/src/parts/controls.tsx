@@ -26,7 +26,8 @@ export interface ButtonProps {
 
 /**
  * A disabled button stays in the Tab order, so that a screen reader can read the reason. A clicked button gives up the focus: otherwise Space,
- * meant to set a marker, would press it again and redo a trial. A button pressed by a key (detail 0) keeps the focus.
+ * meant to set a marker, would press it again and redo a trial. A button pressed by a key (detail 0) keeps the focus. The second click of a
+ * double click and a held Enter do nothing: the button may mean something else by then ("Stop now"), and a second redo cannot be undone.
  */
 export const Button = ({ label, onClick, testId, whyNot = '', isReasonNearby = false, keyName, kind = 'plain', isPressed }: ButtonProps): JSX.Element => {
   const reasonId = useId();
@@ -38,11 +39,14 @@ export const Button = ({ label, onClick, testId, whyNot = '', isReasonNearby = f
         data-testid={testId}
         aria-disabled={whyNot !== ''}
         aria-describedby={whyNot !== '' ? reasonId : undefined}
-        aria-keyshortcuts={keyName}
+        aria-keyshortcuts={keyName === undefined || keyName.length === 1 ? keyName : 'Space'} // the attribute has English names
         aria-pressed={isPressed}
+        onKeyDown={(event) => {
+          if (event.repeat && event.key === 'Enter') event.preventDefault();
+        }}
         onClick={(event) => {
           if (event.detail > 0) event.currentTarget.blur();
-          if (whyNot === '') onClick();
+          if (whyNot === '' && event.detail < 2) onClick();
         }}
       >
         {label}
@@ -151,19 +155,19 @@ export const Field = (props: { label: string; hint?: string; error?: string | un
 };
 
 export interface Commands {
-  /** Returns the answer, or nothing if it failed: see `error`. Ignores further commands while one is pending. */
+  /** Returns the answer, or nothing if it failed: see `error`. Ignores further commands while one is pending, unless they can overlap. */
   run(command: Command): Promise<Answer | undefined>;
   readonly isBusy: ReadonlySignal<boolean>;
   readonly error: ReadonlySignal<CommandError | undefined>;
   dismiss(): void;
 }
 
-/** Commands of one place on a page; <CommandNotice> shows their error there. */
-export const useCommands = (link: Link): Commands => {
+/** Commands of one place on a page; <CommandNotice> shows their error there. `canOverlap`: a command does not wait for the answer to the one before. */
+export const useCommands = (link: Link, canOverlap = false): Commands => {
   const isBusy = useSignal(false);
   const error = useSignal<CommandError | undefined>(undefined);
   const run = async (command: Command): Promise<Answer | undefined> => {
-    if (isBusy.value) return undefined;
+    if (isBusy.value && !canOverlap) return undefined;
     isBusy.value = true;
     error.value = undefined;
     try {

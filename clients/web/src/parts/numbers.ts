@@ -72,6 +72,11 @@ export const clockTime = (dateMs: number): string => (dateMs > 0 ? time.format(d
 export const dateTime = (utcNs: bigint): string =>
   utcNs > 0n ? dateAndTime.format(Number(utcNs / 1_000_000n)) : strings.common.undefinedValue;
 
+const utcDay = new Intl.DateTimeFormat(locale, { day: 'numeric', month: 'short', year: 'numeric', timeZone: 'UTC' });
+
+/** Returns "23 Nov 2026" for the UTC day at this time in ms: the same day for every reader. */
+export const dayUtc = (utcMs: number): string => utcDay.format(utcMs);
+
 const dayAndMonth = new Intl.DateTimeFormat(locale, { day: 'numeric', month: 'short' });
 const dayOfYear = new Intl.DateTimeFormat(locale, { day: 'numeric', month: 'short', year: 'numeric' });
 

@@ -8,6 +8,7 @@ import type { ProtocolField, ProtocolInfo } from '../generated/dts/v1/sessions_p
 import type { Link } from '../link/types';
 import { strings } from '../strings';
 import { CommandNotice, Field, Notice, Panel, useCommands } from './controls';
+import { useReturnFocus } from './focus';
 import { useKeys } from './keys';
 import { choiceName, isLabel, labelRule, protocolName, protocols } from './names';
 import { duration, fixed, whole } from './numbers';
@@ -177,6 +178,7 @@ export const StartSession = ({ link, rig, form, subject = '', protocol = '', onS
   const fitting = protocols.value.filter(({ rigKind }) => rigKind === '' || rigKind === kind);
   const chosen = fitting.find(({ name }) => name === (typed.value ?? lastUsed.value));
   const fields = chosen?.fields ?? [];
+  useReturnFocus();
   useLayoutEffect(() => first.current?.focus(), []);
   useEffect(() => {
     void askLastProtocol(link, rig).then((name) => (lastUsed.value = name));
@@ -272,7 +274,7 @@ export const StartSession = ({ link, rig, form, subject = '', protocol = '', onS
         />
         <div class="form-grid">{fields.filter(({ isRequired }) => isRequired).map(input)}</div>
         <CommandNotice commands={commands} testId="start-error" />
-        <button type="submit" class="button button-main" data-testid="start-submit" disabled={commands.isBusy.value}>
+        <button type="submit" class="button button-main" data-testid="start-submit" aria-disabled={commands.isBusy.value}>
           {commands.isBusy.value ? strings.common.busy : words.submit}
         </button>
         <fieldset class="column start-optional">

@@ -40,7 +40,7 @@ const ofSession = ({ rig, session }: RigStatus): string => {
     ? words.inTrial(whole(trial.trial), whole(trial.of))
     : outcome === undefined
       ? words.running
-      : strings.common.trialEnded[outcome](whole(trial?.lastTrial)).toLowerCase();
+      : words.withinLine(strings.common.trialEnded[outcome](whole(trial?.lastTrial)));
   return words.session(rig?.name ?? '', what);
 };
 

@@ -58,7 +58,7 @@ export const LoginPage = ({ link }: { link: Link }): JSX.Element => {
         )}
       </Field>
       {error.value !== undefined && <Notice kind="error" what={error.value.message} hint={error.value.hint} testId="login-error" />}
-      <button type="submit" class="button button-main" data-testid="login-submit" disabled={isBusy.value}>
+      <button type="submit" class="button button-main" data-testid="login-submit" aria-disabled={isBusy.value}>
         {isBusy.value ? strings.common.busy : strings.common.logIn}
       </button>
     </form>

@@ -6,8 +6,8 @@ import { useEffect, useRef } from 'preact/hooks';
 
 import { Role } from '../generated/dts/v1/options_pb';
 import type { Link } from '../link/types';
-import { Button, Panel, PassingNotice } from '../parts/controls';
-import { useKeys } from '../parts/keys';
+import { Button, Notice, Panel, PassingNotice } from '../parts/controls';
+import { areKeysOn, turnKeys, useKeys } from '../parts/keys';
 import { useProtocols } from '../parts/names';
 import { strings } from '../strings';
 import type { Language } from '../strings/language';
@@ -25,10 +25,16 @@ const pagesOf = (link: Link): readonly (keyof typeof words.pages)[] => (link.me.
 const livePages = new Set(['floor', 'chair']);
 const signs = { good: '●', plain: '○', warning: '▲', error: '✕' } as const;
 
-const Tabs = ({ link }: { link: Link }): JSX.Element => {
+/** Returns the page whose tab is marked. */
+const shownPage = (link: Link): keyof typeof words.pages | undefined => {
   const pages = pagesOf(link);
   const [first = pages[0]] = path.value;
-  const shown = first === 'compare' ? 'sessions' : first;
+  return pages.find((page) => page === (first === 'compare' ? 'sessions' : first));
+};
+
+const Tabs = ({ link }: { link: Link }): JSX.Element => {
+  const pages = pagesOf(link);
+  const shown = shownPage(link);
   return (
     <nav aria-label={words.navigation} class="tabs">
       {pages.map((page) => (
@@ -87,11 +93,17 @@ const roleName = (role: Role): string => {
 
 const Who = ({ link }: { link: Link }): JSX.Element => {
   const { user, role, canLogIn } = link.me.value;
+  const hasFailed = useSignal(false);
   const isLocal = user === 'local' || user === '';
+  const logOut = async (): Promise<void> => {
+    hasFailed.value = false;
+    await link.logOut().catch(() => (hasFailed.value = true));
+  };
   return (
     <div class="who">
       <span data-testid="who">{user === '' ? words.role.none : words.userAndRole(user, roleName(role))}</span>
-      {canLogIn && !isLocal && <Button label={words.logOut} onClick={() => void link.logOut().catch(() => undefined)} testId="log-out" />}
+      {canLogIn && !isLocal && <Button label={words.logOut} onClick={() => void logOut()} testId="log-out" />}
+      {hasFailed.value && <Notice kind="error" what={words.logOutFailed} testId="log-out-failed" onDismiss={() => (hasFailed.value = false)} />}
     </div>
   );
 };
@@ -116,6 +128,10 @@ const KeyHelp = ({ isFleet, onClose }: { isFleet: boolean; onClose: () => void }
       <KeyList entries={[isFleet ? words.help.fleetPages : words.help.pages, ...words.help.entries]} />
       {!isFleet && <h3>{words.help.live}</h3>}
       {!isFleet && <KeyList entries={words.help.liveEntries} />}
+      <label class="row">
+        <input type="checkbox" data-testid="keys-on" checked={areKeysOn.value} onChange={(event) => turnKeys(event.currentTarget.checked)} />
+        {words.help.on}
+      </label>
     </Panel>
   </div>
 );
@@ -125,15 +141,19 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
   const isHelpOpen = useSignal(false);
   useProtocols(live);
   const page = useRef<HTMLElement>(null);
+  const shown = shownPage(link);
   useEffect(() => {
     page.current?.scrollTo(0, 0); // every page opens at its top
     window.scrollTo(0, 0); // on a phone the window scrolls
+    // A link of the page before is gone with its focus: the Tab key and a screen reader continue in the new page.
+    if (document.activeElement === document.body) page.current?.focus({ preventScroll: true });
   }, [path.value]);
+  useEffect(() => void (document.title = shown === undefined ? words.documentTitle : words.titleOf(words.pages[shown])), [shown]);
   const { kind, text, hint } = conditionOf(live.state.value, live.since.value, live.status.value, live.dropped.value);
   // A live picture without data says by itself why, and what to do.
   const isInPicture = livePages.has(path.value[link.me.value.isFleet ? 2 : 0] ?? 'floor') && live.state.value !== 'up';
   const isOfResults = hasResults(link, path.value);
-  const goTo = (name: string) => () => (location.hash = `#/${name}`);
+  const goTo = (name: string) => () => (location.hash = addressOf(name));
   useKeys({
     '?': () => (isHelpOpen.value = !isHelpOpen.value),
     ...(isHelpOpen.value ? { Escape: () => (isHelpOpen.value = false) } : {}), // otherwise Esc closes the form of the page
@@ -150,7 +170,7 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
         <Who link={link} />
       </header>
       {kind === 'error' && hint !== '' && !isInPicture && <PassingNotice kind="error" what={text} hint={hint} testId="loud-status" />}
-      <main ref={page} class={isOfResults ? 'page page-results' : 'page'} data-testid="page">
+      <main ref={page} tabIndex={-1} class={isOfResults ? 'page page-results' : 'page'} data-testid="page">
         {children}
       </main>
       {isOfResults && (

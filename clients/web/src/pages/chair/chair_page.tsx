@@ -3,7 +3,7 @@ import type { JSX } from 'preact';
 
 import type { RigStatus } from '../../generated/dts/v1/control_pb';
 import type { Link } from '../../link/types';
-import { Live } from '../../parts/live';
+import { Live, useIsOld } from '../../parts/live';
 import { PatientButton } from '../../parts/patient_button';
 import { RigPage } from '../../parts/rig_page';
 import { useStartForm } from '../../parts/start_form';
@@ -24,6 +24,7 @@ const Chair = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
   const { ring, ghosts, examination, trials, restS } = useFollowed(link, rig);
   const running = isRunning(status);
   const form = useStartForm(running);
+  const isOld = useIsOld(link, rig).value;
   const shown = examination.value;
   const isGuiding = !link.me.value.isFleet; // nobody at a centre can follow a hint
   if (form.isShown) {
@@ -42,11 +43,11 @@ const Chair = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
           {isGuiding && <PatientButton rig={rig} />}
         </div>
         <Live link={link} rig={rig}>
-          <TransientView link={link} ring={ring} ghosts={ghosts} examination={examination} />
+          <TransientView link={link} ring={ring} ghosts={ghosts} examination={examination} isOld={isOld} />
         </Live>
       </div>
       <div class="chair-below">
-        <Prompt examination={shown} session={session} restS={restS} isGuiding={isGuiding} />
+        <Prompt examination={shown} session={session} restS={restS} isGuiding={isGuiding} isOld={isOld} />
         <ClassResult
           movement={shown.movement}
           reach={shown.reach}

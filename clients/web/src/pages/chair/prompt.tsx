@@ -66,9 +66,11 @@ interface PromptProps {
   restS: ReadonlySignal<number>;
   /** False at a centre: nobody there can follow a hint. */
   isGuiding: boolean;
+  /** No data: what the subject should do is not known. */
+  isOld: boolean;
 }
 
-export const Prompt = ({ examination, session, restS, isGuiding }: PromptProps): JSX.Element => {
+export const Prompt = ({ examination, session, restS, isGuiding, isOld }: PromptProps): JSX.Element => {
   const { words, hints, readyForTrial, trialOf, attempt, rest } = strings.chair.prompt;
   const { step, trial, of } = examination;
   const next = session?.trial?.nextTrial ?? 0;
@@ -79,7 +81,7 @@ export const Prompt = ({ examination, session, restS, isGuiding }: PromptProps):
         {strings.chair.prompt.head}
       </h2>
       <div class="chair-prompt-word" data-testid="prompt" data-step={step} aria-live="assertive">
-        {words[step]}
+        {isOld ? strings.common.data.noData : words[step]}
       </div>
       {step === 'free' ? (
         <p>{isGuiding ? hints.free : hints.freeElsewhere}</p>
@@ -95,9 +97,13 @@ export const Prompt = ({ examination, session, restS, isGuiding }: PromptProps):
               <span aria-hidden="true">{outcomeShape(outcome)}</span> {strings.common.trialEnded[outcome](whole(session?.trial?.lastTrial))}
             </p>
           )}
-          {isGuiding && (
+          {isGuiding && !isOld && (
             <p class="chair-sentence" data-testid="prompt-hint">
-              {step === 'resting' && restS.value > 0 ? rest(whole(restS.value)) : hints[step]}
+              {step === 'resting' && restS.value > 0
+                ? rest(whole(restS.value))
+                : step === 'finished' && outcome === 'rejected'
+                  ? strings.floor.endedLast
+                  : hints[step]}
             </p>
           )}
         </>

@@ -46,9 +46,10 @@ interface TransientViewProps {
   ring: TransientRing;
   ghosts: Ghosts;
   examination: ReadonlySignal<Examination>;
+  isOld: boolean;
 }
 
-export const TransientView = ({ link, ring, ghosts, examination }: TransientViewProps): JSX.Element => {
+export const TransientView = ({ link, ring, ghosts, examination, isOld }: TransientViewProps): JSX.Element => {
   const back = useRef<HTMLCanvasElement>(null);
   const front = useRef<HTMLCanvasElement>(null);
   const description = useSignal('');
@@ -72,8 +73,9 @@ export const TransientView = ({ link, ring, ghosts, examination }: TransientView
       above.release();
     };
   }, [link, ring, ghosts, examination]);
+  const label = isOld ? strings.common.data.noData : description.value || strings.chair.picture.transient;
   return (
-    <div class="chair-canvases" role="img" aria-label={description.value || strings.chair.picture.transient} data-testid="transient-picture">
+    <div class="chair-canvases" role="img" aria-label={label} data-testid="transient-picture">
       <canvas ref={back} aria-hidden="true" />
       <canvas ref={front} aria-hidden="true" />
     </div>

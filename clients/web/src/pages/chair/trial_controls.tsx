@@ -7,6 +7,7 @@ import type { ComponentChildren, JSX } from 'preact';
 import type { SessionInfo } from '../../generated/dts/v1/control_pb';
 import { TrialAction } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
+import { isOpenEnded } from '../../parts/active';
 import type { Commands } from '../../parts/controls';
 import { Button, CommandNotice, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
@@ -44,7 +45,7 @@ const Marking = ({ link, rig, commands, markedAt }: { link: Link; rig: string; c
 /** During a session. */
 export const TrialControls = ({ link, rig, session, examination, children }: ControlsProps): JSX.Element => {
   const commands = useCommands(link);
-  const marking = useCommands(link);
+  const marking = useCommands(link, true);
   const stopping = useCommands(link); // its own, so that a stop never waits for another command
   const stop = useSessionStop(link, rig, session.sessionId, stopping);
   const markedAt = useSignal(0);
@@ -52,9 +53,11 @@ export const TrialControls = ({ link, rig, session, examination, children }: Con
   const outcome = session.trial === undefined ? undefined : lastOutcome(session.trial);
   const isDuringTrial = step === 'ready' || step === 'go' || step === 'back';
   const whyNot = whyNotOperate(link) || (step === 'free' ? words.noTrials : '');
-  const whyNotNext = whyNot || (step === 'finished' ? words.allDone : isDuringTrial ? words.duringTrial : '');
-  const whyNotRedo = whyNot || (trial === 0 ? words.needsTrial : '');
-  const whyNotReject = whyNotRedo || (!isDuringTrial && outcome === 'rejected' ? words.alreadyVoid : '');
+  const canEnd = session.trial !== undefined && isOpenEnded(session.trial);
+  const whyNotNext = whyNot || (step === 'finished' ? words.allDone : isDuringTrial && !canEnd ? words.duringTrial : '');
+  const isVoid = !isDuringTrial && outcome === 'rejected';
+  const whyNotRedo = whyNot || (trial === 0 ? words.needsTrial : isVoid ? words.alreadyVoid : '');
+  const whyNotReject = whyNotRedo;
   const act = (action: TrialAction): void => {
     if (!stop.flush()) void commands.run({ case: 'trial', value: { rig, action } });
   };
@@ -66,7 +69,7 @@ export const TrialControls = ({ link, rig, session, examination, children }: Con
     r: () => whyNotRedo === '' && redo(),
     x: () => whyNotReject === '' && reject(),
   });
-  const start = trial === 0 ? words.first : outcome === undefined || outcome === 'done' ? words.next : words.startNext;
+  const start = canEnd ? strings.common.endTrial : trial === 0 ? words.first : outcome === undefined || outcome === 'done' ? words.next : words.startNext;
   return (
     <div class="chair-controls">
       <div class="row">

@@ -7,7 +7,7 @@ import { useMemo } from 'preact/hooks';
 import type { Link } from '../../link/types';
 import { Notice } from '../../parts/controls';
 import { protocolName } from '../../parts/names';
-import { day, measured, whole } from '../../parts/numbers';
+import { dayUtc, measured, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from '../sessions/asking';
 import { resultName, unitText } from '../sessions/result_names';
@@ -49,7 +49,7 @@ const TrendTable = ({ trend, unit }: { trend: Trend; unit: string }): JSX.Elemen
                   {row.clinic}
                 </a>
               </th>
-              <td data-label={heads.week}>{day(BigInt(row.weekMs) * 1_000_000n)}</td>
+              <td data-label={heads.week}>{dayUtc(row.weekMs)}</td>
               <td data-label={heads.count} class="number">
                 {whole(row.count)}
               </td>
@@ -96,7 +96,9 @@ export const TrendsPage = ({ link }: { link: Link }): JSX.Element => {
   const { clinic, protocol, since } = choice.value;
   const query =
     measure === undefined ? '' : queryOf({ measure: measure.name, analysis: measure.analysis, clinic, protocol, since: trendSince(since, Date.now()) });
-  const { answer, error, isBusy } = useAsked(query, (signal) => askCentre<Trend>(link, `trend${query}`, signal)).value;
+  const asked = useAsked(query, async (signal) => ({ query, trend: await askCentre<Trend>(link, `trend${query}`, signal) })).value;
+  const { error, isBusy } = asked;
+  const answer = asked.answer?.query === query ? asked.answer.trend : undefined; // else it is that of another measure
   const set = (change: Partial<TrendChoice>): void => void (choice.value = { ...choice.value, ...change });
   const { filters } = words;
   const failed = measures.error ?? error;

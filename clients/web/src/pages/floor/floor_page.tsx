@@ -8,7 +8,7 @@ import type { TrialRecord, TrialStatus } from '../../generated/dts/v1/sessions_p
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
-import { isActive } from '../../parts/active';
+import { isActive, isOpenEnded } from '../../parts/active';
 import type { Commands } from '../../parts/controls';
 import { CommandNotice, Tile, useCommands } from '../../parts/controls';
 import { Live, useIsOld } from '../../parts/live';
@@ -38,8 +38,10 @@ const words = strings.floor;
 /** Returns title and hint of a state. */
 const guidanceWords = (state: GuidanceState, protocol: string, trial: TrialStatus | undefined): readonly [string, string] => {
   if (state === 'first') return words.firstTrial(conditionName(protocol, trial?.nextCondition ?? ''));
+  if (state === 'measuring' && trial !== undefined && isOpenEnded(trial)) return [words.guidance.measuring[0]!, words.measuringOpen];
   if (!isEnded(state)) return words.guidance[state] as [string, string];
-  const hint = trial?.phase === TrialPhase.FINISHED ? `${words.ended[state]} ${words.endedLast}` : words.ended[state];
+  const isLast = trial?.phase === TrialPhase.FINISHED;
+  const hint = !isLast ? words.ended[state] : state === 'rejected' ? words.endedLast : `${words.ended[state]} ${words.endedLast}`;
   return [strings.common.trialEnded[state](whole(trial?.lastTrial)), hint];
 };
 
@@ -144,7 +146,7 @@ const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
   useEffect(() => () => floor.close(), [floor]);
   const form = useStartForm(isActive(session));
   const commands = useCommands(link);
-  const marking = useCommands(link);
+  const marking = useCommands(link, true);
   return (
     <div class="floor">
       <div class="floor-pictures">

@@ -9,6 +9,7 @@ import type { Link } from '../../link/types';
 import type { Colours } from '../../parts/canvas';
 import { colours, openSurface } from '../../parts/canvas';
 import { Button } from '../../parts/controls';
+import { useIsOld } from '../../parts/live';
 import { fixed } from '../../parts/numbers';
 import { PatientButton } from '../../parts/patient_button';
 import { qualityWords } from '../../parts/quality';
@@ -130,6 +131,7 @@ export const Plate = ({ link, rig, floor, hasFeedback }: PlateProps): JSX.Elemen
   const point = (event: MouseEvent): void => {
     if (picture.current !== undefined) pointed.value = sensorAt(picture.current.frame(), rig, event.offsetX, event.offsetY);
   };
+  const isOld = useIsOld(link, rig.name).value;
   const now = floor.now.value; // renders four times a second, for the label
   const sensor = rig.sensors[pointed.value];
   return (
@@ -138,7 +140,7 @@ export const Plate = ({ link, rig, floor, hasFeedback }: PlateProps): JSX.Elemen
       <canvas
         ref={canvas}
         role="img"
-        aria-label={describe(now)}
+        aria-label={isOld ? strings.common.data.noData : describe(now)}
         data-testid="plate"
         data-ml-mm={now.mlMm.toFixed(2)}
         data-ap-mm={now.apMm.toFixed(2)}

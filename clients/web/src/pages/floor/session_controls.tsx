@@ -8,7 +8,7 @@ import type { TrialStatus } from '../../generated/dts/v1/sessions_pb';
 import { TrialAction, TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { DeviceState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
-import { isActive } from '../../parts/active';
+import { isActive, isOpenEnded } from '../../parts/active';
 import type { Commands } from '../../parts/controls';
 import { Button, CommandNotice, Notice, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
@@ -57,9 +57,11 @@ const TrialButtons = (props: { trial: TrialStatus; whyNot: string; act: (action:
   const outcome = lastOutcome(trial);
   const isWaiting = trial.phase === TrialPhase.WAITING || trial.phase === TrialPhase.RESTING;
   const isOver = isWaiting || trial.phase === TrialPhase.FINISHED;
-  const whyNotNext = props.whyNot || (isWaiting ? '' : isOver ? words.allDone : words.duringTrial);
-  const whyNotRedo = props.whyNot || (trial.trial === 0 ? words.noTrialYet : '');
-  const whyNotReject = whyNotRedo || (isOver && outcome === 'rejected' ? words.alreadyVoid : '');
+  const canEnd = isOpenEnded(trial);
+  const whyNotNext = props.whyNot || (isWaiting || canEnd ? '' : isOver ? words.allDone : words.duringTrial);
+  const isVoid = isOver && outcome === 'rejected';
+  const whyNotRedo = props.whyNot || (trial.trial === 0 ? words.noTrialYet : isVoid ? words.alreadyVoid : '');
+  const whyNotReject = whyNotRedo;
   const next = (): void => props.act(TrialAction.NEXT);
   const redo = (): void => props.act(TrialAction.REDO);
   const reject = (): void => props.act(TrialAction.REJECT);
@@ -69,7 +71,7 @@ const TrialButtons = (props: { trial: TrialStatus; whyNot: string; act: (action:
     x: () => whyNotReject === '' && reject(),
   });
   const isReasonNearby = true; // one line below the buttons: nothing moves when a reason appears
-  const start = outcome === undefined ? words.startTrial : outcome === 'done' ? words.accept : words.startNext;
+  const start = canEnd ? strings.common.endTrial : outcome === undefined ? words.startTrial : outcome === 'done' ? words.accept : words.startNext;
   return (
     <>
       <Button label={start} keyName="A" kind="main" testId="trial-next" onClick={next} whyNot={whyNotNext} isReasonNearby={isReasonNearby} />
@@ -81,7 +83,7 @@ const TrialButtons = (props: { trial: TrialStatus; whyNot: string; act: (action:
 
 /** Returns why the main button is disabled, for the line below the buttons. */
 const reasonOf = (trial: TrialStatus | undefined): string => {
-  if (trial === undefined || trial.phase === TrialPhase.WAITING || trial.phase === TrialPhase.RESTING) return '';
+  if (trial === undefined || trial.phase === TrialPhase.WAITING || trial.phase === TrialPhase.RESTING || isOpenEnded(trial)) return '';
   return trial.phase === TrialPhase.FINISHED ? words.allDone : words.duringTrial;
 };
 

@@ -78,6 +78,7 @@ export const DeviceTest = ({ link, rig }: { link: Link; rig: string }): JSX.Elem
   const words = strings.health.test;
   const whyNotTest = link.state.value !== 'up' ? whyNotOperate(link) : link.me.value.role < Role.ENGINEER ? words.needsEngineer : '';
   const run = async (): Promise<void> => {
+    test.value = undefined; // else it looks like the result of this test
     const answer = await commands.run({ case: 'testDevice', value: { rig } });
     if (answer?.case === 'deviceTest') test.value = answer.value;
   };

@@ -7,6 +7,7 @@ import { useLayoutEffect, useRef } from 'preact/hooks';
 import type { Correction, SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Field, Notice, Panel, useCommands, whyNotOperate } from '../../parts/controls';
+import { useReturnFocus } from '../../parts/focus';
 import { useKeys } from '../../parts/keys';
 import { conditionName, labelRule } from '../../parts/names';
 import { dateTime, whole } from '../../parts/numbers';
@@ -23,6 +24,7 @@ const longestNotes = 1000;
 /** A form that opens focused and closes with Esc. */
 const OpenForm = (props: { title: string; hint: string; testId: string; submit: string; onSubmit: () => void; onClose: () => void; children: ComponentChildren }): JSX.Element => {
   const form = useRef<HTMLFormElement>(null);
+  useReturnFocus();
   useLayoutEffect(() => form.current?.querySelector<HTMLElement>('input, select, textarea')?.focus(), []);
   useKeys({ Escape: props.onClose });
   return (
@@ -92,7 +94,8 @@ const Correct = ({ link, session, onChanged, onClose }: ChangeProps): JSX.Elemen
   const { subject, label, notes, trial, outcome, marker, markerText, reason } = typed.value;
   const save = async (): Promise<void> => {
     const value = request();
-    if (value === undefined) wrong.value = { all: words.nothing };
+    if (trial !== '' && outcome === '') wrong.value = { all: words.outcomeMissing };
+    else if (value === undefined) wrong.value = { all: words.nothing };
     else if (reason.trim() === '') wrong.value = { reason: words.reasonMissing };
     else if ((await commands.run({ case: 'correctSession', value })) !== undefined) onChanged();
   };

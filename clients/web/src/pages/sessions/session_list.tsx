@@ -155,6 +155,8 @@ export const SessionList = ({ link }: { link: Link }): JSX.Element => {
   const chosen = useSignal<readonly string[]>([]);
   const all = asked.answer ?? [];
   const shown = all.filter((session) => passes(session, filters.value));
+  // The chosen protocol stays on offer, also if no listed session has it: its filter acts.
+  const offered = [...new Set([...all.map(({ protocol }) => protocol), filters.value.protocol])].filter((name) => name !== '').sort();
   // Keeps the two chosen last: a third replaces the first.
   const choose = (id: string): void => {
     const others = chosen.value.filter((one) => one !== id);
@@ -163,7 +165,7 @@ export const SessionList = ({ link }: { link: Link }): JSX.Element => {
   return (
     <div class="column">
       <h1>{strings.sessions.title}</h1>
-      <FilterBar filters={filters.value} protocols={[...new Set(all.map((session) => session.protocol))].sort()} onChange={(value) => (filters.value = value)}>
+      <FilterBar filters={filters.value} protocols={offered} onChange={(value) => (filters.value = value)}>
         <label class="sessions-deleted">
           <input type="checkbox" data-testid="filter-deleted" checked={deleted.value} onChange={(event) => (deleted.value = event.currentTarget.checked)} />
           {strings.sessions.filters.deleted}
@@ -171,8 +173,8 @@ export const SessionList = ({ link }: { link: Link }): JSX.Element => {
       </FilterBar>
       {asked.error !== undefined && <Notice kind="error" what={asked.error.message} hint={asked.error.hint} testId="list-error" />}
       <div class="sessions-count">
-        <p data-testid="session-count">{asked.answer === undefined ? list.asking : list.count(whole(shown.length), whole(all.length))}</p>
-        <CompareLink chosen={chosen.value} />
+        <p role="status" data-testid="session-count">{asked.answer === undefined ? list.asking : list.count(whole(shown.length), whole(all.length))}</p>
+        <CompareLink chosen={chosen.value.filter((id) => shown.some(({ sessionId }) => sessionId === id))} />
       </div>
       {all.length >= mostListed && <Notice kind="plain" what={list.limited(whole(mostListed))} hint={list.limitedHint} testId="list-limited" />}
       {asked.answer !== undefined && shown.length === 0 ? (

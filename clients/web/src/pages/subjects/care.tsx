@@ -3,6 +3,7 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
+import { useRef } from 'preact/hooks';
 
 import type { EditSubjectRequestSchema, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
@@ -61,6 +62,23 @@ const StartPanel = ({ link, subject, wish, onClosed }: { link: Link; subject: st
   );
 };
 
+/** Removes with the second press: nothing brings back what was removed. */
+const RemoveButton = (props: { label: string; whyNot: string; testId: string; onRemove: () => void }): JSX.Element => {
+  const isAsked = useSignal(false);
+  return (
+    <Button
+      label={isAsked.value ? words.removeForGood(props.label) : words.remove(props.label)}
+      kind={isAsked.value ? 'danger' : 'plain'}
+      testId={props.testId}
+      onClick={() => {
+        if (isAsked.value) props.onRemove();
+        isAsked.value = !isAsked.value;
+      }}
+      whyNot={props.whyNot}
+    />
+  );
+};
+
 type Change = NonNullable<MessageInitShape<typeof EditSubjectRequestSchema>['change']>;
 
 const useChange = ({ link, record, onChanged }: CareProps) => {
@@ -100,9 +118,15 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
   const date = useSignal('');
   const { heads } = words.plan;
   const whyNot = whyNotOperate(link);
+  const wrong = useSignal<{ readonly protocol?: string; readonly date?: string }>({});
+  const dateInput = useRef<HTMLInputElement>(null);
   const add = async (event: Event): Promise<void> => {
     event.preventDefault();
-    if (protocol.value === '' || commands.isBusy.value) return;
+    if (commands.isBusy.value) return;
+    // A date without its year has no value, and would be any day.
+    if (dateInput.current?.validity.badInput === true) return void (wrong.value = { date: words.plan.dateWrong });
+    if (protocol.value === '') return void (wrong.value = { protocol: words.plan.protocolMissing });
+    wrong.value = {};
     if (await change({ case: 'addPlan', value: { protocol: protocol.value, dueDate: date.value } })) protocol.value = date.value = '';
   };
   return (
@@ -137,10 +161,10 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
                 <td>
                   <div class="row">
                     {planned.sessionId === '' && <StartPlanned link={link} protocol={planned.protocol} onStart={props.onStart} />}
-                    <Button
-                      label={words.plan.remove}
+                    <RemoveButton
+                      label={protocolName(planned.protocol)}
                       testId="remove-planned"
-                      onClick={() => void change({ case: 'removePlan', value: planned.number })}
+                      onRemove={() => void change({ case: 'removePlan', value: planned.number })}
                       whyNot={whyNot}
                     />
                   </div>
@@ -151,7 +175,7 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
         </table>
       )}
       <form class="row" noValidate onSubmit={(event) => void add(event)}>
-        <Field label={words.plan.protocol}>
+        <Field label={words.plan.protocol} error={wrong.value.protocol}>
           {(links) => (
             <select {...links} data-testid="plan-protocol" value={protocol.value} onChange={(event) => (protocol.value = event.currentTarget.value)}>
               <option value="">{strings.common.start.chooseProtocol}</option>
@@ -163,10 +187,19 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
             </select>
           )}
         </Field>
-        <Field label={words.plan.date}>
-          {(links) => <input {...links} type="date" data-testid="plan-date" value={date.value} onInput={(event) => (date.value = event.currentTarget.value)} />}
+        <Field label={words.plan.date} error={wrong.value.date}>
+          {(links) => (
+            <input
+              {...links}
+              ref={dateInput}
+              type="date"
+              data-testid="plan-date"
+              value={date.value}
+              onInput={(event) => (date.value = event.currentTarget.value)}
+            />
+          )}
         </Field>
-        <button type="submit" class="button" data-testid="plan-add" disabled={commands.isBusy.value}>
+        <button type="submit" class="button" data-testid="plan-add" aria-disabled={commands.isBusy.value}>
           {words.plan.add}
         </button>
       </form>
@@ -183,7 +216,8 @@ const Notes = (props: CareProps): JSX.Element => {
   const add = async (event: Event): Promise<void> => {
     event.preventDefault();
     const note = text.value.trim();
-    if (note === '' || commands.isBusy.value) return;
+    if (commands.isBusy.value) return;
+    if (note === '') return void (wrong.value = words.notes.textMissing);
     if (!note.split(/(?<=[.!?]) /).every(isLabel)) return void (wrong.value = labelRule.value.hint || words.notes.hint);
     if (await change({ case: 'addNote', value: note })) text.value = '';
   };
@@ -198,10 +232,10 @@ const Notes = (props: CareProps): JSX.Element => {
             <li key={note.number} class="row" data-testid="note">
               <span>{note.text}</span>
               <span class="sessions-note">{words.notes.by(note.who, dateTime(note.utcNs))}</span>
-              <Button
-                label={words.notes.remove}
+              <RemoveButton
+                label={words.notes.ofTime(dateTime(note.utcNs))}
                 testId="remove-note"
-                onClick={() => void change({ case: 'removeNote', value: note.number })}
+                onRemove={() => void change({ case: 'removeNote', value: note.number })}
                 whyNot={whyNotOperate(link)}
               />
             </li>
@@ -224,7 +258,7 @@ const Notes = (props: CareProps): JSX.Element => {
             />
           )}
         </Field>
-        <button type="submit" class="button" data-testid="note-add" disabled={commands.isBusy.value}>
+        <button type="submit" class="button" data-testid="note-add" aria-disabled={commands.isBusy.value}>
           {words.notes.add}
         </button>
       </form>

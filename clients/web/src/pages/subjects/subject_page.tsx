@@ -8,6 +8,7 @@ import { Role } from '../../generated/dts/v1/options_pb';
 import type { EraseSubjectResponse, SessionRecord, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Field, Notice, Panel, useCommands, whyNotOperate } from '../../parts/controls';
+import { useReturnFocus } from '../../parts/focus';
 import { useKeys } from '../../parts/keys';
 import { asSentence } from '../../parts/names';
 import { bytes, dateTime, whole } from '../../parts/numbers';
@@ -35,6 +36,7 @@ const Erase = ({ link, subject, record, onErased, onClose }: EraseProps): JSX.El
   const typed = useSignal('');
   const wrong = useSignal('');
   const input = useRef<HTMLInputElement>(null);
+  useReturnFocus();
   useLayoutEffect(() => input.current?.focus(), []);
   useKeys({ Escape: onClose });
   const erase = async (event: Event): Promise<void> => {
@@ -67,7 +69,7 @@ const Erase = ({ link, subject, record, onErased, onClose }: EraseProps): JSX.El
         </Field>
         <CommandNotice commands={commands} testId="erase-error" />
         <div class="row">
-          <button type="submit" class="button button-danger" data-testid="erase-submit" disabled={commands.isBusy.value}>
+          <button type="submit" class="button button-danger" data-testid="erase-submit" aria-disabled={commands.isBusy.value}>
             {commands.isBusy.value ? strings.common.busy : words.eraseIt}
           </button>
         </div>

@@ -5,6 +5,7 @@ import type { common as english } from '../en/common';
 
 export const common: typeof english = {
   documentTitle: 'Taktile Messung (dtsd)',
+  titleOf: (page) => `${page} – Taktile Messung (dtsd)`,
   language: 'Sprache',
   pages: { floor: 'Boden live', chair: 'Stuhl live', sessions: 'Untersuchungen', subjects: 'Personen', health: 'Systemzustand', clinics: 'Kliniken', trends: 'Verläufe' },
   navigation: 'Seiten',
@@ -19,6 +20,7 @@ export const common: typeof english = {
   role: { none: 'nicht angemeldet', viewer: 'Ansicht', operator: 'Bedienung', engineer: 'Technik' },
   userAndRole: (user, role) => `${user}, ${role}`,
   logOut: 'Abmelden',
+  logOutFailed: 'Nicht abgemeldet: Das Gateway antwortet nicht. Erneut versuchen, bevor dieser Computer verlassen wird.',
   logIn: 'Anmelden',
   login: {
     title: 'Anmeldung',
@@ -55,12 +57,14 @@ export const common: typeof english = {
     diskUnusable: 'Datenträger nicht beschreibbar',
     tabSlow: (scans) => `Tab zu langsam: ${scans} Abtastungen nicht gezeigt`,
     session: (rig, what) => `${rig}: ${what}`,
+    withinLine: (sentence) => sentence, // German nouns keep their capital
     inTrial: (trial, of) => `Durchgang ${trial} von ${of}`,
     running: 'Untersuchung läuft',
     tabSlowHint: 'Aufzeichnungen sind nicht betroffen. Andere Tabs und Programme auf diesem Computer schließen.',
   },
   rigs: { waiting: 'Warten auf das Messprogramm dtsd …', choose: 'Oben einen anderen Messplatz wählen.' },
   data: {
+    noData: 'Keine Daten',
     noDataYet: 'Noch keine Daten',
     noDataSince: (time) => `Keine Daten seit ${time}`,
     age: (age) => `Daten ${age} ms alt`,
@@ -97,6 +101,7 @@ export const common: typeof english = {
     noReach: (trial) => `Durchgang ${trial}: keine Reichbewegung`,
     noValues: (trial) => `Durchgang ${trial}: keine Werte`,
   },
+  endTrial: 'Durchgang beenden',
   undo: {
     undo: 'Rückgängig',
     stops: 'Untersuchung endet in 5 s',
@@ -147,6 +152,7 @@ export const common: typeof english = {
   },
   help: {
     title: 'Tasten',
+    on: 'Tasten ein: A, R, X, U, Leertaste, Ziffern und ?',
     everywhere: 'Überall',
     pages: ['1 2 3 4 5', 'Boden live, Stuhl live, Untersuchungen, Personen, Systemzustand'],
     fleetPages: ['1 2 3', 'Kliniken, Untersuchungen, Verläufe'],

@@ -9,7 +9,7 @@ const daysOf = (count: string): string => `${count} ${count === '1' ? 'Tag' : 'T
 
 export const fleet: typeof english = {
   unreachable: 'Das Zentrum antwortet nicht',
-  unreachableHint: 'Die Seite versucht es erneut. Hält das an, das Netzwerk prüfen.',
+  unreachableHint: 'Was hier steht, ist von vorher. Die Seite versucht es erneut. Hält das an, das Netzwerk prüfen.',
   clinics: {
     title: 'Kliniken',
     asking: 'Kliniken werden geladen …',

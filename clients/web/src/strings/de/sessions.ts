@@ -47,6 +47,7 @@ export const sessions: typeof english = {
     reason: 'Grund',
     reasonHint: 'nötig; nie ein Name',
     reasonMissing: 'Ein Grund ist nötig',
+    outcomeMissing: 'Den Ausgang des Durchgangs wählen, oder keinen Durchgang',
     nothing: 'Nichts geändert: zuerst einen Wert ändern',
     save: 'Berichtigung speichern',
     saved: 'Berichtigung gespeichert',

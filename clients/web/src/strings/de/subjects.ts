@@ -49,6 +49,8 @@ export const subjects: typeof english = {
     classes: ['keine', 'gering', 'mäßig', 'maximal'],
     between: (one, other) => `zwischen ${one} und ${other}`,
   },
+  remove: (what) => `${what} entfernen`,
+  removeForGood: (what) => `${what} endgültig entfernen`,
   plan: {
     title: 'Untersuchungsplan',
     none: 'Keine Untersuchung geplant.',
@@ -59,7 +61,8 @@ export const subjects: typeof english = {
     protocol: 'Protokoll',
     date: 'Fällig am (kann leer bleiben)',
     add: 'Untersuchung planen',
-    remove: 'Entfernen',
+    protocolMissing: 'Ein Protokoll wählen',
+    dateWrong: 'Ein ganzes Datum eingeben, oder keines',
     start: 'Starten',
   },
   notes: {
@@ -68,7 +71,8 @@ export const subjects: typeof english = {
     text: 'Neue Notiz',
     hint: 'Keine Namen oder Geburtsdaten eingeben. Die Notizen werden mit der Person endgültig gelöscht.',
     add: 'Notiz hinzufügen',
-    remove: 'Entfernen',
+    ofTime: (time) => `Notiz vom ${time}`,
+    textMissing: 'Einen Text eingeben',
     by: (who, time) => `${who}, ${time}`,
   },
 };

@@ -4,6 +4,7 @@ import { byKey } from '../by_key';
 
 export const common = {
   documentTitle: 'Tactile sensing (dtsd)',
+  titleOf: (page: string) => `${page} – Tactile sensing (dtsd)`,
   language: 'Language',
   pages: { floor: 'Live floor', chair: 'Live chair', sessions: 'Sessions', subjects: 'Subjects', health: 'Health', clinics: 'Clinics', trends: 'Trends' },
   navigation: 'Pages',
@@ -18,6 +19,7 @@ export const common = {
   role: { none: 'not logged in', viewer: 'viewer', operator: 'operator', engineer: 'engineer' },
   userAndRole: (user: string, role: string) => `${user}, ${role}`,
   logOut: 'Log out',
+  logOutFailed: 'Not logged out: the gateway does not answer. Try again before you leave this computer.',
   logIn: 'Log in',
   login: {
     title: 'Login',
@@ -52,12 +54,14 @@ export const common = {
     diskUnusable: 'Disk not writable',
     tabSlow: (scans: string) => `Tab too slow: ${scans} scans not shown`,
     session: (rig: string, what: string) => `${rig}: ${what}`,
+    withinLine: (sentence: string) => sentence.charAt(0).toLowerCase() + sentence.slice(1),
     inTrial: (trial: string, of: string) => `trial ${trial} of ${of}`,
     running: 'session running',
     tabSlowHint: 'Recordings are not affected. Close other tabs and programs on this computer.',
   },
   rigs: { waiting: 'Waiting for the measuring program dtsd …', choose: 'Choose another rig above.' },
   data: {
+    noData: 'No data',
     noDataYet: 'No data yet',
     noDataSince: (time: string) => `No data since ${time}`,
     age: (age: string) => `data ${age} ms old`,
@@ -95,6 +99,7 @@ export const common = {
     noReach: (trial: string) => `Trial ${trial}: no reach`,
     noValues: (trial: string) => `Trial ${trial}: no values`,
   },
+  endTrial: 'End trial',
   undo: {
     undo: 'Undo',
     stops: 'Session stops in 5 s',
@@ -146,6 +151,7 @@ export const common = {
   },
   help: {
     title: 'Keys',
+    on: 'Keys on: A, R, X, U, Space, digits and ?',
     everywhere: 'Everywhere',
     pages: ['1 2 3 4 5', 'Live floor, Live chair, Sessions, Subjects, Health'],
     fleetPages: ['1 2 3', 'Clinics, Sessions, Trends'],

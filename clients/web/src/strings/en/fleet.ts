@@ -4,7 +4,7 @@ import { byKey } from '../by_key';
 
 export const fleet = {
   unreachable: 'The centre does not answer',
-  unreachableHint: 'The page tries again. If this lasts, check the network.',
+  unreachableHint: 'What is shown is from before. The page tries again. If this lasts, check the network.',
   clinics: {
     title: 'Clinics',
     asking: 'Loading clinics …',

@@ -56,6 +56,7 @@ export const floor = {
     noReach: 'Not valid. Redo (R) or reject (X).',
     noValues: 'Not valid. Redo (R) or reject (X).',
   },
+  measuringOpen: 'Stand still. End trial (A) ends it.',
   endedLast: 'All trials done. Stop the session.',
   next: (condition: string) => `Next: ${condition}`,
   firstTrial: (condition: string): readonly [string, string] => [`First: ${condition}`, 'Press Start trial (A) when ready.'],

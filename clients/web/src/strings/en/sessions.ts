@@ -42,6 +42,7 @@ export const sessions = {
     reason: 'Reason',
     reasonHint: 'required; never a name',
     reasonMissing: 'Reason is required',
+    outcomeMissing: 'Choose the outcome of the trial, or no trial',
     nothing: 'Nothing changed: change a value first',
     save: 'Save correction',
     saved: 'Correction saved',

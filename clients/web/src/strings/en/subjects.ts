@@ -49,6 +49,8 @@ export const subjects = {
     classes: ['none', 'minor', 'moderate', 'maximum'],
     between: (one: string, other: string) => `between ${one} and ${other}`,
   },
+  remove: (what: string) => `Remove ${what}`,
+  removeForGood: (what: string) => `Remove ${what} for good`,
   plan: {
     title: 'Session plan',
     none: 'No session is planned.',
@@ -59,7 +61,8 @@ export const subjects = {
     protocol: 'Protocol',
     date: 'Due date (optional)',
     add: 'Plan session',
-    remove: 'Remove',
+    protocolMissing: 'Choose a protocol',
+    dateWrong: 'Enter a whole date, or none',
     start: 'Start',
   },
   notes: {
@@ -68,7 +71,8 @@ export const subjects = {
     text: 'New note',
     hint: 'Do not type names or birth dates. The notes are erased with the subject.',
     add: 'Add note',
-    remove: 'Remove',
+    ofTime: (time: string) => `note of ${time}`,
+    textMissing: 'Enter a text',
     by: (who: string, time: string) => `${who}, ${time}`,
   },
 };

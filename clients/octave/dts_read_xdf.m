@@ -408,7 +408,11 @@ breaks = [true(min(numel(stamp_s), 1), 1); abs(diff(stamp_s) - 1 / rate_hz) > 0.
 end
 
 function [segment, scan] = places(stamp_s, rate_hz, table)
-row = max(count_up_to(table.starts(:, 1), stamp_s + 0.5 / rate_hz), 1);
+tolerance_s = 0.5 / rate_hz;
+if table.has_events
+  tolerance_s = 0.5 / table.rate_hz;           % a start is the stamp of a scan of the stream raw
+end
+row = max(count_up_to(table.starts(:, 1), stamp_s + tolerance_s), 1);
 segment = table.starts(row, 2);
 scan = max(round((stamp_s - table.starts(row, 3)) * rate_hz), 0);
 end
@@ -429,6 +433,9 @@ elseif ~isempty(table.starts)
 else
   stream.segment = zeros(count, 1);
   stream.scan = zeros(count, 1);
+end
+if strcmp(stream.form, 'int8') && ~isempty(regexp(stream.name, '(^|/)quality$', 'once'))
+  stream.values = reshape(typecast(stream.values(:), 'uint8'), size(stream.values));  % bits
 end
 stream.gaps = zeros(0, 1);
 if stream.rate_hz > 0

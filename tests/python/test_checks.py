@@ -217,6 +217,33 @@ class Losses(unittest.TestCase):
                 np.testing.assert_array_equal(samples["a_mm"], samples.scans)
 
 
+    def test_RecordCountsGapsInScansOfTheStream(self) -> None:
+        event = stream_pb2.Event(instance_id=1, segment=1)
+        event.gap.missing_scans, event.gap.is_exact, event.gap.reason = 500, True, stream_pb2.GAP_REASON_UNPLUGGED
+        collector, inbox = Collector(1.0, raw_rate_hz=1000.0), Inbox(lambda topic: True)
+        inbox.accept([b"dtsd/status", status_of().SerializeToString()])
+        for topic, body in ((b"rig/cop", block_of(1, 0)), (b"rig/gap", event), (b"rig/cop", block_of(2, 0, 39, 1)), (b"rig/cop", block_of(3, 39, 1, 1))):
+            self.assertFalse(collector.is_complete)
+            inbox.accept([topic, body.SerializeToString()])
+            for item in iter(inbox.next, None):
+                collector.add(item)
+
+        self.assertTrue(collector.is_complete, "10 scans, 50 missing, 40 scans at 100 Hz")
+        self.assertEqual(collector.samples().gaps, (dts.Missing(10, 50, True, "unplugged"),))
+
+    def test_RecordEndsIfTheStreamIsAnother(self) -> None:
+        collector, inbox = Collector(1.0), Inbox(lambda topic: True)
+        blocks: list[dts.Block] = []
+        for instance, channels in ((1, ("a_mm", "b_mm")), (2, ("b_mm", "a_mm"))):
+            inbox.accept([b"dtsd/status", status_of(instance, channels).SerializeToString()])
+            inbox.accept([b"rig/cop", block_of(1, 0, instance_id=instance).SerializeToString()])
+            blocks += [item for item in iter(inbox.next, None) if isinstance(item, dts.Block)]
+        collector.add(blocks[0])
+
+        with self.assertRaisesRegex(dts.WrongState, "rig/cop has other channels"):
+            collector.add(blocks[1])
+
+
 class Values(unittest.TestCase):
     def test_ChannelsTimesAndUnits(self) -> None:
         inbox = Inbox(lambda topic: True)

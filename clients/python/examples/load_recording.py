@@ -13,7 +13,7 @@ print(recording)
 
 # %% Streams are arrays: scans x channels, with segment, scan and time of each row.
 for name, stream in recording.streams.items():
-    if not stream.rate or not len(stream):
+    if not stream.rate or not len(stream) or stream.values.dtype == object:  # an object is a text
         continue
     for channel, unit, values in zip(stream.channels, stream.units, stream.values.T, strict=True):
         known = values[~np.isnan(values)]

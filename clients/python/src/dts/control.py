@@ -40,7 +40,7 @@ class ControlClient:
         self._endpoint = endpoint
         self._timeout_s = timeout_s
         self._tries = tries
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # a signal handler may send a command while its thread waits for an answer
         self._socket: "zmq.Socket[bytes] | None" = None
         self._ignored = 0
 

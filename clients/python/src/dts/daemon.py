@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .control import ControlClient
 from .endpoints import Endpoints, find_endpoints
-from .errors import NotFound, Timeout, WrongState
+from .errors import Error, InvalidArgument, NotFound, Timeout, WrongState
 from .key import Key, read_key
 from .live import Collector, EventStream, Stream, no_news
 from .options import EVENT_TOPICS
@@ -23,6 +23,7 @@ from .v1 import control_pb2, sessions_pb2, stream_pb2
 TrialAction = Literal["next", "redo", "reject", "undo"]
 Outcome = Literal["done", "redone", "rejected", "aborted"]
 
+_ENDING_S = 20.0  # as the daemon needs at most to close the recordings of a session
 _SUBSCRIBED_S = 5.0  # a daemon that runs answers a subscription at once
 _OVER = (stream_pb2.SESSION_STATE_UNSPECIFIED, stream_pb2.SESSION_STATE_IDLE, stream_pb2.SESSION_STATE_FAILED)
 
@@ -41,6 +42,10 @@ def connect(control: str = "", data: str = "", timeout: float | None = None, key
     file = key or os.environ.get("DTSD_KEY", "")
     found = read_key(file) if file else None
     if found and not control and not data:
+        if not found.control or not found.data:
+            raise InvalidArgument(
+                f"key file {file} contains no address", "give control and data, or make a new key when [network] is set: dtsctl key new"
+            )
         control, data = found.control, found.data
     daemon = Daemon(find_endpoints(control, data), timeout, found)
     try:
@@ -97,13 +102,14 @@ class Daemon:
         """Returns an iterator over events, from now on: all events, or those of topics that begin with a prefix: "floor/", "chair/reach".
 
         The iterator raises `Timeout` if no event arrives for `timeout` seconds (0 to 86400), and `Unreachable` if the daemon sends nothing
-        at all; iterate again to wait longer. Raises `NotFound` if no event topic begins with a prefix.
+        at all; iterate again to wait longer. Raises `NotFound` if no event topic begins with one of the prefixes.
         """
         check_timeout(timeout)
         known = [f"{rig}/{name}" for rig in self.rigs for name in sorted(EVENT_TOPICS)]
         topics = [topic for topic in known if topic.startswith(prefixes or "")]
-        if not topics:
-            raise NotFound(f"no events begin with {' or '.join(prefixes)}", f"the event topics are {', '.join(known)}")
+        for prefix in prefixes or ("",):
+            if not any(topic.startswith(prefix) for topic in known):
+                raise NotFound(f"no events begin with {prefix}", f"the event topics are {', '.join(known)}")
         return EventStream(self._subscribe(topics), f"event of {' or '.join(prefixes) or 'any rig'}", timeout)
 
     def record(self, topic: str, seconds: float, timeout: float = 5.0) -> Samples:
@@ -112,8 +118,9 @@ class Daemon:
         Raises `Timeout` if no block arrives for `timeout` seconds, `Unreachable` if the daemon sends nothing at all, `NotFound` if the
         daemon does not publish the stream, and `InvalidArgument` if `seconds` is not positive.
         """
-        collector = Collector(seconds)
         self._check_streams((topic,))
+        rates = {rig.rig.name: rig.nominal_rate_hz for rig in self.status().rigs}
+        collector = Collector(seconds, rates.get(topic.partition("/")[0], 0.0))
         subscriber = self._subscribe((topic, f"{topic.partition('/')[0]}/gap"))
         try:
             while not collector.is_complete:
@@ -173,6 +180,8 @@ class Daemon:
         Raises `NotFound` for an unknown rig, `InvalidArgument` for an unknown protocol or an invalid value, and `WrongState` if the rig has
         a session.
         """
+        if isinstance(companions, str):  # it would be taken letter by letter
+            raise TypeError("companions is a list of rigs, not a text")
         wanted = control_pb2.StartSessionRequest(
             rig=rig,
             protocol=protocol,
@@ -409,7 +418,10 @@ class Session:
         return self._daemon.session(self.id)
 
     def abort(self, reason: str) -> sessions_pb2.SessionRecord:
-        """Aborts the session and returns it. It is listed as aborted, with `reason` (never a name); its recording stays."""
+        """Aborts the session and returns it. It is listed as aborted, with `reason` (never a name); its recording stays.
+
+        The daemon leaves out a reason that the clinic does not allow as a label: the answer of `Daemon.stop_session` says so in `message`.
+        """
         self.info()
         self._daemon.stop_session(self.rig, is_abort=True, reason=reason)
         return self._daemon.session(self.id)
@@ -418,16 +430,25 @@ class Session:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        try:
+            self._leave(kind)
+        except Error as problem:
+            if error is None:
+                raise
+            error.add_note(f"session {self.id} was not aborted: {problem}")  # the error of the program, or Ctrl-C, counts
+
+    def _leave(self, kind: type[BaseException] | None) -> None:
         if not self.is_running:
+            if kind is None and self._daemon.session(self.id).state == "interrupted":
+                raise WrongState(f"session {self.id} was interrupted: the daemon or the power failed", "see its parts: daemon.session(ID)")
             return
         try:
             if kind is None:
                 self.stop()
             else:
                 self.abort(f"{kind.__name__} in a program")  # a second word with a capital letter would look like a name
-        except WrongState:  # it ended by itself in this moment
-            if self.is_running:
-                raise
+        except WrongState:  # it ends by itself in this moment
+            self.wait(_ENDING_S)
 
     def __repr__(self) -> str:
         return f"<dts.Session {self.id}>"

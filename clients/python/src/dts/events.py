@@ -17,7 +17,7 @@ class Event:
     """An event at one scan of a rig, for example a marker, a gap or a reach."""
 
     rig: str
-    # "marker", "gap", "device", "session", "trigger", "trial", "result", "reach", "class", "sway"; recordings have more kinds, and of a
+    # "marker", "gap" (published only; recordings have "segment" and "loss"), "device", "session", "trigger", "trial", "result", "reach", "class", "sway"; recordings have more kinds, and of a
     # later version of dtsd also kinds that this version does not know
     kind: str
     segment: int

@@ -7,9 +7,9 @@ from typing import Generic, Self, TypeVar
 
 import numpy as np
 
-from .errors import InvalidArgument, Timeout, Unreachable
+from .errors import InvalidArgument, Timeout, Unreachable, WrongState
 from .events import Event
-from .streams import Block, Missing, Samples
+from .streams import Block, Missing, Samples, scans_at
 from .subscriber import Statistics, Subscriber, check_timeout
 
 _Item = TypeVar("_Item", Block, Event)
@@ -91,12 +91,16 @@ class _Seam:
 
 
 class Collector:
-    """Joins blocks until they cover a given time of the stream, gaps included."""
+    """Joins blocks until they cover a given time of the stream, gaps included.
 
-    def __init__(self, seconds: float) -> None:
+    `raw_rate_hz` is the rate of the rig's device: gap events count its scans. 0: that of the stream.
+    """
+
+    def __init__(self, seconds: float, raw_rate_hz: float = 0.0) -> None:
         if not (math.isfinite(seconds) and seconds > 0.0):
             raise InvalidArgument(f"cannot record {seconds} s: give a positive number of seconds")
         self._seconds = seconds
+        self._raw_rate_hz = raw_rate_hz
         self._blocks: list[Block] = []
         self._seams: list[_Seam] = []
         self._gap_events: dict[tuple[int, int], Event] = {}  # gap events by daemon and segment
@@ -111,10 +115,14 @@ class Collector:
         if isinstance(item, Event):
             if item.message is not None and item.kind == "gap":
                 self._gap_events[item.message.instance_id, item.segment] = item
-                self._missing += item.fields["missing_scans"] if self._blocks else 0
+                self._missing += self._of_stream(item.fields["missing_scans"]) if self._blocks else 0
             return
         if self._blocks:
             before = self._blocks[-1]
+            if item.format != before.format:
+                raise WrongState(
+                    f"{item.topic} has other channels or another rate since the daemon was restarted", "record again: daemon.record(...)"
+                )
             if item.is_restart or item.segment != before.segment or item.lost_scans > 0:
                 self._seams.append(_Seam(self._scans, before, item))
             self._missing += item.lost_scans
@@ -140,6 +148,10 @@ class Collector:
             gaps=tuple(self._missing_at(seam) for seam in self._seams),
         )
 
+    def _of_stream(self, raw_scans: int) -> int:
+        """Returns how many scans of the stream fit into the time of scans of the device."""
+        return scans_at(raw_scans, self._raw_rate_hz, float(self._blocks[0].rate))
+
     def _wanted(self) -> int:
         return max(round(self._seconds * self._blocks[0].rate), 1)
 
@@ -151,6 +163,6 @@ class Collector:
         first = max(seam.before.segment + 1, after.segment - _MOST_SEGMENTS)
         expected = [self._gap_events.get((after.instance_id, segment)) for segment in range(first, after.segment + 1)]
         known = [event for event in expected if event is not None]
-        scans = after.lost_scans + sum(event.fields["missing_scans"] for event in known)
+        scans = after.lost_scans + self._of_stream(sum(event.fields["missing_scans"] for event in known))
         is_exact = after.is_loss_exact and len(known) == len(expected) and all(event.fields["is_exact"] for event in known)
         return Missing(seam.index, scans, is_exact, known[-1].fields.get("reason", "unknown") if known else "lost")

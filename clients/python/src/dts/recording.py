@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .errors import DataDamaged
 from .events import Event, fields_of
 from .options import kind_of
-from .streams import Missing, Samples, to_utc
+from .streams import Missing, Samples, scans_at, to_utc
 from .v1 import stream_pb2
 from .xdf import XdfFile, XdfStream, read_xdf
 
@@ -100,7 +100,7 @@ class Recording:
         return name in self.streams or any(full.rpartition("/")[2] == name for full in self.streams)
 
     def events_of(self, kind: str) -> list[Event]:
-        """Returns the events of one kind in order of time: "marker", "gap", "trial", ..."""
+        """Returns the events of one kind in order of time: "marker", "segment", "loss", "trial", ..."""
         return [event for event in self.events if event.kind == kind]
 
     def __str__(self) -> str:
@@ -125,7 +125,7 @@ def load(path: str | os.PathLike[str]) -> Recording:
             session = _session_of(file.header.facts)
         except DataDamaged as error:
             problems.append(error.what)
-    utc_minus_monotonic_ns = _whole(file.header.facts, "utc_minus_monotonic_ns") if session else 0
+    utc_minus_monotonic_ns = _whole(file.header.facts, "utc_minus_monotonic_ns") if session else None
     texts = [stream for stream in file.streams.values() if stream.header.dtype == object]
     parsed = [row for stream in texts for row in _parsed_events(stream)]
     reference = _reference(file)
@@ -312,7 +312,7 @@ class _SegmentTable:
 
         segment   0                      gap   1
         stamp   --|=======================|    |==================>
-                stamp of scan 0         start of 1: a sample less than half a scan before it belongs to it
+                stamp of scan 0         start of 1: a sample less than half a raw scan before it belongs to it
     """
 
     def __init__(self, events: list[_ParsedEvent], reference: XdfStream | None) -> None:
@@ -337,7 +337,9 @@ class _SegmentTable:
         """Returns the segment and the scan of each stamp; 0 and 0 if unknown."""
         if not len(self._starts_s) or rate_hz == 0.0:
             return np.zeros(len(stamps_s), np.int64), np.zeros(len(stamps_s), np.int64)
-        at = np.maximum(np.searchsorted(self._starts_s, stamps_s + 0.5 / rate_hz, side="right") - 1, 0)
+        # A start is the stamp of a scan of the raw stream: half a scan of a slower stream could be beyond a short gap.
+        tolerance_s = 0.5 / (self.rate_hz if self.has_segment_events else rate_hz)
+        at = np.maximum(np.searchsorted(self._starts_s, stamps_s + tolerance_s, side="right") - 1, 0)
         scans = np.nan_to_num(np.rint((stamps_s - self._zeros_s[at]) * rate_hz), nan=0.0)
         return self._numbers[at], np.clip(scans, 0, 9e15).astype(np.int64)
 
@@ -359,7 +361,7 @@ def _own_places(stamps_s: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[
     return segments, index - np.maximum.accumulate(np.where(breaks, index, 0))
 
 
-def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_monotonic_ns: int) -> RecordedStream:
+def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_monotonic_ns: int | None) -> RecordedStream:
     header = stream.header
     stamps_s = stream.times_s
     if header.rate and not table.has_segment_events and len(stamps_s):
@@ -372,12 +374,12 @@ def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_mon
         units=header.units,
         rate=header.rate,
         delay_s=header.delay_s,
-        values=stream.values,
+        values=stream.values.view(np.uint8) if header.content == "Quality" and stream.values.dtype == np.int8 else stream.values,
         segments=segments,
         scans=scans,
         time_s=_on_host(stamps_s, stream.offsets),
         utc_minus_monotonic_ns=utc_minus_monotonic_ns,
-        gaps=_gaps_of(segments, scans, table) if header.rate else (),
+        gaps=_gaps_of(segments, scans, table, float(header.rate)) if header.rate else (),
         content=header.content,
         stamps_s=stamps_s,
         clock_offsets=np.array(stream.offsets).reshape(-1, 2),
@@ -385,16 +387,18 @@ def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_mon
     )
 
 
-def _gaps_of(segments: NDArray[np.int64], scans: NDArray[np.int64], table: _SegmentTable) -> tuple[Missing, ...]:
+def _gaps_of(segments: NDArray[np.int64], scans: NDArray[np.int64], table: _SegmentTable, rate_hz: float) -> tuple[Missing, ...]:
     found = []
+    within = "ring_full" if table.has_segment_events else "lost"  # in a file of dtsd, only the queue to the recorder loses scans of a segment
     for index in _as_list(np.flatnonzero((np.diff(segments) != 0) | (np.diff(scans) != 1)) + 1):
         event = table.gaps.get(int(segments[index]), {})
         if segments[index] == segments[index - 1]:
-            found.append(Missing(index, max(int(scans[index] - scans[index - 1]) - 1, 0), True, "lost"))
+            found.append(Missing(index, max(int(scans[index] - scans[index - 1]) - 1, 0), True, within))
         else:
             missing = event.get("missing_scans")
+            count = scans_at(missing, table.rate_hz, rate_hz) if type(missing) is int else 0
             is_exact = type(missing) is int and event.get("is_exact") is True
-            found.append(Missing(index, missing if type(missing) is int else 0, is_exact, str(event.get("reason", "unknown"))))
+            found.append(Missing(index, count, is_exact, str(event.get("reason", "unknown"))))
     return tuple(found)
 
 
@@ -407,7 +411,7 @@ def _on_host(stamps_s: NDArray[np.float64], offsets: list[tuple[float, float]]) 
     return np.asarray(stamps_s + np.interp(stamps_s, known[:, 0], known[:, 1]))
 
 
-def _to_event(row: _ParsedEvent, table: _SegmentTable, utc_minus_monotonic_ns: int) -> Event:
+def _to_event(row: _ParsedEvent, table: _SegmentTable, utc_minus_monotonic_ns: int | None) -> Event:
     stamp_s = np.array([row.stamp_s])
     time_s = _on_host(stamp_s, row.stream.offsets)
     values = row.values

@@ -97,7 +97,8 @@ class Missing:
     index: int
     scans: int  # a lower limit if not exact
     is_exact: bool
-    reason: str  # "overrun", "unplugged", ...: lost by the device; "lost": in transit; "restart": the daemon was restarted, number unknown
+    reason: str  # "overrun", "unplugged", ...: lost by the device; "ring_full": the recorder was too
+    # slow; "lost": in transit; "restart": the daemon was restarted, number unknown
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -113,12 +114,12 @@ class Samples:
     segments: NDArray[np.int64]
     scans: NDArray[np.int64]  # index within the segment
     time_s: NDArray[np.float64]  # CLOCK_MONOTONIC of the daemon's host
-    utc_minus_monotonic_ns: int
+    utc_minus_monotonic_ns: int | None  # None: not known, in a file of another program
     gaps: tuple[Missing, ...]
 
     @property
     def utc(self) -> Times:
-        """Time of each scan in UTC; NaT for times that 64 bits cannot hold."""
+        """Time of each scan in UTC; NaT for times that 64 bits cannot hold, and in a file of another program."""
         return to_utc(np.rint(self.time_s * 1e9), self.utc_minus_monotonic_ns)
 
     @property
@@ -138,6 +139,11 @@ class Samples:
         return f"{self.name}: {len(self)} scans of {', '.join(self.channels)} at {rate}, {len(self.gaps)} gaps"
 
 
+def scans_at(raw_scans: int, raw_rate_hz: float, rate_hz: float) -> int:
+    """Returns how many scans of a stream fit into the time of scans of the device. A rate of 0 is not known: then it is the same."""
+    return raw_scans if raw_rate_hz <= 0.0 or rate_hz <= 0.0 else round(raw_scans * (rate_hz / raw_rate_hz))
+
+
 def column(values: NDArray[_Scalar], channels: tuple[str, ...], channel: str) -> NDArray[_Scalar]:
     """Returns the column of a channel. Raises KeyError for an unknown name."""
     try:
@@ -146,8 +152,12 @@ def column(values: NDArray[_Scalar], channels: tuple[str, ...], channel: str) ->
         raise KeyError(f"no channel '{channel}'; the channels are {', '.join(channels)}") from None
 
 
-def to_utc(time_ns: NDArray[np.float64] | NDArray[np.int64], offset_ns: int) -> Times:
-    """Returns times in UTC. Times that 64 bits cannot hold come from a damaged peer or file; they become NaT."""
+def to_utc(time_ns: NDArray[np.float64] | NDArray[np.int64], offset_ns: int | None) -> Times:
+    """Returns times in UTC. Times that 64 bits cannot hold come from a damaged peer or file; they become NaT. So do all if the offset is not
+    known.
+    """
+    if offset_ns is None:
+        return np.full(np.shape(time_ns), np.datetime64("NaT", "ns"))
     times = np.asarray(time_ns, dtype=np.float64) + offset_ns
     is_known = (np.abs(times) < 9.2e18) & (abs(offset_ns) < 2**63)
     whole = np.where(is_known, time_ns, 0).astype(np.int64) + np.int64(offset_ns if abs(offset_ns) < 2**63 else 0)

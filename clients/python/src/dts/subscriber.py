@@ -19,6 +19,7 @@ _LOOKS_PER_SILENCE = 8
 _QUEUE_MESSAGES = 8192
 _MESSAGES_PER_CALL = 256  # processed even after the deadline, so that polling with timeout 0 makes progress
 _LONGEST_WAIT_S = 86400.0
+_MOST_TOPICS = 255  # and the status; the daemon hangs up on more than 256
 _LONGEST_PREFIX_BYTES = 200  # the daemon hangs up on subscriptions beyond 512
 _QUIET_S = 2  # after this silence, the kernel probes a daemon on another machine every second
 _GONE_MS = 5000
@@ -43,6 +44,8 @@ class Subscriber:
             raise InvalidArgument("the data address of the daemon is not known", "give it with dts.connect(data=...) or DTSD_DATA")
         if any(len(topic.encode()) > _LONGEST_PREFIX_BYTES for topic in topics):
             raise InvalidArgument(f"a topic is longer than {_LONGEST_PREFIX_BYTES} bytes")
+        if len(topics) > _MOST_TOPICS:
+            raise InvalidArgument(f"more than {_MOST_TOPICS} topics", "subscribe to fewer rigs at a time, with prefixes")
         self._context = context
         self._endpoint = endpoint
         self._topics = topics

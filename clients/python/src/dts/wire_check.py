@@ -201,11 +201,17 @@ def _check_protocols(protocols: sessions_pb2.ListProtocolsResponse) -> None:
         _check_protocol(protocol)
 
 
+def _check_mark(mark: control_pb2.MarkResponse) -> None:
+    _check_count(mark.marks, _MAX_RIGS, "marks")
+    if not mark.marks:
+        raise _damaged("no scan was marked")
+
+
 _CHECKS: dict[str, Callable[[Any], None]] = {
     "status": check_status,
     "rigs": _check_rigs,
     "session": _check_session,
-    "mark": lambda mark: _check_count(mark.marks, _MAX_RIGS, "marks"),
+    "mark": _check_mark,
     "tare": lambda tare: _check_count(tare.baseline, _MAX_CHANNELS, "sensors"),
     "devices": _check_devices,
     "device_test": _check_device_test,

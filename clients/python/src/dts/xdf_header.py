@@ -2,6 +2,7 @@
 """The XML in XDF files: descriptions of the file and its streams, as dtsd and other programs write them."""
 import dataclasses
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from fractions import Fraction
 
@@ -101,7 +102,7 @@ def _whole(node: ElementTree.Element, path: str) -> int | None:
     text = _text(node, path)
     if not text:
         return None
-    if not text.lstrip("-").isdecimal() or len(text) > 20:
+    if not re.fullmatch("-?[0-9]{1,19}", text):
         raise DataDamaged(f"<{path}> is not a number: '{text[:40]}'")
     return int(text)
 

@@ -81,7 +81,7 @@ show_progress() {
 install_packages() {
   command -v dpkg-query >/dev/null || { echo "This script installs Debian packages; on another system install the equivalent packages: $*" >&2; return 1; }
   local missing=() package installed
-  installed=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' 2>/dev/null | awk '$1 == "ii" {print $2}')
+  installed=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' 2>/dev/null | awk '$1 ~ /^.i$/ {print $2}') # also those that are on hold
   for package in "$@"; do
     grep -qx "$package" <<<"$installed" || missing+=("$package")
   done
@@ -90,17 +90,21 @@ install_packages() {
   if [ "$(id -u)" -ne 0 ]; then
     if ! command -v sudo >/dev/null; then
       echo "These packages are missing. Only root can install them, and there is no sudo. Ask root to run:" >&2
-      echo "  apt-get install ${missing[*]}" >&2
+      echo "  apt-get update && apt-get install --no-install-recommends ${missing[*]}" >&2
       return 1
     fi
     root=(sudo)
   fi
+  # sudo keeps no proxy by itself.
+  local name proxies=()
+  for name in http_proxy https_proxy no_proxy; do [ -z "${!name:-}" ] || proxies+=("$name=${!name}"); done
   say "Installing ${#missing[@]} packages and what they need: ${missing[*]}"
   local log status=0 begun=$SECONDS
   log=$(mktemp)
   # apt's status lines go to standard output, by a descriptor of their own, since apt makes it non-blocking; all else goes to the log.
-  "${root[@]}" env DEBIAN_FRONTEND=noninteractive sh -c 'exec 3>&1 1>&2
-    apt-get update -qq && apt-get install -y -qq --no-install-recommends -o APT::Status-Fd=3 -o Dpkg::Use-Pty=0 "$@"' - "${missing[@]}" \
+  # Another apt may run, as after the start of a machine.
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive "${proxies[@]}" sh -c 'exec 3>&1 1>&2
+    apt-get update -qq && apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=300 -o APT::Status-Fd=3 -o Dpkg::Use-Pty=0 "$@"' - "${missing[@]}" \
     2>"$log" </dev/null | show_progress Packages || status=$?
   if [ "$status" -ne 0 ]; then
     tail -n 30 "$log" >&2
@@ -154,7 +158,12 @@ compile() {
   shift
   [ -t 2 ] || say "Building ($preset)"
   # Ninja by itself runs two compilers more than there are cores, which takes longer beside another build.
-  NINJA_STATUS="@%f/%t " cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"} 2>&1 | show_build "Compiling ($preset)"
+  # pipefail here, too: a person's own shell, which has sourced this file, must see that a build failed.
+  (
+    set -o pipefail
+    NINJA_STATUS="@%f/%t " cmake --build --preset "$preset" -j "${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}" ${1:+--target "$@"} 2>&1 |
+      show_build "Compiling ($preset)"
+  ) || return
   say "Built ($preset) in $((SECONDS - begun)) s"
 }
 
@@ -162,12 +171,10 @@ compile() {
 build_programs() {
   local tests=()
   [ -e build/release/build.ninja ] || tests=(-DBUILD_TESTING=OFF)
-  configure release "${tests[@]}"
-  compile release "$@"
+  configure release "${tests[@]}" && compile release "$@"
 }
 
 # build_release TARGET...: a release build of programs and tools of tests/, which need DTS_TEST_PACKAGES, too.
 build_release() {
-  configure release -DBUILD_TESTING=ON -DDTS_TESTS=suite
-  compile release "$@"
+  configure release -DBUILD_TESTING=ON -DDTS_TESTS=suite && compile release "$@"
 }

@@ -18,7 +18,7 @@ say() { printf '\033[1m%s\033[0m\n' "$*" >&2; }
 as_root() {
   [ "$(id -u)" -ne 0 ] || return 0
   command -v sudo >/dev/null || cannot "that takes root, and there is no sudo"
-  exec sudo --preserve-env=CI,TMPDIR,http_proxy,https_proxy,no_proxy "$script" "$@"
+  exec sudo --preserve-env=CI,DTS_JOBS,TMPDIR,http_proxy,https_proxy,no_proxy "$script" "$@"
 }
 
 # remove_root FOLDER. The kernel may still be ending processes that write in there.
@@ -89,10 +89,10 @@ make_root() {
     mv "$roots_unfinished" "$archive"
   fi
   [ "$(df --output=avail -BG "$roots_scratch" | tail -n 1 | tr -dc 0-9)" -ge 8 ] || fail "less than 8 GB are free in $roots_scratch"
-  folder=$(mktemp -d "$roots_scratch/dts-${keep:+kept-}fresh.$$.XXXXXX")
+  folder=$(mktemp -d "$roots_scratch/dts-${keep:+kept-}fresh.$$.XXXXXX") || fail "cannot make a folder in $roots_scratch"
   roots_folders+=("$folder")
   chmod 755 "$folder"
-  tar -C "$folder" --numeric-owner -xf "$archive"
+  tar -C "$folder" --numeric-owner -xf "$archive" || fail "cannot unpack $archive"
   # How this machine reaches the registries: names, its own certificates, settings of apt and npm.
   for file in /etc/resolv.conf /etc/hosts /etc/npmrc /etc/apt/auth.conf /etc/apt/auth.conf.d /usr/local/share/ca-certificates \
     /etc/ssl/certs/ca-certificates.crt; do

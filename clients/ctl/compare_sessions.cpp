@@ -49,7 +49,7 @@ struct Comparison {
 /// Adds to `left_out` the sessions between them that are none of these.
 client::Result<std::vector<v1::SessionRecord>> ask_comparable(client::ControlClient& dts, const SessionArguments& wishes,
                                                               std::size_t& left_out) {
-  v1::ListSessionsRequest request;
+  v1::ListSessionsRequest request;  // without a limit: the newest 100
   request.set_subject(wishes.subject);
   request.set_protocol(wishes.protocol);
   DTS_TRY_ASSIGN(const auto listed, dts.list_sessions(request));

@@ -143,7 +143,7 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   add_intended_use(tree, *show);
   CLI::App* compare =
       add(tree, session, "compare", "Compare the results of several sessions, oldest first",
-          "dtsctl session compare --subject P017 | the newest 12 sessions of one subject\n"
+          "dtsctl session compare --subject P017 | the newest 12 sessions of one subject that have results, on one rig\n"
           "dtsctl session compare 20261121T144525Z-floor-1 20261128T150211Z-floor-1 | two sessions, with the change in units and percent\n",
           run_session_compare);
   add_intended_use(tree, *compare);

@@ -302,26 +302,26 @@ constexpr auto kTexts = std::to_array<Translated>({
      "Zwei Füße: nicht korrigiert; auf zwei Füßen wird die Last zu niedrig und die Schwankung etwas zu klein gemessen"},
     {"Methods, for a paper", "Methoden, für eine Veröffentlichung"},
     {"The data are synthetic, no person was measured: {}", "Die Daten sind synthetisch, es wurde keine Person gemessen: {}"},
-    {"the centre of pressure was simulated for {} at {}, filtered ({}) and analysed at {}. Gaps of up to 50 ms were interpolated linearly, "
+    {"the centre of pressure was simulated for {} at {} and analysed at {} ({}). Gaps of up to 50 ms were interpolated linearly, "
      "and "
      "the mean of each trial was subtracted. AP is positive forward, ML is positive to the right. Time-domain and spectral measures are "
      "defined as in Prieto et al. (1996), the 95 % prediction ellipse as in Schubert and Kirchner (2014), stabilogram diffusion as in "
      "Collins "
      "and De Luca (1993). All measures were computed with {!}.",
-     "Der Druckmittelpunkt wurde simuliert für {} bei {}, gefiltert ({}) und ausgewertet bei {}. Lücken bis 50 ms wurden linear "
+     "Der Druckmittelpunkt wurde für {} bei {} simuliert und bei {} ausgewertet ({}). Lücken bis 50 ms wurden linear "
      "interpoliert, "
      "und das Mittel jedes Durchgangs wurde abgezogen. AP ist nach vorn positiv, ML nach rechts. Kenngrößen im Zeitbereich und im Spektrum "
      "sind wie in Prieto et al. (1996) definiert, die 95-%-Vorhersageellipse wie in Schubert und Kirchner (2014), die "
      "Stabilogramm-Diffusion "
      "wie "
      "in Collins und De Luca (1993). Alle Kenngrößen wurden mit {} berechnet."},
-    {"The centre of pressure was recorded with {} at {}, filtered ({}) and analysed at {}. Gaps of up to 50 ms were interpolated linearly, "
+    {"The centre of pressure was recorded with {} at {} and analysed at {} ({}). Gaps of up to 50 ms were interpolated linearly, "
      "and "
      "the mean of each trial was subtracted. AP is positive forward, ML is positive to the right. Time-domain and spectral measures are "
      "defined as in Prieto et al. (1996), the 95 % prediction ellipse as in Schubert and Kirchner (2014), stabilogram diffusion as in "
      "Collins "
      "and De Luca (1993). All measures were computed with {!}.",
-     "Der Druckmittelpunkt wurde über {} bei {} aufgezeichnet, gefiltert ({}) und ausgewertet bei {}. Lücken bis 50 ms wurden linear "
+     "Der Druckmittelpunkt wurde über {} bei {} aufgezeichnet und bei {} ausgewertet ({}). Lücken bis 50 ms wurden linear "
      "interpoliert, und das Mittel jedes Durchgangs wurde abgezogen. AP ist nach vorn positiv, ML nach rechts. Kenngrößen im Zeitbereich "
      "und "
      "im Spektrum sind wie in Prieto et al. (1996) definiert, die 95-%-Vorhersageellipse wie in Schubert und Kirchner (2014), die "
@@ -329,6 +329,8 @@ constexpr auto kTexts = std::to_array<Translated>({
     {"{}, data acquisition by {!},", "{}, Datenerfassung mit {},"},
     {"{#} and {#} Hz", "{} und {} Hz"},
     {"{#} and {#}", "{} und {}"},
+    {"{#} and {#} and {#} Hz", "{}, {} und {} Hz"},
+    {"{#} and {#} and {#}", "{}, {} und {}"},
     {"{} Hz ({!})", "{} Hz ({})"},
     {"a force plate", "eine Kraftmessplatte"},
     {"a platform", "eine Plattform"},

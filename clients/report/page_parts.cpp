@@ -171,9 +171,9 @@ std::optional<Notes> methods_of(const SessionData& session, std::span<const Tria
   text += " at " + rates_text(trials, [](const TrialData& trial) { return trial.recorded.cop.rate_hz; });
   if (session.facts && !session.facts->software.empty()) text += " (" + session.facts->software + ")";
   text +=
-      ", filtered (" + filter_text(analysis) + ") and analysed at " +
-      rates_text(trials, [](const TrialData& trial) { return trial.analysis->rate_hz; }) +
-      ". Gaps of up to 50 ms were interpolated linearly, and the mean of each trial was subtracted. AP is positive forward, ML is "
+      " and analysed at " + rates_text(trials, [](const TrialData& trial) { return trial.analysis->rate_hz; }) + " (" +
+      filter_text(analysis) +
+      "). Gaps of up to 50 ms were interpolated linearly, and the mean of each trial was subtracted. AP is positive forward, ML is "
       "positive to the right. Time-domain and spectral measures are defined as in Prieto et al. (1996), the 95 % prediction ellipse as in "
       "Schubert and Kirchner (2014), stabilogram diffusion as in Collins and De Luca (1993).";
   if (!session.software.empty()) text += " All measures were computed with " + session.software + ".";

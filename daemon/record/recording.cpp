@@ -100,7 +100,8 @@ std::optional<RecordedItem> FileRecording::start_chunk(Chunk& chunk) {
 }
 
 SegmentTable::Place FileRecording::reference_place(double time_s) const noexcept {
-  return overview_.reference_rate ? overview_.segments.place_of(time_s, *overview_.reference_rate) : SegmentTable::Place{};
+  if (!overview_.reference_rate) return {};
+  return overview_.segments.place_of(time_s, *overview_.reference_rate, *overview_.reference_rate);
 }
 
 RecordedItem FileRecording::next_of_samples() {
@@ -125,7 +126,8 @@ RecordedScans FileRecording::next_scans(const StreamInfo& info) {
   const auto& times_s = samples_.times_s;
   RecordedScans scans{.stream = stream_, .first_time_s = times_s[begin]};
   grid.add(times_s[begin]);
-  const auto place = overview_.has_segment_events ? overview_.segments.place_of(times_s[begin], *info.rate) : grid.place();
+  const core::Rate reference = overview_.reference_rate.value_or(*info.rate);
+  const auto place = overview_.has_segment_events ? overview_.segments.place_of(times_s[begin], *info.rate, reference) : grid.place();
   scans.segment = place.segment;
   scans.first_scan = place.scan;
   for (taken_ = begin + 1; taken_ < times_s.size() && grid.continues(times_s[taken_ - 1], times_s[taken_]); ++taken_)

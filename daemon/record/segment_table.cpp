@@ -23,9 +23,9 @@ void SegmentTable::add(const Start& start) {
 
 void SegmentTable::sort() { std::ranges::stable_sort(starts_, {}, &Start::time_s); }
 
-SegmentTable::Place SegmentTable::place_of(double time_s, core::Rate rate) const noexcept {
+SegmentTable::Place SegmentTable::place_of(double time_s, core::Rate rate, core::Rate reference) const noexcept {
   if (starts_.empty() || std::isnan(time_s)) return {};
-  const auto after = std::ranges::upper_bound(starts_, time_s + 0.5 / rate.hz(), {}, &Start::time_s);
+  const auto after = std::ranges::upper_bound(starts_, time_s + 0.5 / reference.hz(), {}, &Start::time_s);
   const Start& start = after == starts_.begin() ? starts_.front() : *std::prev(after);
   return {start.segment, scan_after(time_s - start.scan_0_time_s, rate)};
 }

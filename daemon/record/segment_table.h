@@ -14,7 +14,7 @@ namespace dts::record {
 ///
 ///     segment   0                      gap   1
 ///     time    --|=======================|    |==================>
-///            time of scan 0        start of segment 1; a sample less than half a scan earlier is part of segment 1
+///            time of scan 0        start of segment 1; a sample less than half a raw scan earlier is part of segment 1
 class SegmentTable {
  public:
   struct Start {
@@ -32,8 +32,10 @@ class SegmentTable {
   /// Sorts the starts by time. Call it once, after the last `add`.
   void sort();
   [[nodiscard]] bool is_empty() const noexcept { return starts_.empty(); }
-  /// Returns the segment and scan at `time_s`. A time before the recording belongs to the first segment, a time before scan 0 to scan 0.
-  [[nodiscard]] Place place_of(double time_s, core::Rate rate) const noexcept;
+  /// Returns the segment and scan at `time_s` of a stream with `rate`. A time before the recording belongs to the first segment, a time
+  /// before scan 0 to scan 0. Starts are times of scans at the rate `reference`: half a scan of a slower stream could be beyond a short
+  /// gap.
+  [[nodiscard]] Place place_of(double time_s, core::Rate rate, core::Rate reference) const noexcept;
 
  private:
   std::vector<Start> starts_;

@@ -77,7 +77,7 @@ class WallClock(unittest.TestCase):
         new.replace(self.clock)  # libfaketime never reads half a file
 
     def dtsctl(self, *words: str, check: bool = True) -> subprocess.CompletedProcess[str]:
-        ended = subprocess.run([PROGRAMS / "dtsctl", *words], env=self.environment, capture_output=True, text=True, timeout=PATIENCE_S)
+        ended = subprocess.run([PROGRAMS / "dtsctl", "--timeout", f"{PATIENCE_S:g}", *words], env=self.environment, capture_output=True, text=True, timeout=2 * PATIENCE_S)
         if check and ended.returncode != 0:
             self.fail(f"dtsctl {' '.join(words)}: {ended.stderr}\n{(self.folder / 'log').read_text()}")
         return ended

@@ -51,7 +51,7 @@ class Daemon:
         shutil.rmtree(self.folder)
 
     def ctl(self, *words: str) -> str:
-        done = subprocess.run([PROGRAMS / "dtsctl", *words], env=self.environment, capture_output=True, text=True, timeout=LIMIT_S)
+        done = subprocess.run([PROGRAMS / "dtsctl", "--timeout", str(LIMIT_S), *words], env=self.environment, capture_output=True, text=True, timeout=2 * LIMIT_S)
         if done.returncode != 0:
             raise AssertionError(f"dtsctl {' '.join(words)}: {done.stderr}\n{(self.folder / 'log').read_text()}")
         return done.stdout

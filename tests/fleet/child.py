@@ -2,6 +2,7 @@
 """Programs as child processes of the harness. They end with it, also if it is killed."""
 import os
 import pwd
+import random
 import shutil
 import signal
 import socket
@@ -48,9 +49,15 @@ def what_is_missing(*more: str) -> str | None:
 
 
 def free_port() -> int:
-    with socket.socket() as chosen:
-        chosen.bind(("127.0.0.1", 0))
-        return int(chosen.getsockname()[1])
+    """A port that was free a moment ago, and that no outgoing connection gets: those have ports from 32768 on."""
+    while True:
+        port = random.randrange(15000, 32000)
+        with socket.socket() as chosen:
+            try:
+                chosen.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            return port
 
 
 def wait_until(what: str, condition: Callable[[], object], patience_s: float = PATIENCE_S) -> None:
@@ -63,7 +70,7 @@ def wait_until(what: str, condition: Callable[[], object], patience_s: float = P
 
 def run(*words: str | Path, env: dict[str, str] | None = None, text: str | None = None) -> str:
     """Runs a program to its end. Returns what it printed; raises Failure with its errors if it fails."""
-    done = subprocess.run([str(word) for word in words], env=env, input=text, capture_output=True, text=True, timeout=PATIENCE_S)
+    done = subprocess.run([str(word) for word in words], env=env, input=text, capture_output=True, text=True, timeout=2 * PATIENCE_S)
     if done.returncode != 0:
         raise Failure(f"{' '.join(map(str, words))}: ended with {done.returncode}: {done.stderr.strip() or done.stdout.strip()}")
     return done.stdout

@@ -64,7 +64,7 @@ class Clinic:
     # What a person at the clinic does
 
     def dtsctl(self, *words: str) -> str:
-        return run(program("dtsctl"), *words, env=self._environment)
+        return run(program("dtsctl"), "--timeout", f"{PATIENCE_S:g}", *words, env=self._environment)
 
     def forward(self, command: str, *words: str) -> str:
         return run(program("dts-forward"), command, *words, "--config", self.config, env=self._environment)

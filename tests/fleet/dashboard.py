@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+import threading
 
 from centre import Centre
 from checks import SKIPPED, Checks, run_test
@@ -84,6 +85,9 @@ def browse(checks: Checks, kent: Clinic, address: str, session: str) -> None:
     with subprocess.Popen(["node", str(REPOSITORY / "tests/fleet/dashboard.mjs"), address, session], stdin=subprocess.PIPE,
                           stdout=subprocess.PIPE, text=True) as browser:
         assert browser.stdin is not None and browser.stdout is not None
+        limit = threading.Timer(BROWSER_S, browser.kill)  # a page that hangs ends no line
+        limit.daemon = True
+        limit.start()
         for line in browser.stdout:
             match line.split(maxsplit=1):
                 case ["cut"]:
@@ -98,6 +102,7 @@ def browse(checks: Checks, kent: Clinic, address: str, session: str) -> None:
             browser.stdin.write("done\n")
             browser.stdin.flush()
         status = browser.wait(timeout=BROWSER_S)
+        limit.cancel()
     checks.expect("the browser came to its end", status == 0, status)
 
 

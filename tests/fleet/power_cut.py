@@ -86,6 +86,14 @@ class Disk:
         return b"".join(pages)[:size]
 
 
+def size_of(path: Path) -> int:
+    """-1: the hub has moved it meanwhile."""
+    try:
+        return path.stat().st_size
+    except FileNotFoundError:
+        return -1
+
+
 def wait_for_upload(clinic: Clinic, share: float) -> None:
     """Waits until this share of a file has arrived, or all of it."""
     centre = clinic.centre
@@ -95,7 +103,7 @@ def wait_for_upload(clinic: Clinic, share: float) -> None:
         if not waiting:
             return not clinic.is_recording()
         largest = max(part["bytes"] for part in clinic.recorded().values() if part["sha256"] in waiting)
-        return any(path.stat().st_size >= share * largest for path in centre.staged() if path.suffix == ".part" and path.exists())
+        return any(size_of(path) >= share * largest for path in centre.staged() if path.suffix == ".part")
 
     wait_until(f"{share:.0%} of a file has arrived", has_arrived)
 

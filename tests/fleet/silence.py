@@ -18,7 +18,7 @@ SECONDS = 6.0
 SLOW = 3.0
 LONGEST_NOTICE_S = SLOW * 15  # docs/fleet.md: after 10 to 15 s the connection counts as lost
 LONGEST_RETURN_S = SLOW * 9  # up to 4 s until the link connects again, then a beat: every 2 s, each waits 3 s for its answer
-LONGEST_END_S = 10.0  # TimeoutStopSec of the unit
+LONGEST_END_S = SLOW * 10  # TimeoutStopSec of the unit
 NOTICED = "recordings: the connection is lost: the server is silent"
 
 
@@ -44,8 +44,8 @@ def check_end(checks: Checks, clinic: Clinic, when: str) -> None:
 def silent(checks: Checks, clinic: Clinic, viewer: Watcher, up: bool, down: bool) -> None:
     name = f"silent {'in both directions' if up and down else 'towards the centre' if up else 'towards the clinic'}"
     clinic.record(SECONDS)
-    wait_until("the session has ended", lambda: not clinic.is_recording(), SECONDS + PATIENCE_S)
     wait_until("the rig is watched", lambda: watches(viewer))
+    wait_until("the session has ended", lambda: not clinic.is_recording(), SECONDS + PATIENCE_S)
     wait_until("a part of the recording has arrived", lambda: status(clinic).get("sending", {}).get("have", 0) > 0)
     known = clinic.forwarder.text().count(NOTICED)
     clinic.line.silence(up, down)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests share: the real daemon as a child process, and a fake one that says whatever a test wants."""
 import os
+import random
 import shutil
 import signal
 import socket
@@ -22,8 +23,8 @@ PROGRAMS = Path(os.environ.get("DTS_BIN_DIR", SOURCE / "build" / "release" / "bi
 PATIENCE_S = 60.0  # two busy cores and a sanitizer
 
 
-def wait_for(condition: Callable[[], bool], what: str) -> None:
-    deadline_s = time.monotonic() + PATIENCE_S
+def wait_for(condition: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
+    deadline_s = time.monotonic() + patience_s
     while not condition():
         if time.monotonic() > deadline_s:
             raise AssertionError(f"waited in vain: {what}")
@@ -31,13 +32,17 @@ def wait_for(condition: Callable[[], bool], what: str) -> None:
 
 
 def free_ports(count: int) -> list[int]:
-    """Returns TCP ports that were free a moment ago."""
-    probes = [socket.socket() for _ in range(count)]
-    for probe in probes:
-        probe.bind(("127.0.0.1", 0))
-    ports: list[int] = [probe.getsockname()[1] for probe in probes]
-    for probe in probes:
-        probe.close()
+    """Returns TCP ports that were free a moment ago, and that no outgoing connection gets: those have ports from 32768 on."""
+    ports: list[int] = []
+    while len(ports) < count:
+        port = random.randrange(15000, 32000)
+        with socket.socket() as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+        if port not in ports:
+            ports.append(port)
     return ports
 
 
@@ -69,7 +74,13 @@ class DaemonProcess:
                 listed = ", ".join(f'"{name}"' for name in chair_streams)
                 chair.write_text(chair.read_text().replace('streams = ["transient", "aux"]', f"streams = [{listed}]"))
         self._process: subprocess.Popen[bytes] | None = None
-        self.start()
+        try:
+            self.start()
+        except BaseException:  # nobody can close what was not made
+            if self._process is not None:
+                self._process.kill()
+            shutil.rmtree(self.folder, ignore_errors=True)
+            raise
 
     def start(self) -> None:
         with (self.folder / "dtsd.log").open("ab") as log:
@@ -81,7 +92,11 @@ class DaemonProcess:
         """Starts dts-relay beside the daemon; the caller ends it."""
         with (self.folder / "relay.log").open("ab") as log:
             relay = subprocess.Popen([PROGRAMS / "dts-relay", "--config", self.config], env=self.environment, stderr=log, stdout=log)
-        wait_for(lambda: "clients with keys connect" in (self.folder / "relay.log").read_text(), "dts-relay listens")
+        try:
+            wait_for(lambda: "clients with keys connect" in (self.folder / "relay.log").read_text(), "dts-relay listens")
+        except BaseException:
+            relay.kill()
+            raise
         return relay
 
     def send(self, a_signal: int) -> None:

@@ -191,10 +191,18 @@ class Answers(unittest.TestCase):
         return told.exception
 
     def test_NobodyAnswersIsUnreachableAfterAllTriesWithOneId(self) -> None:
-        error = self.answered_by(timeout=0.3)
+        # A try whose connection is not made yet when the next one begins is never sent: a busy machine needs a longer time.
+        for timeout in (0.3, 3.0, 30.0):
+            self.fake.requests.clear()
+            error = self.answered_by(timeout=timeout)
+            self.assertIsInstance(error, dts.Unreachable)
+            try:
+                wait_for(lambda: len(self.fake.requests) == 3, "the fake daemon has read every try", 5.0)
+                break
+            except AssertionError:
+                continue
 
-        self.assertIsInstance(error, dts.Unreachable)
-        wait_for(lambda: len(self.fake.requests) == 3, "the fake daemon has read every try")
+        self.assertEqual(len(self.fake.requests), 3)
         self.assertEqual(len({request.request_id for request in self.fake.requests}), 1)
 
     def test_StrangersAnswersAreCountedNotBelieved(self) -> None:
@@ -203,7 +211,7 @@ class Answers(unittest.TestCase):
         # The client waits to the end: a short time is tried first, and a longer one where the fake daemon did not get its turn.
         for timeout in (0.3, 3.0, 30.0):
             error = self.answered_by(b"\xff\xff", strange, timeout=timeout)
-            if "messages came" in error.what:
+            if "other messages arrived" in error.what:
                 break
 
         self.assertRegex(error.what, "other messages arrived")

@@ -41,10 +41,14 @@ class KeyTest(unittest.TestCase):
             session.stop()
 
     def test_a_key_that_the_daemon_does_not_know_stays_outside(self) -> None:
-        file = self.new_key("gone", "viewer")
+        file, other = self.new_key("gone", "viewer"), self.new_key("kept", "viewer")
+        with dts.connect(key=file, timeout=PATIENCE_S):
+            pass
         self.process.dtsctl("key", "revoke", "gone")
         with self.assertRaises(dts.Unreachable):
             dts.connect(key=file, timeout=1)
+        with dts.connect(key=other, timeout=PATIENCE_S):
+            pass  # the relay answers
 
     def test_what_is_no_key_file_is_reported(self) -> None:
         file = self.new_key("bad", "viewer")

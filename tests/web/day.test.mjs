@@ -7,7 +7,7 @@ import { after, before, describe, test } from 'node:test';
 import { alteredProtocol, waitFor } from './support.mjs';
 import { Bench, by, textOf, waitForText } from './support_browser.mjs';
 
-const shorter = { 'settle_s = 5': 'settle_s = 3', 'duration_s = 30': 'duration_s = 4' };
+const shorter = { 'settle_s = 5': 'settle_s = 3', 'duration_s = 30': 'duration_s = 6' };
 const wrongId = 'P071';
 const rightId = 'P017';
 
@@ -98,6 +98,8 @@ describe('the whole day', () => {
   after(() => bench?.close());
 
   const is = (page, state) => by(page, 'guidance').and(page.locator(`[data-state="${state}"]`)).waitFor();
+  /** A trial runs: on a busy machine, the page may show one of its two states only. */
+  const begins = (page) => by(page, 'guidance').and(page.locator('[data-state="settling"], [data-state="measuring"]')).waitFor();
   const chip = (page, trial, outcome) => page.locator(`[data-trial="${trial}"][data-outcome="${outcome}"]`).waitFor();
   const fits = async (page, where) => {
     const [wide, window] = await page.evaluate(() => [document.documentElement.scrollWidth, document.documentElement.clientWidth]);
@@ -116,18 +118,12 @@ describe('the whole day', () => {
     await is(page, 'first');
   };
 
-  /** Trial 1 is rejected while it settles, and the rejection undone. */
+  /** Trial 1 is rejected while it runs, and the rejection undone: at once, for an undo is possible for 5 s. */
   const undoneRejection = async (page, by_) => {
     await by_.command('trial-next', 'a');
-    await is(page, 'settling');
+    await begins(page);
     await by_.command('trial-reject', 'x');
-    await is(page, 'rejected');
-    assert.match(await textOf(page, 'guidance'), /^Trial 1 rejected/);
     await waitForText(page, 'toast', 'Trial 1 rejected');
-    assert.doesNotMatch(await textOf(page, 'trial-next'), /Accept/);
-    assert.equal(await by(page, 'trial-reject').getAttribute('aria-disabled'), 'true');
-    await chip(page, 1, 'rejected');
-    if (by_ instanceof Keys) await waitForText(page, 'status-line', 'floor: trial 1 rejected');
     await by_.command('undo', 'u');
     await by(page, 'toast').waitFor({ state: 'detached' });
     await is(page, 'done');
@@ -137,17 +133,20 @@ describe('the whole day', () => {
 
   const rejected = async (page, by_) => {
     await by_.command('trial-next', 'a');
-    await is(page, 'measuring');
+    await begins(page);
     await by_.command('trial-reject', 'x');
     await is(page, 'rejected');
     assert.match(await textOf(page, 'guidance'), /^Trial 2 rejected/);
     await by(page, 'toast').waitFor({ state: 'detached' }); // its time is over: it stays rejected
     await chip(page, 2, 'rejected');
+    assert.doesNotMatch(await textOf(page, 'trial-next'), /Accept/);
+    for (const testId of ['trial-redo', 'trial-reject']) assert.equal(await by(page, testId).getAttribute('aria-disabled'), 'true', testId);
+    if (by_ instanceof Keys) await waitForText(page, 'status-line', 'floor: trial 2 rejected');
   };
 
   const redone = async (page, by_) => {
     await by_.command('trial-next', 'a');
-    await is(page, 'settling');
+    await begins(page);
     await by_.command('trial-redo', 'r');
     await waitForText(page, 'toast', 'Trial 3 redone');
     await waitForText(page, 'guidance', 'Redo of trial 3, attempt 2');

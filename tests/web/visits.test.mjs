@@ -44,7 +44,7 @@ const languages = {
   de: {
     locale: 'de-DE',
     band: 'Bekannte Streuung von Tag zu Tag, Augen offen: bis zu 65 % des Mittels beider Termine',
-    steadier: /Augen offen: Die mittlere Geschwindigkeit zur Seite ist (\d+) % niedriger als am/,
+    steadier: /Augen offen: Die mittlere Geschwindigkeit in seitlicher Richtung ist (\d+) % niedriger als am/,
     within: 'Das liegt innerhalb der Streuung von Tag zu Tag',
     beyond: 'Das ist mehr als die Streuung von Tag zu Tag',
     upright: /^150 % der Armlänge: Der Rumpf beugte sich um [\d,]+° weniger als am/,
@@ -99,6 +99,7 @@ const recordVisits = async (folder) => {
       ends.push(ended.finally(() => daemon.close()));
     } catch (problem) {
       await daemon.close();
+      await Promise.allSettled(ends);
       throw problem;
     }
     await pause(1000); // the ID of a session is its second

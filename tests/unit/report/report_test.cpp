@@ -176,9 +176,9 @@ TEST_F(ReportTest, Page_SaysWhoWhenAndWhereFrom) {
                           HasSubstr("a.xdf, complete, SHA-256 "), HasSubstr("window_filter window_scans=3")));
   EXPECT_THAT(text, HasSubstr("2026-11-21 14:45:50 UTC")) << "25 s after the segment began";
   EXPECT_THAT(text, HasSubstr("1.05 mm (RMSE; "));
-  EXPECT_THAT(
-      text, AllOf(HasSubstr("Methods, for a paper"), HasSubstr("filtered (Butterworth low-pass of 4th order, 10 Hz, forward and backward)"),
-                  HasSubstr("Prieto et al. (1996)")));
+  EXPECT_THAT(text, AllOf(HasSubstr("Methods, for a paper"),
+                          HasSubstr("analysed at 100.0 Hz (Butterworth low-pass of 4th order, 10 Hz, forward and backward)"),
+                          HasSubstr("Prieto et al. (1996)")));
   EXPECT_THAT(text, AllOf(Not(HasSubstr("abnormal")), Not(HasSubstr("Synthetic"))));
   EXPECT_THAT(text, Not(HasSubstr(std::filesystem::path(directory_ / "x").parent_path().string()))) << "folders are of one machine";
 }

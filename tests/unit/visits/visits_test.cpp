@@ -244,7 +244,7 @@ TEST(PlainWords, SayHowEyesClosedDiffers) {
                 "With eyes closed the mean velocity is 50 % lower than with eyes open (4.0 against 8.0 mm/s)."}));
   EXPECT_EQ(words_of_session(standing_on(0, 200, 4), german()),
             std::vector<std::string>{
-                "Zwei Füße, fester Boden: Mit geschlossenen Augen ist die Ellipse 23 % größer als mit offenen (246 gegenüber 200 mm²)."});
+                "Zwei Füße, fester Untergrund: Mit geschlossenen Augen ist die Ellipse 23 % größer als mit offenen (246 gegenüber 200 mm²)."});
 }
 
 TEST(PlainWords, NameTheStance) {

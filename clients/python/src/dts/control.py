@@ -40,7 +40,8 @@ class ControlClient:
         self._endpoint = endpoint
         self._timeout_s = timeout_s
         self._tries = tries
-        self._lock = threading.RLock()  # a signal handler may send a command while its thread waits for an answer
+        self._lock = threading.RLock()
+        self._is_calling = False
         self._socket: "zmq.Socket[bytes] | None" = None
         self._ignored = 0
 
@@ -52,7 +53,13 @@ class ControlClient:
         """
         command = request.WhichOneof("command") or ""
         with self._lock:
-            response = self._exchange(request, self._timeout_of(command))
+            if self._is_calling:
+                return self._call_aside(request)
+            self._is_calling = True
+            try:
+                response = self._exchange(request, self._timeout_of(command))
+            finally:
+                self._is_calling = False
         if response.HasField("error"):
             error = response.error
             what = error.what[:_LONGEST_TEXT] or "the daemon rejected the command and gave no reason"
@@ -63,6 +70,14 @@ class ControlClient:
             )
         check_answer(response)
         return response
+
+    def _call_aside(self, request: control_pb2.Request) -> control_pb2.Response:
+        """A signal handler sends a command while its thread waits for an answer: over a socket of its own, so that both get theirs."""
+        aside = ControlClient(self._context, self._endpoint, self._timeout_s, self._tries)
+        try:
+            return aside.call(request)
+        finally:
+            aside.close()
 
     def close(self) -> None:
         """Closes the socket. A later `call` opens a new one."""

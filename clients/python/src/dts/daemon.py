@@ -42,7 +42,7 @@ def connect(control: str = "", data: str = "", timeout: float | None = None, key
     file = key or os.environ.get("DTSD_KEY", "")
     found = read_key(file) if file else None
     if found and not control and not data:
-        if not found.control or not found.data:
+        if not found.control and not os.environ.get("DTSD_CONTROL"):
             raise InvalidArgument(
                 f"key file {file} contains no address", "give control and data, or make a new key when [network] is set: dtsctl key new"
             )
@@ -437,9 +437,16 @@ class Session:
                 raise
             error.add_note(f"session {self.id} was not aborted: {problem}")  # the error of the program, or Ctrl-C, counts
 
+    def _state(self) -> str:
+        """Returns the state in the catalogue; "" if the session is not there any more."""
+        try:
+            return self._daemon.session(self.id).state
+        except NotFound:
+            return ""
+
     def _leave(self, kind: type[BaseException] | None) -> None:
         if not self.is_running:
-            if kind is None and self._daemon.session(self.id).state == "interrupted":
+            if kind is None and self._state() == "interrupted":
                 raise WrongState(f"session {self.id} was interrupted: the daemon or the power failed", "see its parts: daemon.session(ID)")
             return
         try:

@@ -22,6 +22,8 @@ export interface ButtonProps {
   keyName?: string | undefined;
   kind?: 'main' | 'plain' | 'danger';
   isPressed?: boolean | undefined;
+  /** The second click of a double click counts, too. */
+  mayRepeat?: boolean;
 }
 
 /**
@@ -29,7 +31,8 @@ export interface ButtonProps {
  * meant to set a marker, would press it again and redo a trial. A button pressed by a key (detail 0) keeps the focus. The second click of a
  * double click and a held Enter do nothing: the button may mean something else by then ("Stop now"), and a second redo cannot be undone.
  */
-export const Button = ({ label, onClick, testId, whyNot = '', isReasonNearby = false, keyName, kind = 'plain', isPressed }: ButtonProps): JSX.Element => {
+export const Button = (props: ButtonProps): JSX.Element => {
+  const { label, onClick, testId, whyNot = '', isReasonNearby = false, keyName, kind = 'plain', isPressed, mayRepeat = false } = props;
   const reasonId = useId();
   return (
     <span class="button-place">
@@ -46,7 +49,7 @@ export const Button = ({ label, onClick, testId, whyNot = '', isReasonNearby = f
         }}
         onClick={(event) => {
           if (event.detail > 0) event.currentTarget.blur();
-          if (whyNot === '' && event.detail < 2) onClick();
+          if (whyNot === '' && (event.detail < 2 || mayRepeat)) onClick();
         }}
       >
         {label}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useLayoutEffect } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 
 const focusAgain = (before: HTMLElement): void => {
   if (before.isConnected) return before.focus();
@@ -12,10 +12,12 @@ const focusAgain = (before: HTMLElement): void => {
  * Gives the focus back when a form closes, so that the Tab key does not begin at the top of the page again. Call it before the form takes the focus.
  * A button that was clicked has given up the focus (see Button): then nothing gets it back.
  */
-export const useReturnFocus = (): void =>
-  useLayoutEffect(() => {
-    const before = document.activeElement;
-    return () => {
+export const useReturnFocus = (): void => {
+  const before = useRef(document.activeElement).current; // while the form is drawn for the first time, the button is still there
+  useLayoutEffect(
+    () => () => {
       if (before instanceof HTMLElement) focusAgain(before);
-    };
-  }, []);
+    },
+    [],
+  );
+};

@@ -141,12 +141,14 @@ export const Shell = ({ link, live, children }: { link: Link; live: Link; childr
   const isHelpOpen = useSignal(false);
   useProtocols(live);
   const page = useRef<HTMLElement>(null);
+  const isFirst = useRef(true);
   const shown = shownPage(link);
   useEffect(() => {
     page.current?.scrollTo(0, 0); // every page opens at its top
     window.scrollTo(0, 0); // on a phone the window scrolls
     // A link of the page before is gone with its focus: the Tab key and a screen reader continue in the new page.
-    if (document.activeElement === document.body) page.current?.focus({ preventScroll: true });
+    if (!isFirst.current && document.activeElement === document.body) page.current?.focus({ preventScroll: true });
+    isFirst.current = false;
   }, [path.value]);
   useEffect(() => void (document.title = shown === undefined ? words.documentTitle : words.titleOf(words.pages[shown])), [shown]);
   const { kind, text, hint } = conditionOf(live.state.value, live.since.value, live.status.value, live.dropped.value);

@@ -39,7 +39,7 @@ const Marking = ({ link, rig, commands, markedAt }: { link: Link; rig: string; c
     if (done !== undefined) markedAt.value = Date.now();
   };
   useKeys({ ' ': () => void mark() });
-  return <Button label={words.mark} keyName={words.spaceKey} onClick={() => void mark()} whyNot={whyNot} testId="mark" isReasonNearby />;
+  return <Button label={words.mark} keyName={words.spaceKey} onClick={() => void mark()} whyNot={whyNot} testId="mark" isReasonNearby mayRepeat />;
 };
 
 /** During a session. */

@@ -47,7 +47,7 @@ const Marking = ({ rig, commands, whyNot, onMarked }: MarkingProps): JSX.Element
         value={text.value}
         onInput={(event) => (text.value = event.currentTarget.value)}
       />
-      <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby />
+      <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby mayRepeat />
     </div>
   );
 };

@@ -3,7 +3,7 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
-import { useRef } from 'preact/hooks';
+import { useEffect, useRef } from 'preact/hooks';
 
 import type { EditSubjectRequestSchema, SubjectRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
@@ -65,6 +65,11 @@ const StartPanel = ({ link, subject, wish, onClosed }: { link: Link; subject: st
 /** Removes with the second press: nothing brings back what was removed. */
 const RemoveButton = (props: { label: string; whyNot: string; testId: string; onRemove: () => void }): JSX.Element => {
   const isAsked = useSignal(false);
+  useEffect(() => {
+    if (!isAsked.value) return undefined;
+    const timer = setTimeout(() => (isAsked.value = false), 5000); // a first press by mistake is forgotten
+    return () => clearTimeout(timer);
+  }, [isAsked.value]);
   return (
     <Button
       label={isAsked.value ? words.removeForGood(props.label) : words.remove(props.label)}
@@ -177,7 +182,15 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
       <form class="row" noValidate onSubmit={(event) => void add(event)}>
         <Field label={words.plan.protocol} error={wrong.value.protocol}>
           {(links) => (
-            <select {...links} data-testid="plan-protocol" value={protocol.value} onChange={(event) => (protocol.value = event.currentTarget.value)}>
+            <select
+              {...links}
+              data-testid="plan-protocol"
+              value={protocol.value}
+              onChange={(event) => {
+                protocol.value = event.currentTarget.value;
+                wrong.value = {};
+              }}
+            >
               <option value="">{strings.common.start.chooseProtocol}</option>
               {protocols.value.map(({ name }) => (
                 <option key={name} value={name}>
@@ -195,7 +208,10 @@ const Plan = (props: CareProps & { onStart: (wish: Wish) => void }): JSX.Element
               type="date"
               data-testid="plan-date"
               value={date.value}
-              onInput={(event) => (date.value = event.currentTarget.value)}
+              onInput={(event) => {
+                date.value = event.currentTarget.value;
+                wrong.value = {};
+              }}
             />
           )}
         </Field>

@@ -13,6 +13,7 @@
 #include "core/join.h"
 #include "core/number_text.h"
 #include "core/suggest.h"
+#include "core/utf8.h"
 #include "files/toml_text.h"
 #include "files/whole_file.h"
 
@@ -96,8 +97,9 @@ std::optional<toml::table> parse_toml_text(std::string_view text, const std::str
     return toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     const auto& at = error.source().begin;
+    // It quotes the file: a line break in it would begin a line of its own in the log.
     problems.push_back(
-        {name, static_cast<std::uint32_t>(at.line), static_cast<std::uint32_t>(at.column), std::string(error.description())});
+        {name, static_cast<std::uint32_t>(at.line), static_cast<std::uint32_t>(at.column), core::printable(error.description())});
     return std::nullopt;
   }
 }

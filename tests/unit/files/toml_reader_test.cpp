@@ -52,6 +52,15 @@ TEST_F(TomlText, DotsElsewhere_AreNoParts) {
   EXPECT_EQ(problem_with("b." + dotted(15) + " = 1\nc." + dotted(15) + " = { a." + dotted(15) + " = 1 }\n"), "");
 }
 
+/// Found by fuzzing.
+TEST_F(TomlText, AQuotedLineBreak_BeginsNoLineOfItsOwn) {
+  for (const std::string text : {"a = [[200, \tf\n_s,1]]\n", "a = in\nf\n", "a = \"b\nc\"\n", "a = f\x1b[31m\n"}) {
+    const std::string problem = problem_with(text);
+    EXPECT_NE(problem, "") << text;
+    EXPECT_EQ(problem.find_first_of("\n\x1b"), std::string::npos) << problem;
+  }
+}
+
 TEST_F(TomlText, WhatIsNoTomlFile_IsAProblem) {
   constexpr std::size_t kMost = std::size_t{4} << 20U;
   EXPECT_EQ(problem_with("#" + std::string(kMost - 1, ' ')), "");

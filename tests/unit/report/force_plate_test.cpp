@@ -59,7 +59,7 @@ std::string methods(SessionData session, const std::string& device_uri, const st
 }
 
 TEST(Methods, ThePlatform_IsTheInstrumentAndNotItsDataAcquisition) {
-  EXPECT_THAT(methods({}, "ni6008:"), HasSubstr("was recorded with a bending plate, data acquisition by USB-6008, at 100.0 Hz, filtered"));
+  EXPECT_THAT(methods({}, "ni6008:"), HasSubstr("was recorded with a bending plate, data acquisition by USB-6008, at 100.0 Hz and analysed"));
   EXPECT_THAT(methods({.is_force_plate = true}, "ni6008:"), HasSubstr("was recorded with a force plate, data"));
 }
 
@@ -71,7 +71,7 @@ TEST(Methods, SimulatedData_AreNotDescribedAsAMeasurement) {
 }
 
 TEST(Methods, RatesOfTrialsThatDiffer_AreAllListed) {
-  EXPECT_THAT(methods({}, "ni6008:", {100.0, 1000.0, 100.0}), HasSubstr("at 100.0 and 1000 Hz, filtered"));
+  EXPECT_THAT(methods({}, "ni6008:", {100.0, 1000.0, 100.0}), HasSubstr("at 100.0 and 1000 Hz and analysed"));
 }
 
 }  // namespace

@@ -59,7 +59,8 @@ std::string methods(SessionData session, const std::string& device_uri, const st
 }
 
 TEST(Methods, ThePlatform_IsTheInstrumentAndNotItsDataAcquisition) {
-  EXPECT_THAT(methods({}, "ni6008:"), HasSubstr("was recorded with a bending plate, data acquisition by USB-6008, at 100.0 Hz and analysed"));
+  EXPECT_THAT(methods({}, "ni6008:"),
+              HasSubstr("was recorded with a bending plate, data acquisition by USB-6008, at 100.0 Hz and analysed"));
   EXPECT_THAT(methods({.is_force_plate = true}, "ni6008:"), HasSubstr("was recorded with a force plate, data"));
 }
 

@@ -3,7 +3,7 @@
 import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
-import { useId } from 'preact/hooks';
+import { useId, useRef } from 'preact/hooks';
 
 import { Role } from '../generated/dts/v1/options_pb';
 import type { Answer, Command, Link } from '../link/types';
@@ -26,6 +26,8 @@ export interface ButtonProps {
   mayRepeat?: boolean;
 }
 
+const doubleClickMs = 1000; // longer than any browser waits for the second click
+
 /**
  * A disabled button stays in the Tab order, so that a screen reader can read the reason. A clicked button gives up the focus: otherwise Space,
  * meant to set a marker, would press it again and redo a trial. A button pressed by a key (detail 0) keeps the focus. The second click of a
@@ -34,6 +36,7 @@ export interface ButtonProps {
 export const Button = (props: ButtonProps): JSX.Element => {
   const { label, onClick, testId, whyNot = '', isReasonNearby = false, keyName, kind = 'plain', isPressed, mayRepeat = false } = props;
   const reasonId = useId();
+  const clickedMs = useRef(-Infinity);
   return (
     <span class="button-place">
       <button
@@ -49,7 +52,10 @@ export const Button = (props: ButtonProps): JSX.Element => {
         }}
         onClick={(event) => {
           if (event.detail > 0) event.currentTarget.blur();
-          if (whyNot === '' && (event.detail < 2 || mayRepeat)) onClick();
+          // The browser counts clicks by place and time: the first one of this button may be the second one there.
+          const isSecond = event.detail > 1 && event.timeStamp - clickedMs.current < doubleClickMs;
+          clickedMs.current = event.timeStamp;
+          if (whyNot === '' && (!isSecond || mayRepeat)) onClick();
         }}
       >
         {label}

@@ -113,7 +113,7 @@ export const chair: typeof english = {
     tare: 'Leeren Stuhl tarieren',
     tared: 'Stuhl tariert: Der leere Stuhl zeigt null.',
     first: 'Starten',
-    next: 'Übernehmen, nächster',
+    next: 'Übernehmen',
     startNext: 'Nächsten starten',
     redo: 'Wiederholen',
     reject: 'Verwerfen',

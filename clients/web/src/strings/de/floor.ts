@@ -106,7 +106,7 @@ export const floor: typeof english = {
     stop: 'Untersuchung beenden',
     startTrial: 'Starten',
     startNext: 'Nächsten starten',
-    accept: 'Übernehmen, nächster',
+    accept: 'Übernehmen',
     redo: 'Wiederholen',
     reject: 'Verwerfen',
     mark: 'Markierung setzen',

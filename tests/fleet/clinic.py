@@ -64,7 +64,8 @@ class Clinic:
     # What a person at the clinic does
 
     def dtsctl(self, *words: str) -> str:
-        return run(program("dtsctl"), "--timeout", f"{PATIENCE_S:g}", *words, env=self._environment)
+        patient = words if words[0] == "--timeout" else ("--timeout", f"{PATIENCE_S:g}", *words)
+        return run(program("dtsctl"), *patient, env=self._environment)
 
     def forward(self, command: str, *words: str) -> str:
         return run(program("dts-forward"), command, *words, "--config", self.config, env=self._environment)

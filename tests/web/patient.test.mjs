@@ -243,15 +243,22 @@ describe('the patient screen', () => {
     assert.equal(trials.length, 6);
     const classes = ['Your trunk stayed upright', 'Your trunk helped a little', 'Your trunk helped', 'Your trunk helped a lot'];
     /** What the screen said after the trial: with the class of that moment. The catalogue has it again on the subject's own scale. */
-    const wordOf = ({ result }) => {
-      const movement = watch.seen.find(({ event }) => event.kind === 'class' && event.number === result.reach?.number)?.event;
-      if (movement === undefined) return 'No reach seen';
+    const wordOf = (movement) => {
       if (movement.trunk_class < 0) return 'Not certain this time';
       const isMinor = movement.trunk_class === 1 && movement.reasons.includes('minor');
       return `${isMinor ? 'Your trunk helped little or not at all' : classes[movement.trunk_class]}, about ${fixed(movement.trunk_deg, 0)}°`;
     };
     const seen = (await rememberedOf(page, 'patient-reach')).filter(({ value }) => value !== '').map(({ text }) => text);
-    assert.deepEqual(seen, trials.map(wordOf));
+    assert.equal(seen.length, trials.length, seen.join(' | '));
+    let before = 0; // number of the reach of the trial before
+    for (const [index, { result }] of trials.entries()) {
+      const number = result.reach?.number;
+      // Until the result of the trial, the screen shows the first reach after Go, which may be another one of the same class.
+      const isOfTrial = ({ event }) => event.kind === 'class' && event.number > before && event.number <= number;
+      const words = number === undefined ? ['No reach seen'] : watch.seen.filter(isOfTrial).map(({ event }) => wordOf(event));
+      assert.ok(words.includes(seen[index]), `trial ${index + 1}: ${seen[index]}; possible: ${words.join(' | ')}`);
+      before = number ?? before;
+    }
     await watch.close();
   });
 

@@ -18,7 +18,7 @@ SECONDS = 6.0
 SLOW = 3.0
 LONGEST_NOTICE_S = SLOW * 15  # docs/fleet.md: after 10 to 15 s the connection counts as lost
 LONGEST_RETURN_S = SLOW * 9  # up to 4 s until the link connects again, then a beat: every 2 s, each waits 3 s for its answer
-LONGEST_END_S = SLOW * 10  # TimeoutStopSec of the unit
+LONGEST_END_S = SLOW * 10  # 10 s: TimeoutStopSec of the unit
 NOTICED = "recordings: the connection is lost: the server is silent"
 
 

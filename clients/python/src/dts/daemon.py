@@ -15,7 +15,7 @@ from .endpoints import Endpoints, find_endpoints
 from .errors import Error, InvalidArgument, NotFound, Timeout, WrongState
 from .key import Key, read_key
 from .live import Collector, EventStream, Stream, no_news
-from .options import EVENT_TOPICS
+from .options import COMMANDS, EVENT_TOPICS
 from .streams import Samples
 from .subscriber import Subscriber, check_timeout
 from .v1 import control_pb2, sessions_pb2, stream_pb2
@@ -23,7 +23,6 @@ from .v1 import control_pb2, sessions_pb2, stream_pb2
 TrialAction = Literal["next", "redo", "reject", "undo"]
 Outcome = Literal["done", "redone", "rejected", "aborted"]
 
-_ENDING_S = 20.0  # as the daemon needs at most to close the recordings of a session
 _SUBSCRIBED_S = 5.0  # a daemon that runs answers a subscription at once
 _OVER = (stream_pb2.SESSION_STATE_UNSPECIFIED, stream_pb2.SESSION_STATE_IDLE, stream_pb2.SESSION_STATE_FAILED)
 
@@ -455,7 +454,7 @@ class Session:
             else:
                 self.abort(f"{kind.__name__} in a program")  # a second word with a capital letter would look like a name
         except WrongState:  # it ends by itself in this moment
-            self.wait(_ENDING_S)
+            self.wait(COMMANDS["stop_session"].timeout_s)
 
     def __repr__(self) -> str:
         return f"<dts.Session {self.id}>"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from 'vitest';
 
-import { bytes, duration, fixed, measured, percent, signed, whole } from './numbers';
+import { bytes, dayUtc, duration, fixed, measured, percent, signed, whole } from './numbers';
 
 const none = '–';
 
@@ -14,4 +14,9 @@ test.each<[string, readonly string[], readonly string[]]>([
   ['Duration is seconds, minutes or hours', [8, 125, 12_000, -1].map((value) => duration(value)), ['8.0 s', '2:05 min', '3:20 h', none]],
 ])('numbers.%s', (_, shown, expected) => {
   expect(shown).toEqual(expected);
+});
+
+test('dayUtc.TheFirstInstantOfADay is that day in every time zone', () => {
+  expect(dayUtc(Date.UTC(2026, 10, 23))).toBe('23 Nov 2026');
+  expect(dayUtc(Date.UTC(2026, 10, 23, 23, 59))).toBe('23 Nov 2026');
 });

@@ -102,7 +102,7 @@ export const Prompt = ({ examination, session, restS, isGuiding, isOld }: Prompt
               {step === 'resting' && restS.value > 0
                 ? rest(whole(restS.value))
                 : step === 'finished' && outcome === 'rejected'
-                  ? strings.floor.endedLast
+                  ? strings.common.endedLast
                   : hints[step]}
             </p>
           )}

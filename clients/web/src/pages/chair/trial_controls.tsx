@@ -56,8 +56,7 @@ export const TrialControls = ({ link, rig, session, examination, children }: Con
   const canEnd = session.trial !== undefined && isOpenEnded(session.trial);
   const whyNotNext = whyNot || (step === 'finished' ? words.allDone : isDuringTrial && !canEnd ? words.duringTrial : '');
   const isVoid = !isDuringTrial && outcome === 'rejected';
-  const whyNotRedo = whyNot || (trial === 0 ? words.needsTrial : isVoid ? words.alreadyVoid : '');
-  const whyNotReject = whyNotRedo;
+  const whyNotVoid = whyNot || (trial === 0 ? words.needsTrial : isVoid ? words.alreadyVoid : '');
   const act = (action: TrialAction): void => {
     if (!stop.flush()) void commands.run({ case: 'trial', value: { rig, action } });
   };
@@ -66,16 +65,16 @@ export const TrialControls = ({ link, rig, session, examination, children }: Con
   const reject = (): void => act(TrialAction.REJECT);
   useKeys({
     a: () => whyNotNext === '' && next(),
-    r: () => whyNotRedo === '' && redo(),
-    x: () => whyNotReject === '' && reject(),
+    r: () => whyNotVoid === '' && redo(),
+    x: () => whyNotVoid === '' && reject(),
   });
   const start = canEnd ? strings.common.endTrial : trial === 0 ? words.first : outcome === undefined || outcome === 'done' ? words.next : words.startNext;
   return (
     <div class="chair-controls">
       <div class="row">
         <Button label={start} keyName="A" kind="main" onClick={next} whyNot={whyNotNext} testId="trial-next" isReasonNearby />
-        <Button label={words.redo} keyName="R" onClick={redo} whyNot={whyNotRedo} testId="trial-redo" isReasonNearby />
-        <Button label={words.reject} keyName="X" onClick={reject} whyNot={whyNotReject} testId="trial-reject" isReasonNearby />
+        <Button label={words.redo} keyName="R" onClick={redo} whyNot={whyNotVoid} testId="trial-redo" isReasonNearby />
+        <Button label={words.reject} keyName="X" onClick={reject} whyNot={whyNotVoid} testId="trial-reject" isReasonNearby />
         <StopButton stop={stop} label={words.stop} whyNot={whyNotOperate(link)} />
         <Marking link={link} rig={rig} commands={marking} markedAt={markedAt} />
         <UndoLine link={link} rig={rig} trial={session.trial} stop={stop} commands={commands}>

@@ -41,7 +41,7 @@ const guidanceWords = (state: GuidanceState, protocol: string, trial: TrialStatu
   if (state === 'measuring' && trial !== undefined && isOpenEnded(trial)) return [words.guidance.measuring[0]!, words.measuringOpen];
   if (!isEnded(state)) return words.guidance[state] as [string, string];
   const isLast = trial?.phase === TrialPhase.FINISHED;
-  const hint = !isLast ? words.ended[state] : state === 'rejected' ? words.endedLast : `${words.ended[state]} ${words.endedLast}`;
+  const hint = !isLast ? words.ended[state] : state === 'rejected' ? strings.common.endedLast : `${words.ended[state]} ${strings.common.endedLast}`;
   return [strings.common.trialEnded[state](whole(trial?.lastTrial)), hint];
 };
 

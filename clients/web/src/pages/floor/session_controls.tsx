@@ -60,23 +60,22 @@ const TrialButtons = (props: { trial: TrialStatus; whyNot: string; act: (action:
   const canEnd = isOpenEnded(trial);
   const whyNotNext = props.whyNot || (isWaiting || canEnd ? '' : isOver ? words.allDone : words.duringTrial);
   const isVoid = isOver && outcome === 'rejected';
-  const whyNotRedo = props.whyNot || (trial.trial === 0 ? words.noTrialYet : isVoid ? words.alreadyVoid : '');
-  const whyNotReject = whyNotRedo;
+  const whyNotVoid = props.whyNot || (trial.trial === 0 ? words.noTrialYet : isVoid ? words.alreadyVoid : '');
   const next = (): void => props.act(TrialAction.NEXT);
   const redo = (): void => props.act(TrialAction.REDO);
   const reject = (): void => props.act(TrialAction.REJECT);
   useKeys({
     a: () => whyNotNext === '' && next(),
-    r: () => whyNotRedo === '' && redo(),
-    x: () => whyNotReject === '' && reject(),
+    r: () => whyNotVoid === '' && redo(),
+    x: () => whyNotVoid === '' && reject(),
   });
   const isReasonNearby = true; // one line below the buttons: nothing moves when a reason appears
   const start = canEnd ? strings.common.endTrial : outcome === undefined ? words.startTrial : outcome === 'done' ? words.accept : words.startNext;
   return (
     <>
       <Button label={start} keyName="A" kind="main" testId="trial-next" onClick={next} whyNot={whyNotNext} isReasonNearby={isReasonNearby} />
-      <Button label={words.redo} keyName="R" testId="trial-redo" onClick={redo} whyNot={whyNotRedo} isReasonNearby={isReasonNearby} />
-      <Button label={words.reject} keyName="X" testId="trial-reject" onClick={reject} whyNot={whyNotReject} isReasonNearby={isReasonNearby} />
+      <Button label={words.redo} keyName="R" testId="trial-redo" onClick={redo} whyNot={whyNotVoid} isReasonNearby={isReasonNearby} />
+      <Button label={words.reject} keyName="X" testId="trial-reject" onClick={reject} whyNot={whyNotVoid} isReasonNearby={isReasonNearby} />
     </>
   );
 };

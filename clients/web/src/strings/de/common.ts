@@ -102,6 +102,7 @@ export const common: typeof english = {
     noValues: (trial) => `Durchgang ${trial}: keine Werte`,
   },
   endTrial: 'Durchgang beenden',
+  endedLast: 'Alle Durchgänge fertig. Die Untersuchung beenden.',
   undo: {
     undo: 'Rückgängig',
     stops: 'Untersuchung endet in 5 s',

@@ -58,7 +58,6 @@ export const floor: typeof english = {
     noValues: 'Nicht gültig. Wiederholen (R) oder verwerfen (X).',
   },
   measuringOpen: 'Ruhig stehen. „Durchgang beenden“ (A) beendet ihn.',
-  endedLast: 'Alle Durchgänge fertig. Die Untersuchung beenden.',
   next: (condition) => `Als Nächstes: ${condition}`,
   firstTrial: (condition) => [`Zuerst: ${condition}`, '„Starten“ (A) drücken, wenn alles bereit ist.'],
   again: (trial, attempt) => `Durchgang ${trial} noch einmal, Versuch ${attempt}.`,

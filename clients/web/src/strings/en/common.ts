@@ -100,6 +100,7 @@ export const common = {
     noValues: (trial: string) => `Trial ${trial}: no values`,
   },
   endTrial: 'End trial',
+  endedLast: 'All trials done. Stop the session.',
   undo: {
     undo: 'Undo',
     stops: 'Session stops in 5 s',

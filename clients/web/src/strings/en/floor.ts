@@ -57,7 +57,6 @@ export const floor = {
     noValues: 'Not valid. Redo (R) or reject (X).',
   },
   measuringOpen: 'Stand still. End trial (A) ends it.',
-  endedLast: 'All trials done. Stop the session.',
   next: (condition: string) => `Next: ${condition}`,
   firstTrial: (condition: string): readonly [string, string] => [`First: ${condition}`, 'Press Start trial (A) when ready.'],
   again: (trial: string, attempt: string) => `Redo of trial ${trial}, attempt ${attempt}.`,
